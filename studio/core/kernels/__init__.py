@@ -1,0 +1,1 @@
+"""Every compiled loop of the studio lives here and nowhere else."""

@@ -1,0 +1,1 @@
+"""The morphology-independent motion: normalise, realise, edit."""

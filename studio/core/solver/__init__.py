@@ -1,0 +1,1 @@
+"""From a motion, a character and constraints to an adapted pose sequence."""

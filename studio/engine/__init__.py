@@ -1,0 +1,1 @@
+"""Background work: the newest request wins, results are values."""

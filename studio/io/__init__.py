@@ -1,0 +1,1 @@
+"""Files: readers, writers, projects. Units and axes are converted once, here."""

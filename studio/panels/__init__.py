@@ -1,0 +1,1 @@
+"""Docks round the viewport, one a file."""

@@ -1,0 +1,1 @@
+"""Bars, handles, curves and error strips over time."""

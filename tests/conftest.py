@@ -1,0 +1,31 @@
+"""Sets the scene before Qt, VTK or numba are imported: no display, no user's folders, a lasting kernel cache."""
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import platformdirs
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+CAPTURES = ROOT.parent / "shared" / "captures"
+
+# Compiled kernels outlive the run (a cold compile takes many seconds), so this folder is named before the others move.
+os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(platformdirs.user_cache_dir("morpho-studio")) / "kernels"))
+
+_folders = tempfile.TemporaryDirectory(prefix="morpho-studio-tests-")
+for _kind in ("CACHE", "CONFIG", "DATA", "STATE"):
+    os.environ[f"XDG_{_kind}_HOME"] = str(Path(_folders.name) / _kind.lower())
+
+if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+
+
+@pytest.fixture(scope="session")
+def captures() -> Path:
+    """The folder of real captures beside the repository; they are not ours to copy into it."""
+    if not CAPTURES.is_dir():
+        pytest.skip(f"the shared captures are not here ({CAPTURES})")
+    return CAPTURES
