@@ -1,0 +1,149 @@
+"""The canonical body: the points and segments in which every motion and every character is expressed.
+
+K spine segments (0 is the pelvis, K-1 the thorax) make K+18 segments and K+23 points, depth first, so that
+everything distal to a segment is one contiguous range. Side 0 is left, 1 is right; limbs are left arm, right
+arm, left leg, right leg.
+
+Axes of the segments (columns of their world rotation):
+  pelvis, spine, feet, toes   x forward, y left, z up in the reference pose
+  neck, head, clavicle        z along the bone, x forward
+  upper arm, thigh and below  z along the bone, x the hinge axis of elbow or knee
+  hand                        as the forearm in the reference pose
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+POINTS_BESIDE_SPINE = 23
+SEGMENTS_BESIDE_SPINE = 18
+
+
+class BodyPart(StrEnum):
+    """A segment of the body, named apart from how many vertebrae a character has."""
+
+    PELVIS = "pelvis"
+    ABDOMEN = "abdomen"
+    THORAX = "thorax"
+    NECK = "neck"
+    HEAD = "head"
+    LEFT_CLAVICLE = "left_clavicle"
+    LEFT_UPPER_ARM = "left_upper_arm"
+    LEFT_FOREARM = "left_forearm"
+    LEFT_HAND = "left_hand"
+    RIGHT_CLAVICLE = "right_clavicle"
+    RIGHT_UPPER_ARM = "right_upper_arm"
+    RIGHT_FOREARM = "right_forearm"
+    RIGHT_HAND = "right_hand"
+    LEFT_THIGH = "left_thigh"
+    LEFT_SHANK = "left_shank"
+    LEFT_FOOT = "left_foot"
+    LEFT_TOE = "left_toe"
+    RIGHT_THIGH = "right_thigh"
+    RIGHT_SHANK = "right_shank"
+    RIGHT_FOOT = "right_foot"
+    RIGHT_TOE = "right_toe"
+
+    @property
+    def label(self) -> str:
+        """The part in words: ``Left upper arm``."""
+        return self.value.replace("_", " ").capitalize()
+
+
+_AFTER_SPINE = tuple(part for part in BodyPart if part not in ("pelvis", "abdomen", "thorax"))
+
+
+@dataclass(frozen=True)
+class BodyLayout:
+    """Where each point and segment stands in the arrays of a body with ``spine_count`` spine segments."""
+
+    spine_count: int
+
+    def __post_init__(self) -> None:
+        if self.spine_count < 2:
+            raise ValueError(f"A spine needs a pelvis and a thorax: {self.spine_count} segment is too few.")
+
+    @property
+    def point_count(self) -> int:
+        return self.spine_count + POINTS_BESIDE_SPINE
+
+    @property
+    def segment_count(self) -> int:
+        return self.spine_count + SEGMENTS_BESIDE_SPINE
+
+    @property
+    def neck_base(self) -> int:
+        return self.spine_count
+
+    @property
+    def head_joint(self) -> int:
+        return self.spine_count + 1
+
+    @property
+    def head_end(self) -> int:
+        return self.spine_count + 2
+
+    def collar(self, side: int) -> int:
+        """Index of the point where the clavicle begins; shoulder, elbow, wrist, hand end follow it."""
+        return self.spine_count + 3 + 5 * side
+
+    def hip(self, side: int) -> int:
+        """Index of the hip; knee, ankle, toe, toe end follow it."""
+        return self.spine_count + 13 + 5 * side
+
+    def ankle(self, side: int) -> int:
+        return self.hip(side) + 2
+
+    def toe(self, side: int) -> int:
+        return self.hip(side) + 3
+
+    def wrist(self, side: int) -> int:
+        return self.collar(side) + 3
+
+    def segment(self, part: BodyPart) -> int:
+        """Index of the segment that plays ``part``."""
+        match part:
+            case BodyPart.PELVIS:
+                return 0
+            case BodyPart.ABDOMEN:
+                return self.spine_count // 2
+            case BodyPart.THORAX:
+                return self.spine_count - 1
+        return self.spine_count + _AFTER_SPINE.index(part)
+
+    def part(self, segment: int) -> BodyPart:
+        """The part that ``segment`` plays; inner vertebrae are all the abdomen."""
+        if segment >= self.spine_count:
+            return _AFTER_SPINE[segment - self.spine_count]
+        if segment == 0:
+            return BodyPart.PELVIS
+        return BodyPart.THORAX if segment == self.spine_count - 1 else BodyPart.ABDOMEN
+
+    def proximal_points(self) -> tuple[int, ...]:
+        """For each segment the point about which it turns (its origin)."""
+        spine = self.spine_count
+        arms = tuple(self.collar(side) + bone for side in (0, 1) for bone in range(4))
+        legs = tuple(self.hip(side) + bone for side in (0, 1) for bone in range(4))
+        return (*range(spine), self.neck_base, self.head_joint, *arms, *legs)
+
+    def distal_points(self) -> tuple[int, ...]:
+        """For each segment the point at its far end."""
+        return tuple(point + 1 for point in self.proximal_points())
+
+    def parent_segments(self) -> tuple[int, ...]:
+        """For each segment the one that carries it; the pelvis has -1."""
+        spine, thorax = self.spine_count, self.spine_count - 1
+        parents = [*range(-1, thorax), thorax, spine]
+        for first, carrier in ((2, thorax), (6, thorax), (10, 0), (14, 0)):
+            parents += [carrier, spine + first, spine + first + 1, spine + first + 2]
+        return tuple(parents)
+
+    def point_names(self) -> tuple[str, ...]:
+        """A readable name for each point."""
+        arm, leg = ("collar", "shoulder", "elbow", "wrist", "hand end"), ("hip", "knee", "ankle", "toe", "toe end")
+        return (
+            "root",
+            *(f"spine {k}" for k in range(1, self.spine_count)),
+            *("neck base", "head joint", "head end"),
+            *(f"{side} {name}" for side in ("left", "right") for name in arm),
+            *(f"{side} {name}" for side in ("left", "right") for name in leg),
+        )

@@ -1,0 +1,23 @@
+"""A character: a build, the proportions put upon it, a colour and a skin."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from studio.core.morphology import Morphology, Proportions
+from studio.core.skin import SkinnedMesh
+
+
+@dataclass(frozen=True)
+class Character:
+    """A body that can perform. ``skin`` is bound to ``build`` in its rest pose; ``colour`` is ``#RRGGBB``."""
+
+    name: str
+    colour: str
+    build: Morphology
+    skin: SkinnedMesh
+    proportions: Proportions = field(default_factory=Proportions)
+
+    @cached_property
+    def morphology(self) -> Morphology:
+        """The measures in force: the build with its proportions."""
+        return self.proportions.applied_to(self.build)

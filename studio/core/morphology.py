@@ -1,0 +1,170 @@
+"""Morphology: the measures of one body, all that a character adds to a morphology-independent motion."""
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout
+
+FloatArray = NDArray[np.float64]
+
+_SHAPES: dict[str, tuple[int, ...]] = {
+    "neck": (),
+    "head": (),
+    "collar_base": (2, 3),
+    "clavicle": (2,),
+    "arm": (2, 2),
+    "hand": (2, 3),
+    "hip_offset": (2, 3),
+    "leg": (2, 2),
+    "foot": (2, 3),
+    "toe": (2, 3),
+    "ankle_height": (2,),
+    "toe_height": (2,),
+    "heel_length": (2,),
+}
+_LENGTHS = ("neck", "head", "clavicle", "arm", "leg")
+
+
+@dataclass(frozen=True)
+class Morphology:
+    """Measures of a body in metres; vectors stand in the axes of their own segment (``canonical``).
+
+    Raises ValueError with the field's name when a shape is wrong, a number is not finite or a bone has no length.
+    """
+
+    spine: FloatArray
+    """(K, 3) from each spine joint to the next; the last ends at the neck base."""
+    neck: float
+    head: float
+    collar_base: FloatArray
+    """(2, 3) from the neck base to where each clavicle begins, thorax axes."""
+    clavicle: FloatArray
+    arm: FloatArray
+    """(2, 2) upper arm, forearm of each side."""
+    hand: FloatArray
+    """(2, 3) wrist to end of hand, hand axes."""
+    hip_offset: FloatArray
+    """(2, 3) root to hip joint, pelvis axes."""
+    leg: FloatArray
+    """(2, 2) thigh, shank of each side."""
+    foot: FloatArray
+    """(2, 3) ankle to toe joint, foot axes (sole flat at identity)."""
+    toe: FloatArray
+    """(2, 3) toe joint to end of toe, toe axes."""
+    ankle_height: FloatArray
+    """(2,) ankle joint above the sole of the flat foot."""
+    toe_height: FloatArray
+    """(2,) toe joint above the sole of the flat foot."""
+    heel_length: FloatArray
+    """(2,) from below the ankle back to the heel."""
+
+    def __post_init__(self) -> None:
+        spine = np.array(self.spine, dtype=np.float64)
+        if spine.ndim != 2 or spine.shape[0] < 2 or spine.shape[1] != 3:
+            raise ValueError(f"spine: expected (K, 3) with K of at least 2, got {spine.shape}.")
+        object.__setattr__(self, "spine", spine)
+        for name, shape in _SHAPES.items():
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.shape != shape:
+                raise ValueError(f"{name}: expected shape {shape}, got {array.shape}.")
+            object.__setattr__(self, name, float(array) if shape == () else array)
+        for field in fields(self):
+            array = np.asarray(getattr(self, field.name))
+            if not np.isfinite(array).all():
+                raise ValueError(f"{field.name}: holds a number that is not finite.")
+            if field.name in _LENGTHS and (array <= 0).any():
+                raise ValueError(f"{field.name}: a bone needs a length above zero.")
+            if isinstance(getattr(self, field.name), np.ndarray):
+                getattr(self, field.name).setflags(write=False)
+
+    @cached_property
+    def layout(self) -> BodyLayout:
+        return BodyLayout(len(self.spine))
+
+    @property
+    def leg_length(self) -> float:
+        """Mean of both legs, hip to ankle."""
+        return float(self.leg.sum() / 2)
+
+    @property
+    def spine_length(self) -> float:
+        return float(np.linalg.norm(self.spine, axis=1).sum())
+
+    @property
+    def stature(self) -> float:
+        """Standing height, sole to crown."""
+        hips = self.leg_length + float(self.ankle_height.mean()) - float(self.hip_offset[:, 2].mean())
+        return hips + float(self.spine[:, 2].sum()) + self.neck + self.head
+
+    @cached_property
+    def packed(self) -> FloatArray:
+        """All measures in one row for the kernels; ``kernels.layout`` says where each stands."""
+        row = np.concatenate([np.ravel(getattr(self, name)) for name in (*_SHAPES, "spine")])
+        row.setflags(write=False)
+        return row
+
+    def to_json(self) -> dict[str, Any]:
+        return {field.name: np.asarray(getattr(self, field.name)).tolist() for field in fields(self)}
+
+    @classmethod
+    def from_json(cls, record: dict[str, Any]) -> Self:
+        """Inverse of ``to_json``. Raises ValueError naming a missing or wrong field."""
+        missing = [field.name for field in fields(cls) if field.name not in record]
+        if missing:
+            raise ValueError(f"A morphology needs {', '.join(missing)}.")
+        return cls(**{field.name: record[field.name] for field in fields(cls)})
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Morphology) and np.array_equal(self.packed, other.packed)
+
+    def __hash__(self) -> int:
+        return hash(self.packed.tobytes())
+
+
+@dataclass(frozen=True)
+class Proportions:
+    """Factors on a build's measures, all 1 for the build itself; what the sliders of the inspector move."""
+
+    stature: float = 1.0
+    trunk: float = 1.0
+    shoulders: float = 1.0
+    hips: float = 1.0
+    upper_arms: float = 1.0
+    forearms: float = 1.0
+    hands: float = 1.0
+    thighs: float = 1.0
+    shanks: float = 1.0
+    feet: float = 1.0
+    head: float = 1.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            factor = getattr(self, field.name)
+            if not (np.isfinite(factor) and 0.2 <= factor <= 5.0):
+                raise ValueError(f"{field.name}: a proportion lies between 0.2 and 5, got {factor}.")
+
+    def applied_to(self, build: Morphology) -> Morphology:
+        """``build`` with its measures multiplied by these factors."""
+        whole = self.stature
+        feet = whole * self.feet
+        return replace(
+            build,
+            spine=build.spine * whole * self.trunk,
+            neck=build.neck * whole * self.head,
+            head=build.head * whole * self.head,
+            collar_base=build.collar_base * whole * np.array([self.trunk, self.shoulders, self.trunk]),
+            clavicle=build.clavicle * whole * self.shoulders,
+            arm=build.arm * whole * np.array([self.upper_arms, self.forearms]),
+            hand=build.hand * whole * self.hands,
+            hip_offset=build.hip_offset * whole * np.array([1.0, self.hips, 1.0]),
+            leg=build.leg * whole * np.array([self.thighs, self.shanks]),
+            foot=build.foot * feet,
+            toe=build.toe * feet,
+            ankle_height=build.ankle_height * feet,
+            toe_height=build.toe_height * feet,
+            heel_length=build.heel_length * feet,
+        )

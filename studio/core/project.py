@@ -1,0 +1,128 @@
+"""The project: everything the user makes, as one immutable value of entities by id.
+
+A document holds one Project and replaces entities in it; a file stores one. Ids are short random strings;
+entities refer to each other by id, and an entity never changes in place.
+"""
+
+import math
+import uuid
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any, Self
+
+from studio.core.capture import Capture
+from studio.core.character import Character
+from studio.core.constraints.base import Constraint, Vector
+from studio.core.contacts import ContactInterval
+from studio.core.ground import Ground
+
+GROUND_ID = "ground"
+
+
+def new_id() -> str:
+    """An id that no other entity has: 12 hexadecimal digits."""
+    return uuid.uuid4().hex[:12]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A capture to be performed by any body; its contacts and constraints refer to it by id."""
+
+    name: str
+    capture_id: str
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A used stretch of a motion: frames ``first`` to ``last`` (both included), begun at ``start`` seconds."""
+
+    motion_id: str
+    first: int
+    last: int
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.first <= self.last:
+            raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
+
+
+@dataclass(frozen=True)
+class Performer:
+    """A character on the stage, playing clips at a place: ``position`` in metres, ``heading`` in radians about Z."""
+
+    name: str
+    character_id: str
+    clips: tuple[Clip, ...] = ()
+    position: tuple[float, float] = (0.0, 0.0)
+    heading: float = 0.0
+    visible: bool = True
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(number) for number in (*self.position, self.heading)):
+            raise ValueError(f"'{self.name}': a place on the stage is made of finite numbers.")
+
+
+@dataclass(frozen=True)
+class Prop:
+    """A thing on the stage: a box of ``size`` metres centred at ``position``, turned by ``heading`` about Z."""
+
+    name: str
+    size: Vector = (0.4, 0.4, 0.4)
+    position: Vector = (0.0, 0.0, 0.2)
+    heading: float = 0.0
+
+
+Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Ground | Prop
+
+COLLECTIONS = ("captures", "motions", "characters", "performers", "constraints", "contacts", "grounds", "props")
+
+
+def _frozen(entities: Mapping[str, Any]) -> Mapping[str, Any]:
+    return MappingProxyType(dict(entities))
+
+
+@dataclass(frozen=True)
+class Project:
+    """All entities by collection and id; the order of a collection is the order in which the user sees it."""
+
+    captures: Mapping[str, Capture] = field(default_factory=dict)
+    motions: Mapping[str, Motion] = field(default_factory=dict)
+    characters: Mapping[str, Character] = field(default_factory=dict)
+    performers: Mapping[str, Performer] = field(default_factory=dict)
+    constraints: Mapping[str, Constraint] = field(default_factory=dict)
+    contacts: Mapping[str, ContactInterval] = field(default_factory=dict)
+    grounds: Mapping[str, Ground] = field(default_factory=lambda: {GROUND_ID: Ground()})
+    props: Mapping[str, Prop] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in COLLECTIONS:
+            object.__setattr__(self, name, _frozen(getattr(self, name)))
+
+    @property
+    def ground(self) -> Ground:
+        return self.grounds[GROUND_ID]
+
+    def get(self, collection: str, entity_id: str) -> Entity | None:
+        """The entity of that id, or None."""
+        found: Entity | None = getattr(self, collection).get(entity_id)
+        return found
+
+    def with_entity(self, collection: str, entity_id: str, entity: Entity | None) -> Self:
+        """This project with one entity put (kept in its place, or added last) or, for None, removed."""
+        entities = dict(getattr(self, collection))
+        if entity is None:
+            entities.pop(entity_id, None)
+        else:
+            entities[entity_id] = entity
+        return replace(self, **{collection: entities})
+
+    def constraints_of(self, motion_id: str) -> dict[str, Constraint]:
+        """The motion's constraints by id, highest priority first."""
+        own = {key: item for key, item in self.constraints.items() if item.motion_id == motion_id}
+        return dict(sorted(own.items(), key=lambda pair: pair[1].priority))
+
+    def contacts_of(self, motion_id: str) -> dict[str, ContactInterval]:
+        """The motion's contacts by id, in time."""
+        own = {key: item for key, item in self.contacts.items() if item.motion_id == motion_id}
+        return dict(sorted(own.items(), key=lambda pair: (pair[1].point, pair[1].first)))
