@@ -1,0 +1,46 @@
+"""What is asked of the solver and what it answers: values that any thread may hold."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import Constraint
+from studio.core.contacts import ContactInterval
+from studio.core.ground import Ground
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptRequest:
+    """One motion to be adapted to one body: all the values the answer depends on."""
+
+    motion: NormalizedMotion
+    morphology: Morphology
+    contacts: tuple[ContactInterval, ...] = ()
+    constraints: tuple[Constraint, ...] = ()
+    ground: Ground = Ground()
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptedMotion:
+    """Frames ``first_frame`` and on of a motion on one body, in the motion's space (metres, Z up).
+
+    ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals``
+    (C, F) is the distance in metres from each constraint's point to its target, in the order of the request, NaN
+    where the constraint is not active.
+    """
+
+    morphology: Morphology
+    frame_rate: float
+    first_frame: int
+    positions: FloatArray
+    rotations: FloatArray
+    residuals: FloatArray
+
+    @property
+    def frame_count(self) -> int:
+        return len(self.positions)
