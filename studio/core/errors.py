@@ -4,6 +4,7 @@
 class StudioError(Exception):
     """Something the user can understand and act on.
 
-    The message is one or two whole sentences: what happened, in which file and line or member, and what to do.
-    Everything shown to users derives from this class; any other exception is a fault of the program.
+    The message is one or two whole sentences: what happened, in which file and line or member, and what
+    to do. Everything shown to users derives from this class; any other exception is a fault of the
+    program.
     """

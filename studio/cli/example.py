@@ -1,0 +1,23 @@
+"""What the studio does where no window can be seen: its job, on the bundled example."""
+
+from pathlib import Path
+
+from studio.cli.main import main
+from studio.core.errors import StudioError
+from studio.resources_folder import example_captures_folder
+
+OUT = Path("morpho-studio-example")
+
+
+def run_example() -> int:
+    """Adapt the first bundled capture to every bundled character, draw it, and name the files."""
+    print("There is no display, so no window opens. The bundled example is adapted instead.")
+    capture = min(example_captures_folder().glob("*.bvh"), default=None)
+    if capture is None:
+        raise StudioError("No example capture is bundled. Make them with `make examples`.")
+    picture = OUT / f"{capture.stem}.png"
+    code = main(["adapt", str(capture), "--out", str(OUT)])
+    code = code or main(["render", str(capture), "--out", str(picture)])
+    if code == 0:
+        print("Written:", *sorted(str(file) for file in OUT.iterdir()), sep="\n  ")
+    return code

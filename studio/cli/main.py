@@ -1,0 +1,83 @@
+"""The command line: one verb a file, imported only when it is the one asked for."""
+
+import json
+import sys
+from argparse import ArgumentParser
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from importlib.metadata import entry_points
+
+from studio import __version__
+from studio.cli.process import has_display, prepare_process
+from studio.core.errors import StudioError
+
+VERBS = {
+    "info": "say what was read from a file, what was guessed, and how well it round-trips",
+    "convert": "write a motion in another file format",
+    "adapt": "adapt a capture to characters and report what was reached",
+    "render": "draw a project or a capture as a picture or a film",
+    "bench": "measure how long the studio's jobs take on this machine",
+}
+WORK_FAILED = 1
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one verb, or open the window when none is named.
+
+    Returns the exit code: 0 done, 1 the work failed; bad usage ends the process with 2, as argparse does.
+    """
+    prepare_process()
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    verb = next((word for word in given if word in VERBS), None)
+    parsed = make_parser(verb).parse_args(given)
+    wants_json = getattr(parsed, "json", False)
+    try:
+        if verb is not None:
+            run: Callable[..., int] = parsed.run
+            return run(parsed)
+        return open_window() if has_display() else run_example()
+    except StudioError as error:
+        report(error, wants_json)
+        return WORK_FAILED
+
+
+def make_parser(verb: str | None) -> ArgumentParser:
+    """The parser with every verb named, and the options of the one asked for."""
+    parser = ArgumentParser(
+        prog="morpho-studio",
+        description="Adapts captured motions live to any character.",
+        epilog="Without a verb the window opens. Every verb has its own --help.",
+    )
+    parser.add_argument("--version", action="version", version=f"Morpho Studio {__version__}")
+    verbs = parser.add_subparsers(title="verbs", metavar="VERB")
+    for name, summary in VERBS.items():
+        verb_parser = verbs.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".")
+        if name == verb:
+            module = import_module(f"studio.cli.{name}")
+            module.add_arguments(verb_parser)
+            verb_parser.set_defaults(run=module.run)
+    return parser
+
+
+def report(error: StudioError, as_json: bool) -> None:
+    """One sentence on standard error, or one JSON document on standard output."""
+    if as_json:
+        print(json.dumps({"ok": False, "error": str(error)}, ensure_ascii=False))
+    else:
+        print(f"morpho-studio: {error}", file=sys.stderr)
+
+
+def open_window() -> int:
+    """Start the window, which is found by name so that nothing here knows a toolkit."""
+    prepare_process()
+    found = entry_points(group="morpho_studio.window", name="main")
+    if not found:
+        raise StudioError("No window is installed. Install Morpho Studio with `pip install -e .` first.")
+    window: Callable[[], int] = next(iter(found)).load()
+    return window()
+
+
+def run_example() -> int:
+    """Without a display: say so, and do the studio's job on the bundled example."""
+    example: Callable[[], int] = import_module("studio.cli.example").run_example
+    return example()

@@ -1,0 +1,62 @@
+"""What a process of the studio sets up before anything else is imported."""
+
+import faulthandler
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import platformdirs
+
+KERNELS = Path(__file__).resolve().parents[1] / "core" / "kernels"
+
+
+def prepare_process() -> None:
+    """Name the folder of compiled kernels and let a crash in C++ print every thread's stack.
+
+    Must run before numba is imported: numba reads the folder's name once.
+    """
+    if sys.stderr is not None:  # a window started from a desktop icon may have no standard error
+        faulthandler.enable()
+    if "NUMBA_CACHE_DIR" not in os.environ:
+        os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
+
+
+def writable_kernel_cache() -> Path:
+    """The lasting cache folder, or a fresh one for this process where the user's folders cannot be written.
+
+    A shared name under the temporary folder would be a hole: numba runs what it finds in its cache.
+    """
+    folder = kernel_cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return Path(tempfile.mkdtemp(prefix="morpho-studio-kernels-"))
+    return folder if os.access(folder, os.W_OK) else Path(tempfile.mkdtemp(prefix="morpho-studio-kernels-"))
+
+
+def kernel_cache_folder() -> Path:
+    """The cache folder of exactly these kernels.
+
+    numba looks only at the file a kernel stands in, not at the kernels it calls from other files; a cache per
+    content of the whole package can never answer with old code.
+    """
+    cache = Path(platformdirs.user_cache_dir("morpho-studio", appauthor=False))
+    return cache / "kernels" / content_digest(sorted(KERNELS.glob("*.py")))
+
+
+def content_digest(files: Iterable[Path]) -> str:
+    """Twelve hexadecimal digits that change whenever a name or the content of one of the files does."""
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
+
+
+def has_display() -> bool:
+    """Whether a window could be seen; on Linux that takes an X or a Wayland display."""
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
