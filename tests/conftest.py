@@ -1,11 +1,13 @@
 """Sets the scene before Qt, VTK or numba are imported: no display, no user's folders, kernels that last."""
 
+import atexit
 import os
 import sys
 import tempfile
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from studio.cli.process import has_display, prepare_process
 
@@ -16,12 +18,16 @@ CAPTURES = ROOT.parent / "shared" / "captures"
 prepare_process()
 
 _folders = tempfile.TemporaryDirectory(prefix="morpho-studio-tests-")
+atexit.register(_folders.cleanup)
 for _kind in ("CACHE", "CONFIG", "DATA", "STATE"):
     os.environ[f"XDG_{_kind}_HOME"] = str(Path(_folders.name) / _kind.lower())
 
-if sys.platform == "linux" and not has_display():
+if sys.platform.startswith("linux") and not has_display():
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+
+# Time on a busy machine says nothing; where nobody looks at the examples, the same ones are tried every time.
+settings.register_profile("studio", deadline=None, derandomize="CI" in os.environ)
+settings.load_profile("studio")
 
 
 @pytest.fixture(scope="session")

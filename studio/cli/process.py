@@ -14,14 +14,17 @@ KERNELS = Path(__file__).resolve().parents[1] / "core" / "kernels"
 
 
 def prepare_process() -> None:
-    """Name the folder of compiled kernels and let a crash in C++ print every thread's stack.
+    """Name the folder of compiled kernels, let a crash in C++ print every stack, draw without a display.
 
-    Must run before numba is imported: numba reads the folder's name once.
+    Must run before numba and VTK are imported: both read the environment once.
     """
-    if sys.stderr is not None:  # a window started from a desktop icon may have no standard error
+    # A window started from a desktop icon may have no standard error; tests watch for crashes by themselves.
+    if sys.stderr is not None and not faulthandler.is_enabled():
         faulthandler.enable()
     if "NUMBA_CACHE_DIR" not in os.environ:
         os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
+    if not has_display():
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 
 def writable_kernel_cache() -> Path:

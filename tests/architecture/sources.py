@@ -1,0 +1,34 @@
+"""The project's own Python files, parsed, for tests that look at the shape of the code."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+KERNELS = ROOT / "studio" / "core" / "kernels"
+FOLDERS = ("studio", "resources", "examples", "benchmarks")
+COMPILED = {"njit", "jit", "vectorize", "guvectorize", "cfunc", "stencil"}
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def product_files() -> list[Path]:
+    """Every Python file that is part of the product or makes a part of it (the tests are neither)."""
+    found = [file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py")]
+    return sorted([ROOT / "main.py", *found])
+
+
+def functions_of(file: Path) -> Iterator[Function]:
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"), str(file))):
+        if isinstance(node, Function):
+            yield node
+
+
+def is_compiled(function: Function) -> bool:
+    """Whether numba compiles it, whichever way the decorator is written."""
+    calls = [node.func if isinstance(node, ast.Call) else node for node in function.decorator_list]
+    return any(ast.unparse(call).rpartition(".")[2] in COMPILED for call in calls)
+
+
+def place_of(file: Path, line: int = 1) -> str:
+    return f"{file.relative_to(ROOT)}:{line}"

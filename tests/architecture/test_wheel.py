@@ -1,0 +1,68 @@
+"""What is published is what works: the wheel in an empty environment, away from the checkout."""
+
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+from tests.architecture.sources import ROOT
+
+BIN = "Scripts" if sys.platform == "win32" else "bin"
+
+
+def run(*command, cwd):
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def away(tmp_path_factory):
+    """A folder with an environment that holds the wheel; the packages it needs are borrowed from this one."""
+    folder = tmp_path_factory.mktemp("away")
+    run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, ROOT, cwd=folder)
+    [wheel] = folder.glob("morpho_studio-*.whl")
+    venv.create(folder / "venv", with_pip=False)
+    python = folder / "venv" / BIN / "python"
+    pip = (sys.executable, "-m", "pip", "--disable-pip-version-check", "--python", python)
+    run(*pip, "install", "--no-deps", "--no-index", wheel, cwd=folder)
+    [packages] = {Path(line) for line in run(python, "-c", PRINT_PACKAGES, cwd=folder).splitlines()}
+    # A path line adds the folder only; the .pth inside it that points at the checkout is not followed.
+    (packages / "borrowed.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    return folder
+
+
+PRINT_PACKAGES = "import sysconfig; print(sysconfig.get_path('purelib'))"
+PRINT_PLACES = """
+from studio.resources_folder import example_captures_folder, resources_folder
+print(resources_folder(), example_captures_folder(), sep="\\n")
+"""
+
+
+def test_the_wheel_carries_the_studio_and_its_own_files(away):
+    python = away / "venv" / BIN / "python"
+    places = [Path(line) for line in run(python, "-c", PRINT_PLACES, cwd=away).splitlines()]
+    sources = [ROOT / "resources", ROOT / "examples" / "captures"]
+    for place, source in zip(places, sources, strict=True):
+        assert away in place.parents
+        assert names_in(place) == names_in(source)
+
+
+def names_in(folder):
+    files = (file.relative_to(folder) for file in folder.rglob("*") if file.is_file())
+    return {str(file) for file in files if "__pycache__" not in file.parts}
+
+
+def test_the_installed_command_explains_itself_away_from_the_checkout(away):
+    assert "VERB" in run(away / "venv" / BIN / "morpho-studio", "--help", cwd=away)
+
+
+def test_the_installed_command_knows_its_version(away):
+    [wheel] = away.glob("morpho_studio-*.whl")
+    version = wheel.name.split("-")[1]
+    assert version in run(away / "venv" / BIN / "morpho-studio", "--version", cwd=away)

@@ -1,0 +1,90 @@
+import json
+import sys
+from importlib.metadata import entry_points
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+import studio.cli.main as command_line
+from studio.core.errors import StudioError
+
+
+@pytest.fixture
+def verb_that(monkeypatch):
+    """Puts a verb with the given deed in the place of `info`."""
+
+    def install(deed):
+        verb = ModuleType("studio.cli.info")
+        verb.add_arguments = lambda parser: parser.add_argument("--json", action="store_true")
+        verb.run = deed
+        monkeypatch.setitem(sys.modules, "studio.cli.info", verb)
+
+    return install
+
+
+def fail(_arguments):
+    raise StudioError("The file 'walk.bvh' is empty. Choose another.")
+
+
+def test_the_exit_code_is_the_verbs_own(verb_that):
+    verb_that(lambda _arguments: 0)
+    assert command_line.main(["info"]) == 0
+    verb_that(lambda _arguments: 1)
+    assert command_line.main(["info"]) == 1
+
+
+def test_a_failure_is_one_sentence_on_standard_error(verb_that, capsys):
+    verb_that(fail)
+    assert command_line.main(["info"]) == 1
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err == "morpho-studio: The file 'walk.bvh' is empty. Choose another.\n"
+
+
+def test_a_failure_for_a_machine_is_one_json_document(verb_that, capsys):
+    verb_that(fail)
+    assert command_line.main(["info", "--json"]) == 1
+    printed = capsys.readouterr()
+    assert json.loads(printed.out) == {"ok": False, "error": "The file 'walk.bvh' is empty. Choose another."}
+    assert printed.err == ""
+
+
+def test_a_fault_of_the_program_is_not_dressed_up_as_the_users(verb_that):
+    verb_that(lambda _arguments: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        command_line.main(["info"])
+
+
+@pytest.mark.parametrize("arguments", [["nonsense"], ["--nonsense"]])
+def test_bad_usage_ends_with_two(arguments, capsys):
+    with pytest.raises(SystemExit) as end:
+        command_line.main(arguments)
+    assert end.value.code == 2
+    assert "usage:" in capsys.readouterr().err
+
+
+def test_help_names_every_verb(capsys):
+    with pytest.raises(SystemExit) as end:
+        command_line.main(["--help"])
+    assert end.value.code == 0
+    printed = capsys.readouterr().out
+    assert all(verb in printed for verb in command_line.VERBS)
+
+
+def test_without_a_verb_the_window_opens_where_there_is_a_display(monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":0")
+    window = SimpleNamespace(load=lambda: lambda: 7)
+    monkeypatch.setattr(command_line, "entry_points", lambda **_wanted: [window])
+    assert command_line.main([]) == 7
+
+
+def test_a_studio_without_a_window_says_how_to_get_one(monkeypatch, capsys):
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(command_line, "entry_points", lambda **_wanted: [])
+    assert command_line.main([]) == 1
+    assert "pip install" in capsys.readouterr().err
+
+
+def test_the_window_is_declared_where_the_command_line_looks_for_it():
+    [window] = entry_points(group="morpho_studio.window", name="main")
+    assert window.value == "studio.app.application:main"

@@ -1,0 +1,42 @@
+import os
+import sys
+
+import pytest
+
+from studio.cli.process import content_digest, has_display, kernel_cache_folder, writable_kernel_cache
+
+
+def test_the_kernel_cache_changes_with_the_content_of_any_kernel(tmp_path):
+    kernel, other = tmp_path / "rotations.py", tmp_path / "chains.py"
+    kernel.write_text("a = 1\n")
+    other.write_text("b = 1\n")
+    before = content_digest([kernel, other])
+    assert content_digest([kernel, other]) == before
+    other.write_text("b = 2\n")
+    assert content_digest([kernel, other]) != before
+
+
+def test_a_home_that_cannot_be_written_still_gets_a_kernel_cache(tmp_path, monkeypatch):
+    monkeypatch.setattr(
+        "studio.cli.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path / "in_the_way")
+    )
+    (tmp_path / "in_the_way").write_text("a file where a folder should be")
+    cache = writable_kernel_cache()
+    assert cache.is_dir()
+    assert cache != kernel_cache_folder()
+    cache.rmdir()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere a display is taken for granted")
+@pytest.mark.parametrize(
+    ("variables", "seen"),
+    [
+        ({}, False),
+        ({"DISPLAY": ":0"}, True),
+        ({"WAYLAND_DISPLAY": "wayland-0"}, True),
+        ({"DISPLAY": ""}, False),
+    ],
+)
+def test_a_display_is_x_or_wayland(monkeypatch, variables, seen):
+    monkeypatch.setattr(os, "environ", dict(variables))
+    assert has_display() is seen
