@@ -1,0 +1,59 @@
+"""Forward kinematics of a whole clip in one call."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@njit(cache=True, nogil=True)
+def joint_world(
+    parents: IntArray,
+    local_rotations: FloatArray,
+    local_translations: FloatArray,
+    out_positions: FloatArray,
+    out_rotations: FloatArray,
+) -> None:
+    """World positions (F, J, 3) and rotations (F, J, 3, 3) of joints that stand after their parents.
+
+    R_j = R_parent Q_j and p_j = p_parent + R_parent t_j, with Q the matrix of the unit quaternion xyzw.
+    """
+    local = np.empty((3, 3))
+    for frame in range(local_rotations.shape[0]):
+        for joint in range(local_rotations.shape[1]):
+            x, y, z, w = local_rotations[frame, joint]
+            local[0, 0], local[0, 1], local[0, 2] = (
+                1 - 2 * (y * y + z * z),
+                2 * (x * y - z * w),
+                2 * (x * z + y * w),
+            )
+            local[1, 0], local[1, 1], local[1, 2] = (
+                2 * (x * y + z * w),
+                1 - 2 * (x * x + z * z),
+                2 * (y * z - x * w),
+            )
+            local[2, 0], local[2, 1], local[2, 2] = (
+                2 * (x * z - y * w),
+                2 * (y * z + x * w),
+                1 - 2 * (x * x + y * y),
+            )
+            parent = parents[joint]
+            for row in range(3):
+                if parent < 0:
+                    out_positions[frame, joint, row] = local_translations[frame, joint, row]
+                    for column in range(3):
+                        out_rotations[frame, joint, row, column] = local[row, column]
+                    continue
+                position = out_positions[frame, parent, row]
+                for inner in range(3):
+                    position += (
+                        out_rotations[frame, parent, row, inner] * local_translations[frame, joint, inner]
+                    )
+                out_positions[frame, joint, row] = position
+                for column in range(3):
+                    total = 0.0
+                    for inner in range(3):
+                        total += out_rotations[frame, parent, row, inner] * local[inner, column]
+                    out_rotations[frame, joint, row, column] = total

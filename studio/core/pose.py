@@ -1,0 +1,60 @@
+"""PoseSequence: how every joint of a skeleton stands, frame by frame."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.rotations import normalized, sign_continuous
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PoseSequence:
+    """Local rotations and translations of J joints over F frames (one at least).
+
+    Quaternions are made unit and continuous in sign when the sequence is made. Raises StudioError when the
+    shapes do not agree, a number is not finite or a quaternion has no length.
+    """
+
+    local_rotations: FloatArray
+    """(F, J, 4) unit quaternions xyzw, joint axes to the parent's."""
+    local_translations: FloatArray
+    """(F, J, 3) metres, in the parent's axes: the root's travel, the bones of the others."""
+
+    def __post_init__(self) -> None:
+        rotations = np.asarray(self.local_rotations, dtype=np.float64)
+        translations = np.array(self.local_translations, dtype=np.float64)
+        if rotations.ndim != 3 or rotations.shape[2] != 4 or translations.shape != (*rotations.shape[:2], 3):
+            raise StudioError(
+                f"Poses need rotations (F, J, 4) and translations (F, J, 3), "
+                f"not {rotations.shape} and {translations.shape}."
+            )
+        if len(rotations) == 0:
+            raise StudioError("A motion needs at least one frame.")
+        for array, kind in ((rotations, "rotation"), (translations, "translation")):
+            if not np.isfinite(array).all():
+                frame, joint = np.argwhere(~np.isfinite(array).all(axis=2))[0]
+                raise StudioError(f"The {kind} of joint {joint} in frame {frame} is not a finite number.")
+        if (np.einsum("fjk,fjk->fj", rotations, rotations) < 1e-12).any():
+            raise StudioError("A rotation has a quaternion of length zero.")
+        rotations = sign_continuous(normalized(rotations))
+        for field, array in (("local_rotations", rotations), ("local_translations", translations)):
+            array.setflags(write=False)
+            object.__setattr__(self, field, array)
+
+    @property
+    def frame_count(self) -> int:
+        """Frames F."""
+        return len(self.local_rotations)
+
+    @property
+    def joint_count(self) -> int:
+        """Joints J."""
+        return int(self.local_rotations.shape[1])
+
+    def frames(self, first: int, last: int) -> "PoseSequence":
+        """The poses from frame ``first`` to ``last``, both included."""
+        return PoseSequence(self.local_rotations[first : last + 1], self.local_translations[first : last + 1])

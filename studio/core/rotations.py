@@ -1,0 +1,143 @@
+"""Rotations as unit quaternions (x, y, z, w) and matrices, over arrays of any leading shape."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+FloatArray = NDArray[np.float64]
+
+IDENTITY: FloatArray = np.array([0.0, 0.0, 0.0, 1.0])
+IDENTITY.setflags(write=False)
+
+
+def from_euler(order: str, angles: FloatArray) -> FloatArray:
+    """Quaternions (..., 4) of intrinsic ``order`` (``"ZXY"``: Z, then the turned X, Y); angles (..., n) in radians.
+
+    One to three axes; as a matrix the result is R_Z R_X R_Y.
+    """
+    flat = np.reshape(angles, (-1, len(order)))
+    return Rotation.from_euler(order.upper(), flat).as_quat().reshape(*np.shape(angles)[:-1], 4)
+
+
+def to_euler(order: str, quaternions: FloatArray) -> FloatArray:
+    """Angles (..., 3) in radians for intrinsic ``order``: the opposite of ``from_euler``.
+
+    Where the middle angle stands at the gimbal lock the third is zero: the rotation is still exact.
+    """
+    x, y, z = ("XYZ".index(axis) for axis in order.upper())
+    sign = 1.0 if (y - x) % 3 == 1 else -1.0
+    matrices = to_matrix(quaternions)
+    sine = np.clip(sign * matrices[..., x, z], -1.0, 1.0)
+    cosine = np.hypot(matrices[..., x, x], matrices[..., x, y])
+    locked = cosine < 1e-9
+    first = np.arctan2(-sign * matrices[..., y, z], matrices[..., z, z])
+    third = np.arctan2(-sign * matrices[..., x, y], matrices[..., x, x])
+    first = np.where(locked, np.arctan2(sign * matrices[..., z, y], matrices[..., y, y]), first)
+    return np.stack([first, np.arctan2(sine, cosine), np.where(locked, 0.0, third)], axis=-1)
+
+
+def to_matrix(quaternions: FloatArray) -> FloatArray:
+    """Matrices (..., 3, 3) that act on columns, of unit quaternions (..., 4)."""
+    x, y, z, w = np.moveaxis(np.asarray(quaternions, dtype=np.float64), -1, 0)
+    matrix = np.empty((*x.shape, 3, 3))
+    matrix[..., 0, 0], matrix[..., 1, 1] = 1 - 2 * (y * y + z * z), 1 - 2 * (x * x + z * z)
+    matrix[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    matrix[..., 0, 1], matrix[..., 1, 0] = 2 * (x * y - z * w), 2 * (x * y + z * w)
+    matrix[..., 0, 2], matrix[..., 2, 0] = 2 * (x * z + y * w), 2 * (x * z - y * w)
+    matrix[..., 1, 2], matrix[..., 2, 1] = 2 * (y * z - x * w), 2 * (y * z + x * w)
+    return matrix
+
+
+def from_matrix(matrices: FloatArray) -> FloatArray:
+    """Unit quaternions (..., 4) of rotation matrices (..., 3, 3)."""
+    flat = np.reshape(matrices, (-1, 3, 3))
+    return Rotation.from_matrix(flat).as_quat().reshape(*np.shape(matrices)[:-2], 4)
+
+
+def multiply(first: FloatArray, second: FloatArray) -> FloatArray:
+    """The product (..., 4): ``second`` acts before ``first``, as with matrices."""
+    a, b = np.broadcast_arrays(first, second)
+    vector = a[..., 3:] * b[..., :3] + b[..., 3:] * a[..., :3] + np.cross(a[..., :3], b[..., :3])
+    scalar = a[..., 3:] * b[..., 3:] - np.sum(a[..., :3] * b[..., :3], axis=-1, keepdims=True)
+    return np.concatenate([vector, scalar], axis=-1)
+
+
+def inverse(quaternions: FloatArray) -> FloatArray:
+    """The opposite rotations (..., 4) of unit quaternions."""
+    return np.asarray(quaternions) * np.array([-1.0, -1.0, -1.0, 1.0])
+
+
+def rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Vectors (..., 3) turned by unit quaternions (..., 4)."""
+    axis, scalar = np.asarray(quaternions)[..., :3], np.asarray(quaternions)[..., 3:]
+    twice = 2 * np.cross(axis, vectors)
+    return np.asarray(vectors) + scalar * twice + np.cross(axis, twice)
+
+
+def normalized(vectors: FloatArray) -> FloatArray:
+    """Vectors or quaternions of length one; those of length zero stay as they are."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    unit: FloatArray = np.asarray(vectors) / np.where(length > 0.0, length, 1.0)
+    return unit
+
+
+def sign_continuous(quaternions: FloatArray) -> FloatArray:
+    """The same rotations (F, ..., 4) with signs such that neighbours in time lie in one half space."""
+    if len(quaternions) < 2:
+        return np.array(quaternions, dtype=np.float64)
+    dots = np.sum(quaternions[1:] * quaternions[:-1], axis=-1)
+    flips = np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)
+    return np.concatenate([quaternions[:1], quaternions[1:] * flips[..., None]])
+
+
+def angle_between(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Angles (...) in radians, 0 to pi, from ``first`` to ``second``; accurate for tiny angles too."""
+    between = multiply(inverse(first), second)
+    return np.asarray(2 * np.arctan2(np.linalg.norm(between[..., :3], axis=-1), np.abs(between[..., 3])))
+
+
+def shortest_arc(start: FloatArray, end: FloatArray) -> FloatArray:
+    """Matrices (..., 3, 3) of the least turn that takes unit vectors ``start`` to ``end`` (METHOD 0).
+
+    c I + [v]x + v v^T / (1 + c) with v = start x end, c = start . end; opposite vectors give a half turn about
+    a fixed perpendicular.
+    """
+    start, end = np.broadcast_arrays(start, end)
+    cosine = np.sum(start * end, axis=-1)
+    opposite = cosine < -1.0 + 1e-12
+    v = np.cross(start, end)
+    scale = 1.0 / np.where(opposite, 1.0, 1.0 + cosine)
+    arc = scale[..., None, None] * v[..., :, None] * v[..., None, :] + _cross_matrix(v)
+    arc += cosine[..., None, None] * np.eye(3)
+    least = np.eye(3)[np.argmin(np.abs(start), axis=-1)]
+    axis = normalized(np.cross(start, least))
+    half_turn = 2 * axis[..., :, None] * axis[..., None, :] - np.eye(3)
+    return np.where(opposite[..., None, None], half_turn, arc)
+
+
+def slerp(first: FloatArray, second: FloatArray, share: FloatArray | float) -> FloatArray:
+    """Rotations (..., 4) on the shortest way from ``first`` (share 0) to ``second`` (share 1), evenly."""
+    share = np.asarray(share, dtype=np.float64)[..., None]
+    dot = np.sum(first * second, axis=-1, keepdims=True)
+    second = np.where(dot < 0.0, -second, second)
+    angle = (
+        np.arctan2(np.linalg.norm(second - first, axis=-1), np.linalg.norm(second + first, axis=-1))[
+            ..., None
+        ]
+        * 2
+    )
+    sine = np.sin(angle)
+    near = sine < 1e-9
+    safe = np.where(near, 1.0, sine)
+    weight_first = np.where(near, 1.0 - share, np.sin((1.0 - share) * angle) / safe)
+    weight_second = np.where(near, share, np.sin(share * angle) / safe)
+    return normalized(weight_first * first + weight_second * second)
+
+
+def _cross_matrix(vectors: FloatArray) -> FloatArray:
+    """[v]x, so that [v]x u = v x u."""
+    matrix = np.zeros((*vectors.shape, 3))
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
+    matrix[..., 1, 0], matrix[..., 2, 0], matrix[..., 2, 1] = z, -y, x
+    return matrix

@@ -1,0 +1,249 @@
+"""BVH files: read as they are, any channel order, any joint with positions; written by ``bvh_writer``."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.pose import PoseSequence
+from studio.core.rotations import IDENTITY, from_euler
+from studio.core.skeleton import Skeleton
+from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
+from studio.io.bvh_writer import write_bvh
+from studio.io.numbers import count_per_line, number, table
+
+__all__ = ["BvhFile", "read_bvh", "write_bvh"]
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[float, str], None]
+
+_LARGEST_FILE = 1 << 30
+_LONGEST_HIERARCHY = 1 << 24
+_MOST_NUMBERS = 1 << 28
+
+
+@dataclass(frozen=True)
+class BvhFile:
+    """What a BVH file says, in its own units and axes, with what had to be repaired to read it."""
+
+    name: str
+    skeleton: Skeleton
+    channels: tuple[tuple[str, ...], ...]
+    """For each joint its channels in the order of the file (``Zrotation``); empty for end sites."""
+    frames: FloatArray
+    """(F, C) as written: file units and degrees."""
+    frame_time: float | None
+    """Seconds a frame as the file says; None where it says nothing usable."""
+    frame_time_digit: float
+    """Worth in seconds of the last digit written, within which the frame time may be rounded."""
+    repairs: tuple[str, ...]
+
+    def poses(self) -> PoseSequence:
+        """Rotations and translations of every joint in file axes; position channels replace the offset."""
+        count = self.skeleton.joint_count
+        rotations = np.tile(IDENTITY, (len(self.frames), count, 1))
+        translations = np.tile(self.skeleton.offsets, (len(self.frames), 1, 1))
+        turning: dict[str, list[tuple[int, list[int]]]] = {}
+        column = 0
+        for joint, channels in enumerate(self.channels):
+            order, columns = "", []
+            for channel in channels:
+                if channel.endswith("position"):
+                    translations[:, joint, "XYZ".index(channel[0])] = self.frames[:, column]
+                else:
+                    order += channel[0]
+                    columns.append(column)
+                column += 1
+            if order:
+                turning.setdefault(order, []).append((joint, columns))
+        for order, group in turning.items():
+            joints = [joint for joint, _ in group]
+            angles = np.radians(self.frames[:, [columns for _, columns in group]])
+            rotations[:, joints] = from_euler(order, angles)
+        return PoseSequence(rotations, translations)
+
+
+def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
+    """The file at ``path``; raises StudioError with file, line and what to do when it cannot be trusted."""
+    path = Path(path)
+    report = progress or (lambda share, text: None)
+    report(0.0, f"Reading {path.name}")
+    content = _content(path)
+    head, motion_line, body = _split(path.name, content)
+    hierarchy = read_hierarchy(path.name, head)
+    report(0.2, f"Reading the motion of {path.name}")
+    header, first_row = _motion_header(path.name, body, motion_line)
+    repairs = [*hierarchy.repairs]
+    frames = _frames(path.name, body[first_row:], motion_line + 1 + first_row, hierarchy, header, repairs)
+    frame_time, digit = _frame_time(path.name, header, repairs)
+    report(1.0, f"Read {path.name}")
+    skeleton = Skeleton(
+        tuple(hierarchy.names),
+        np.array(hierarchy.parents),
+        np.array(hierarchy.offsets),
+        np.array(hierarchy.end_sites),
+    )
+    return BvhFile(path.name, skeleton, tuple(hierarchy.channels), frames, frame_time, digit, tuple(repairs))
+
+
+def _content(path: Path) -> bytes:
+    try:
+        size = path.stat().st_size
+        if size > _LARGEST_FILE:
+            raise StudioError(
+                f"{path.name} is {size >> 20} MB large; at most {_LARGEST_FILE >> 20} MB are read."
+            )
+        content = path.read_bytes()
+    except OSError as error:
+        raise StudioError(
+            f"{path.name} could not be read: {error.strerror}. Check the file and try again."
+        ) from error
+    if not content.strip():
+        raise StudioError(f"{path.name} is empty. Export it again.")
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return content.decode("utf-16", "replace").encode()
+    if b"\0" in content:
+        raise StudioError(
+            f"{path.name}, byte {content.index(0)}: this is binary data, not BVH text. Choose a BVH file."
+        )
+    return content
+
+
+def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
+    """Lines before MOTION, the line of MOTION (from 1), lines after it."""
+    head, found, tail = _partition_motion(content)
+    if not found:
+        if not content.lstrip(b"\xef\xbb\xbf \t\r\n")[:9].upper() == b"HIERARCHY":
+            raise StudioError(
+                f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file."
+            )
+        raise StudioError(
+            f"{name}, line {len(content.splitlines())}: the file ends before MOTION. It is cut off."
+        )
+    if len(head) > _LONGEST_HIERARCHY:
+        raise StudioError(
+            f"{name}: its hierarchy is {len(head) >> 20} MB long. That is no body; check the file."
+        )
+    try:
+        text = head.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = head.decode("latin-1")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    body = tail.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
+    return lines, len(lines), body
+
+
+def _partition_motion(content: bytes) -> tuple[bytes, bool, bytes]:
+    """Split at the line that is MOTION alone."""
+    at = 0
+    while (at := content.find(b"MOTION", at)) >= 0:
+        before = content[:at].rstrip(b" \t")
+        after = content[at + 6 :].lstrip(b" \t")[:1]
+        if before[-1:] in (b"\n", b"\r", b"}", b"") and after in (b"\n", b"\r", b""):
+            return content[:at], True, content[at + 6 :].lstrip(b" \t")
+        at += 6
+    return content, False, b""
+
+
+@dataclass
+class _Header:
+    frames: str | None = None
+    frame_time: str | None = None
+    line: int = 0
+
+
+def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Header, int]:
+    """``Frames:`` and ``Frame Time:`` in any order, either may be missing; and where the rows begin."""
+    header = _Header(line=motion_line)
+    for at, line in enumerate(body):
+        words = line.decode("utf-8", "replace").replace(":", " : ").split()
+        key = " ".join(words[: words.index(":")]).lower() if ":" in words else ""
+        if not words:
+            continue
+        if key == "frames":
+            header.frames = " ".join(words[words.index(":") + 1 :])
+        elif key in ("frame time", "frametime"):
+            header.frame_time = " ".join(words[words.index(":") + 1 :])
+            header.line = motion_line + at
+        elif ":" in words:
+            raise StudioError(
+                f"{name}, line {motion_line + at}: '{key[:40]}' is not part of a BVH motion. Remove it."
+            )
+        else:
+            return header, at
+    return header, len(body)
+
+
+def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float | None, float]:
+    text = header.frame_time
+    if not text:
+        repairs.append("The file has no Frame Time.")
+        return None, 0.0
+    value = number(text, f"{name}, line {header.line}")
+    if not 1e-4 <= value <= 1.0:
+        repairs.append(f"Frame Time {text} on line {header.line} cannot be true and was not used.")
+        return None, 0.0
+    mantissa, _, exponent = text.lower().partition("e")
+    digits = len(mantissa.partition(".")[2])
+    return value, 10.0 ** (int(exponent or 0) - digits)
+
+
+def _frames(
+    name: str, lines: list[bytes], first_line: int, hierarchy: Hierarchy, header: _Header, repairs: list[str]
+) -> FloatArray:
+    """(F, C) numbers; a last row that is cut off is dropped and listed."""
+    width = sum(map(len, hierarchy.channels))
+    if width == 0:
+        raise StudioError(
+            f"{name}: no joint declares channels, so there is no motion to read. Export it with motion."
+        )
+    counts = count_per_line(lines)
+    total = int(counts.sum())
+    if total > _MOST_NUMBERS:
+        raise StudioError(
+            f"{name} holds {total} numbers; at most {_MOST_NUMBERS} are read. Cut the take into parts."
+        )
+    last = int(np.flatnonzero(counts)[-1]) if total else -1
+    ends = np.cumsum(counts)
+    incomplete = total % width
+    if incomplete or _is_cut(lines, last, header, total // width):
+        dropped = incomplete or width
+        row_start = total - dropped
+        if last < 0 or row_start not in ends[:last] and row_start != 0:
+            raise _wrong_row(name, counts, width, first_line)
+        last = int(np.searchsorted(ends, row_start, side="left")) if row_start else -1
+        repairs.append(f"The last row, line {first_line + last + 1}, is cut off and was dropped.")
+        total = row_start
+    if total == 0:
+        raise StudioError(
+            f"{name}, line {first_line}: there is no complete frame in this file. Export it again."
+        )
+    if not np.isin(np.arange(width, total + 1, width), ends).all():
+        raise _wrong_row(name, counts, width, first_line)
+    values = table(lines[: last + 1], total, name, first_line).reshape(-1, width)
+    _compare_count(header, len(values), repairs)
+    return values
+
+
+def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
+    """A file that ends in the middle of a line, short of the frames it promises, has lost digits of its last number."""
+    declared = header.frames if header.frames and header.frames.isdecimal() else "0"
+    return last == len(lines) - 1 and rows < int(declared[:12])
+
+
+def _wrong_row(name: str, counts: NDArray[np.int64], width: int, first_line: int) -> StudioError:
+    row = int(np.flatnonzero((counts != width) & (counts > 0))[0])
+    return StudioError(
+        f"{name}, line {first_line + row}: {counts[row]} numbers stand here where the channels declare {width}. "
+        "Correct that line or export the file again."
+    )
+
+
+def _compare_count(header: _Header, rows: int, repairs: list[str]) -> None:
+    if header.frames is None:
+        repairs.append(f"The file does not say how many frames it has; {rows} were found.")
+    elif header.frames != str(rows):
+        repairs.append(f"The file says Frames: {header.frames[:20]}, but {rows} were found and read.")

@@ -1,0 +1,120 @@
+"""Writing BVH: Y up, centimetres unless told otherwise, with digits enough to lose nothing."""
+
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.pose import PoseSequence
+from studio.core.rotations import to_euler
+from studio.core.skeleton import Skeleton
+
+FloatArray = NDArray[np.float64]
+
+_ORDER = "ZXY"
+_WORLD_TO_FILE = [1, 2, 0]
+"""Y up: file x is world Y (left), y is Z (up), z is X (forward)."""
+_SMALLEST_TRAVEL = 1e-9
+"""Metres by which a translation must leave its offset to need position channels."""
+
+
+def write_bvh(
+    path: Path | str,
+    skeleton: Skeleton,
+    poses: PoseSequence,
+    frame_rate: float,
+    *,
+    unit_scale: float = 100.0,
+    position_channels: Sequence[int] | None = None,
+) -> None:
+    """Write ``poses`` so that reading back gives every joint within 0.01 mm.
+
+    ``unit_scale`` is file units a metre. ``position_channels`` are the joints that get positions; None means the root
+    and every joint whose translation leaves its offset. Joints that turn or carry others are never end sites in
+    the file. The file appears whole or not at all. Raises StudioError when it cannot be written.
+    """
+    if position_channels is None:
+        travel = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2))
+        position_channels = np.flatnonzero(travel > _SMALLEST_TRAVEL).tolist()
+    positioned = frozenset({0, *position_channels})
+    text = StringIO()
+    text.write("HIERARCHY\n")
+    text.writelines(_hierarchy(skeleton, positioned, unit_scale))
+    text.write(f"MOTION\nFrames: {poses.frame_count}\nFrame Time: {1.0 / frame_rate:.10f}\n")
+    np.savetxt(text, _rows(skeleton, poses, positioned, unit_scale), fmt="%.9g")
+    _replace(Path(path), text.getvalue())
+
+
+def _hierarchy(skeleton: Skeleton, positioned: frozenset[int], scale: float) -> Iterator[str]:
+    offsets = skeleton.offsets[:, _WORLD_TO_FILE] * scale
+    open_depths: list[int] = []
+    for joint in _depth_first(skeleton):
+        depth = skeleton.depths[joint]
+        while open_depths and open_depths[-1] >= depth:
+            yield "\t" * open_depths.pop() + "}\n"
+        open_depths.append(depth)
+        yield from _joint(skeleton, joint, "\t" * depth, offsets[joint], joint in positioned)
+    while open_depths:
+        yield "\t" * open_depths.pop() + "}\n"
+
+
+def _joint(
+    skeleton: Skeleton, joint: int, indent: str, offset: FloatArray, positioned: bool
+) -> Iterator[str]:
+    if skeleton.end_sites[joint]:
+        yield f"{indent}End Site\n{indent}{{\n"
+    else:
+        yield f"{indent}{'JOINT' if joint else 'ROOT'} {skeleton.names[joint]}\n{indent}{{\n"
+    yield f"{indent}\tOFFSET {offset[0]:.9g} {offset[1]:.9g} {offset[2]:.9g}\n"
+    if not skeleton.end_sites[joint]:
+        turns = " ".join(f"{axis}rotation" for axis in _ORDER)
+        moves = "6 Xposition Yposition Zposition" if positioned else "3"
+        yield f"{indent}\tCHANNELS {moves} {turns}\n"
+    elif skeleton.children[joint]:
+        raise StudioError(
+            f"'{skeleton.names[joint]}' carries joints and cannot be written as the end of a bone."
+        )
+
+
+def _depth_first(skeleton: Skeleton) -> Iterator[int]:
+    waiting = [0]
+    while waiting:
+        joint = waiting.pop()
+        yield joint
+        waiting.extend(reversed(skeleton.children[joint]))
+
+
+def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], scale: float) -> FloatArray:
+    """(F, C) file units and degrees, joints in the order of the file."""
+    turned = poses.local_rotations[..., [*_WORLD_TO_FILE, 3]]
+    angles = np.degrees(np.unwrap(to_euler(_ORDER, turned), axis=0))
+    positions = poses.local_translations[..., _WORLD_TO_FILE] * scale
+    columns = []
+    for joint in _depth_first(skeleton):
+        if joint in positioned and not skeleton.end_sites[joint]:
+            columns.append(positions[:, joint])
+        if not skeleton.end_sites[joint]:
+            columns.append(angles[:, joint])
+    return np.concatenate(columns, axis=1)
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write beside ``path``, then rename, so that a reader sees the old file or the new one."""
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        temporary = Path(name)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+                stream.write(text)
+                stream.flush()
+                os.fsync(stream.fileno())
+            temporary.replace(path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise StudioError(f"{path} could not be written: {error.strerror}. Choose another folder.") from error

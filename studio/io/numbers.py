@@ -1,0 +1,64 @@
+"""Numbers from text, strictly: what is not a plain decimal number is refused with its line."""
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
+_ALLOWED = b"0123456789+-.eE \t\r\n\f\v"
+_ABSURD = 1e12
+
+
+def number(text: str, where: str) -> float:
+    """The number that ``text`` says; ``where`` (``walk.bvh, line 12``) begins the sentence of the StudioError."""
+    if not _NUMBER.fullmatch(text):
+        raise not_a_number(text, where)
+    value = float(text)
+    if abs(value) > _ABSURD:
+        raise StudioError(f"{where}: {_shown(text)} is too large to be true. Export the file again.")
+    return value
+
+
+def not_a_number(text: str, where: str) -> StudioError:
+    """The sentence for a word that should have been a number."""
+    if _DECIMAL_COMMA.fullmatch(text):
+        hint = "Commas seem to be decimals: export the file again with decimal points."
+    else:
+        hint = "Correct that line or export the file again."
+    return StudioError(f"{where}: {_shown(text)} is not a number. {hint}")
+
+
+def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
+    """How many words each line has."""
+    return np.fromiter((len(line.split()) for line in lines), dtype=np.int64, count=len(lines))
+
+
+def table(lines: list[bytes], words: int, name: str, first_line: int) -> NDArray[np.float64]:
+    """All ``words`` numbers of ``lines`` in one go, flat; the file is ``name``, its first line here ``first_line``.
+
+    Raises StudioError at the first word that is not a plain, believable number.
+    """
+    block = b" ".join(lines)
+    if not block.translate(None, _ALLOWED):
+        values = _parse(block)
+        if values is not None and len(values) == words and (np.abs(values) <= _ABSURD).all():
+            return values
+    for line_number, line in enumerate(lines, first_line):
+        for word in line.split():
+            number(word.decode("utf-8", "replace"), f"{name}, line {line_number}")
+    raise StudioError(f"{name}: its numbers could not be read. Export the file again.")
+
+
+def _parse(block: bytes) -> NDArray[np.float64] | None:
+    try:
+        return np.array(np.fromstring(block, dtype=np.float64, sep=" "))
+    except (ValueError, DeprecationWarning):  # numpy's two ways to say "a word is no number"
+        return None
+
+
+def _shown(text: str) -> str:
+    return f"'{text[:40]}…'" if len(text) > 40 else f"'{text}'"
