@@ -1,0 +1,60 @@
+"""The colours of the studio, shared by every view: one meaning each, ``#RRGGBB``."""
+
+WINDOW = "#0f1114"
+WELL = "#16191d"
+PANEL = "#1d2126"
+BAR = "#22272d"
+CONTROL = "#2a3037"
+EDGE = "#30373f"
+
+TEXT = "#d7dce2"
+TEXT_SECOND = "#a3adb8"
+TEXT_THIRD = "#8e98a4"
+
+SELECTED_ROW = "#2b3a4d"
+SELECTED_CONTROL = "#3d6fa8"
+SELECTED_HANDLE = "#cfe3ff"
+PLAYHEAD = "#ff6b5e"
+
+VIEWPORT_TOP = "#2a3038"
+VIEWPORT_BOTTOM = "#1d2126"
+GRID = "#3a424b"
+
+CHARACTERS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
+
+KINDS = {
+    "position": "#5b93d6",
+    "orientation": "#C9B458",
+    "distance": "#C78BD0",
+    "area": "#D98A6A",
+    "contact": "#95ad74",
+    "balance": "#5FB5A8",
+    "look_at": "#8FA3E0",
+}
+
+HELD = "#3f7f57"
+PARTLY = "#E3A23C"
+NOT_REACHED = "#E4574F"
+
+
+def character_colour(number: int) -> str:
+    """The colour of the ``number``-th character: the five, then darker and lighter turns of them."""
+    colour = CHARACTERS[number % len(CHARACTERS)]
+    turn = number // len(CHARACTERS)
+    if turn == 0:
+        return colour
+    factor = 0.72 ** ((turn + 1) // 2)
+    return mixed(colour, "#000000" if turn % 2 else "#ffffff", 1.0 - factor)
+
+
+def kind_colour(kind: str) -> str:
+    """The colour of a constraint kind; one that brings none of its own takes the second text's grey."""
+    return KINDS.get(kind, TEXT_SECOND)
+
+
+def mixed(colour: str, other: str, share: float) -> str:
+    """``colour`` moved towards ``other`` by ``share`` from 0 to 1."""
+    return "#" + "".join(
+        f"{round((1.0 - share) * int(colour[k : k + 2], 16) + share * int(other[k : k + 2], 16)):02x}"
+        for k in (1, 3, 5)
+    )

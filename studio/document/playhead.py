@@ -1,0 +1,154 @@
+"""Playhead: the time on the stage, and playback along a monotonic clock."""
+
+import time
+from collections.abc import Callable
+
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
+
+TICK_MILLISECONDS = 8
+
+
+class Playhead(QObject):
+    """Where in time the user stands. While playing, the time is read from the clock: late frames are skipped."""
+
+    changed = Signal(float)
+    playing_changed = Signal(bool)
+    range_changed = Signal()
+
+    def __init__(
+        self, parent: QObject | None = None, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        super().__init__(parent)
+        self._clock = clock
+        self._timer: QTimer | None = None
+        self._time = 0.0
+        self._frame_rate = 60.0
+        self._first, self._last = 0, 300
+        self._speed = 1.0
+        self._anchor = (0.0, 0.0)
+        self.loop = True
+
+    @property
+    def time(self) -> float:
+        """Seconds on the stage."""
+        return self._time
+
+    @property
+    def frame_rate(self) -> float:
+        """Frames a second by which frames are counted."""
+        return self._frame_rate
+
+    @frame_rate.setter
+    def frame_rate(self, value: float) -> None:
+        if not value > 0.0:
+            raise ValueError(f"A frame rate is above zero, got {value}.")
+        if value != self._frame_rate:
+            self._frame_rate = float(value)
+            self.range_changed.emit()
+
+    @property
+    def frame(self) -> int:
+        """The frame nearest to ``time``."""
+        return round(self._time * self._frame_rate)
+
+    @property
+    def first(self) -> int:
+        """First frame of the range."""
+        return self._first
+
+    @property
+    def last(self) -> int:
+        """Last frame of the range, played too."""
+        return self._last
+
+    @property
+    def speed(self) -> float:
+        """1 is real time; negative plays backwards."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, value: float) -> None:
+        self._speed = float(value)
+        self._anchor = (self._clock(), self._time)
+
+    @property
+    def playing(self) -> bool:
+        """Whether the clock runs."""
+        return self._timer is not None
+
+    def set_time(self, seconds: float) -> None:
+        """Go to ``seconds``; while playing, go on from there."""
+        self._anchor = (self._clock(), seconds)
+        self._move(seconds)
+
+    def set_frame(self, frame: int) -> None:
+        """Go to a frame."""
+        self.set_time(frame / self._frame_rate)
+
+    def step(self, frames: int) -> None:
+        """Pause and move by whole frames, within the range."""
+        self.pause()
+        self.set_frame(min(max(self.frame + frames, self._first), self._last))
+
+    def set_range(self, first: int, last: int) -> None:
+        """Play frames ``first`` to ``last``. Raises ValueError when they are not in order."""
+        if not first <= last:
+            raise ValueError(f"A range runs from a frame to a later one, not from {first} to {last}.")
+        if (first, last) != (self._first, self._last):
+            self._first, self._last = int(first), int(last)
+            self.range_changed.emit()
+
+    def play(self) -> None:
+        """Run along the clock; from the end of the range, or outside it, begin again."""
+        if self.playing:
+            return
+        begin, end = self._range_times()
+        at_end = self._time >= end if self._speed >= 0 else self._time <= begin
+        if at_end or not begin <= self._time <= end:
+            self._move(begin if self._speed >= 0 else end)
+        self._anchor = (self._clock(), self._time)
+        self._timer = QTimer(self)
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.timeout.connect(self._follow_clock)
+        self._timer.start(TICK_MILLISECONDS)
+        self.playing_changed.emit(True)
+
+    def pause(self) -> None:
+        """Stop; no timer stays behind."""
+        if self._timer is None:
+            return
+        self._timer.stop()
+        self._timer.deleteLater()
+        self._timer = None
+        self.playing_changed.emit(False)
+
+    def toggle(self) -> None:
+        """Play or pause."""
+        if self.playing:
+            self.pause()
+        else:
+            self.play()
+
+    def _range_times(self) -> tuple[float, float]:
+        return self._first / self._frame_rate, self._last / self._frame_rate
+
+    def _move(self, seconds: float) -> None:
+        if seconds != self._time:
+            self._time = float(seconds)
+            self.changed.emit(self._time)
+
+    def _follow_clock(self) -> None:
+        started, start = self._anchor
+        self._show(start + (self._clock() - started) * self._speed)
+
+    def _show(self, seconds: float) -> None:
+        begin, end = self._range_times()
+        if begin <= seconds <= end:
+            self._move(seconds)
+        elif self.loop and self._last > self._first:
+            # The last frame is shown for its whole duration before the first one comes again.
+            length = end - begin + 1.0 / self._frame_rate
+            self._move(min(begin + (seconds - begin) % length, end))
+        else:
+            self._move(end if seconds > end else begin)
+            self.pause()

@@ -1,0 +1,48 @@
+"""Selection: which entities the user works on. Not undoable; never holds an entity that is gone."""
+
+from PySide6.QtCore import QObject, Signal
+
+Item = tuple[str, str]
+
+
+class Selection(QObject):
+    """An ordered set of (collection, id); the last one is the current one."""
+
+    changed = Signal()
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._items: tuple[Item, ...] = ()
+
+    @property
+    def items(self) -> tuple[Item, ...]:
+        """All selected entities, in the order in which they were selected."""
+        return self._items
+
+    @property
+    def current(self) -> Item | None:
+        """The entity selected last, or None."""
+        return self._items[-1] if self._items else None
+
+    def set(self, *items: Item) -> None:
+        """Select these and nothing else; emits ``changed`` only when something did change."""
+        unique = tuple(dict.fromkeys((str(collection), str(entity_id)) for collection, entity_id in items))
+        if unique != self._items:
+            self._items = unique
+            self.changed.emit()
+
+    def clear(self) -> None:
+        """Select nothing."""
+        self.set()
+
+    def toggle(self, item: Item) -> None:
+        """Add the item, or take it out if it is selected: Ctrl+click."""
+        rest = tuple(other for other in self._items if other != item)
+        self.set(*(rest if item in self._items else (*rest, item)))
+
+    def of(self, collection: str) -> tuple[str, ...]:
+        """The selected ids of one collection."""
+        return tuple(entity_id for name, entity_id in self._items if name == collection)
+
+    def __contains__(self, item: object) -> bool:
+        return item in self._items
