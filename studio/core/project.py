@@ -35,7 +35,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Clip:
-    """A used stretch of a motion: frames ``first`` to ``last`` (both included), begun at ``start`` seconds."""
+    """A used stretch of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds."""
 
     motion_id: str
     first: int
@@ -44,12 +44,14 @@ class Clip:
 
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
-            raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
+            raise ValueError(
+                f"A clip runs from a frame to a later one, not from {self.first} to {self.last}."
+            )
 
 
 @dataclass(frozen=True)
 class Performer:
-    """A character on the stage, playing clips at a place: ``position`` in metres, ``heading`` in radians about Z."""
+    """A character playing clips on the stage at ``position`` (metres), turned by ``heading`` (radians about Z)."""
 
     name: str
     character_id: str
@@ -65,7 +67,7 @@ class Performer:
 
 @dataclass(frozen=True)
 class Prop:
-    """A thing on the stage: a box of ``size`` metres centred at ``position``, turned by ``heading`` about Z."""
+    """A box on the stage: ``size`` metres, centred at ``position``, turned by ``heading`` about Z."""
 
     name: str
     size: Vector = (0.4, 0.4, 0.4)
@@ -75,11 +77,49 @@ class Prop:
 
 Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Ground | Prop
 
-COLLECTIONS = ("captures", "motions", "characters", "performers", "constraints", "contacts", "grounds", "props")
+COLLECTIONS = (
+    "captures",
+    "motions",
+    "characters",
+    "performers",
+    "constraints",
+    "contacts",
+    "grounds",
+    "props",
+)
+
+
+CLASSES: Mapping[str, type] = MappingProxyType(
+    {
+        "captures": Capture,
+        "motions": Motion,
+        "characters": Character,
+        "performers": Performer,
+        "constraints": Constraint,
+        "contacts": ContactInterval,
+        "grounds": Ground,
+        "props": Prop,
+    }
+)
 
 
 def _frozen(entities: Mapping[str, Any]) -> Mapping[str, Any]:
-    return MappingProxyType(dict(entities))
+    return entities if isinstance(entities, MappingProxyType) else MappingProxyType(dict(entities))
+
+
+def references(entity: Entity) -> tuple[tuple[str, str], ...]:
+    """(collection, id) of everything that ``entity`` cannot be without."""
+    match entity:
+        case Motion():
+            return (("captures", entity.capture_id),)
+        case Performer():
+            return (
+                ("characters", entity.character_id),
+                *(("motions", clip.motion_id) for clip in entity.clips),
+            )
+        case Constraint() | ContactInterval():
+            return (("motions", entity.motion_id),)
+    return ()
 
 
 @dataclass(frozen=True)
@@ -94,9 +134,11 @@ class Project:
     contacts: Mapping[str, ContactInterval] = field(default_factory=dict)
     grounds: Mapping[str, Ground] = field(default_factory=lambda: {GROUND_ID: Ground()})
     props: Mapping[str, Prop] = field(default_factory=dict)
+    carried: Mapping[str, Any] = field(default_factory=dict)
+    """What a newer version wrote and this one does not know, as JSON by place; written back as it came."""
 
     def __post_init__(self) -> None:
-        for name in COLLECTIONS:
+        for name in (*COLLECTIONS, "carried"):
             object.__setattr__(self, name, _frozen(getattr(self, name)))
 
     @property
@@ -108,14 +150,41 @@ class Project:
         found: Entity | None = getattr(self, collection).get(entity_id)
         return found
 
-    def with_entity(self, collection: str, entity_id: str, entity: Entity | None) -> Self:
-        """This project with one entity put (kept in its place, or added last) or, for None, removed."""
+    def place(self, collection: str, entity_id: str) -> int | None:
+        """Where in its collection the entity of that id stands, or None."""
+        ids = tuple(getattr(self, collection))
+        return ids.index(entity_id) if entity_id in ids else None
+
+    def with_entity(
+        self, collection: str, entity_id: str, entity: Entity | None, place: int | None = None
+    ) -> Self:
+        """This project with one entity put or, for None, removed.
+
+        One that is there already keeps its place; a new one goes to ``place``, or to the end.
+        """
         entities = dict(getattr(self, collection))
         if entity is None:
             entities.pop(entity_id, None)
-        else:
+        elif entity_id in entities or place is None:
             entities[entity_id] = entity
-        return replace(self, **{collection: entities})
+        else:
+            ordered = list(entities.items())
+            ordered.insert(place, (entity_id, entity))
+            entities = dict(ordered)
+        return replace(self, **{collection: MappingProxyType(entities)})
+
+    def referring_to(self, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
+        """(collection, id) of the entities that name this one."""
+        return tuple(
+            (name, key)
+            for name in COLLECTIONS
+            for key, entity in getattr(self, name).items()
+            if (collection, entity_id) in references(entity)
+        )
+
+    def missing_references(self, entity: Entity) -> tuple[tuple[str, str], ...]:
+        """Those of ``references(entity)`` that this project does not hold."""
+        return tuple(reference for reference in references(entity) if self.get(*reference) is None)
 
     def constraints_of(self, motion_id: str) -> dict[str, Constraint]:
         """The motion's constraints by id, highest priority first."""

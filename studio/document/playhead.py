@@ -9,15 +9,13 @@ TICK_MILLISECONDS = 8
 
 
 class Playhead(QObject):
-    """Where in time the user stands. While playing, the time is read from the clock: late frames are skipped."""
+    """Where in time the user stands. Playback reads the time from the clock, so late frames are skipped."""
 
     changed = Signal(float)
     playing_changed = Signal(bool)
     range_changed = Signal()
 
-    def __init__(
-        self, parent: QObject | None = None, clock: Callable[[], float] = time.monotonic
-    ) -> None:
+    def __init__(self, parent: QObject | None = None, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__(parent)
         self._clock = clock
         self._timer: QTimer | None = None

@@ -1,0 +1,24 @@
+"""Removal: an entity goes together with everything that cannot be without it."""
+
+from dataclasses import replace
+
+from studio.core.project import Performer, Project
+from studio.document.commands.replace import Edit, applied
+
+
+def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ...]:
+    """The edits that remove an entity and what refers to it; a performer only loses its clips of a motion."""
+    edits: list[Edit] = []
+    for name, key in project.referring_to(collection, entity_id):
+        old = project.get(name, key)
+        if old is None:
+            continue
+        if collection == "motions" and isinstance(old, Performer):
+            kept = tuple(clip for clip in old.clips if clip.motion_id != entity_id)
+            steps: tuple[Edit, ...] = (Edit(name, key, old, replace(old, clips=kept)),)
+        else:
+            steps = removal(project, name, key)
+        edits += steps
+        project = applied(project, steps)
+    place = project.place(collection, entity_id)
+    return (*edits, Edit(collection, entity_id, project.get(collection, entity_id), None, place))

@@ -1,0 +1,110 @@
+"""ReplaceValue: put one value in the place of another. Every edit of the project is this command."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+from PySide6.QtGui import QUndoCommand
+
+from studio.core.project import Entity, Project
+
+GESTURE_COMMANDS = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Edit:
+    """One entity's change; ``old`` None is an addition, ``new`` None a removal, from or to ``place``."""
+
+    collection: str
+    entity_id: str
+    old: Entity | None
+    new: Entity | None
+    place: int | None = None
+
+    @property
+    def item(self) -> tuple[str, str]:
+        """(collection, id)."""
+        return self.collection, self.entity_id
+
+    @property
+    def reverted(self) -> "Edit":
+        """The edit that takes this one back."""
+        return replace(self, old=self.new, new=self.old)
+
+
+def applied(project: Project, edits: Iterable[Edit]) -> Project:
+    """``project`` after all edits, in their order."""
+    for edit in edits:
+        project = project.with_entity(edit.collection, edit.entity_id, edit.new, edit.place)
+    return project
+
+
+def reverted(edits: tuple[Edit, ...]) -> tuple[Edit, ...]:
+    """The edits that take these back: last first, so that every place is again what it was."""
+    return tuple(edit.reverted for edit in reversed(edits))
+
+
+def same_value(first: Any, second: Any) -> bool:
+    """Whether two entities say the same; ``==`` cannot tell where arrays are in them."""
+    if first is second:
+        return True
+    if type(first) is not type(second):
+        return False
+    if isinstance(first, np.ndarray):
+        return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
+    if is_dataclass(first):
+        return all(same_value(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
+    return bool(first == second)
+
+
+class ReplaceValue(QUndoCommand):
+    """Some edits as one undo step; those of one gesture merge, and one that ends where it began vanishes."""
+
+    def __init__(
+        self,
+        show: Callable[[tuple[Edit, ...], str], None],
+        edits: tuple[Edit, ...],
+        text: str,
+        gesture: int | None,
+    ) -> None:
+        super().__init__(text)
+        self._show, self.edits, self.gesture = show, edits, gesture
+        self._verb = "edit"
+
+    def redo(self) -> None:
+        """Put the new values."""
+        self._show(self.edits, self._verb)
+        self._verb = "redo"
+
+    def undo(self) -> None:
+        """Put the old values back."""
+        self._show(reverted(self.edits), "undo")
+
+    def id(self) -> int:
+        """Which commands may be offered for merging: all that belong to a gesture."""
+        return -1 if self.gesture is None else GESTURE_COMMANDS
+
+    def mergeWith(self, other: QUndoCommand) -> bool:
+        """Take in a later command of the same gesture."""
+        if not isinstance(other, ReplaceValue) or other.gesture != self.gesture:
+            return False
+        self.edits = merged(self.edits, other.edits)
+        self.setText(other.text())
+        self.setObsolete(not self.edits)
+        return True
+
+
+def merged(earlier: tuple[Edit, ...], later: tuple[Edit, ...]) -> tuple[Edit, ...]:
+    """Both as one: replacements of an entity become one edit, and those that change nothing are left out.
+
+    Additions and removals are kept in sequence, for the places they name are those of their moment.
+    """
+    result = {edit.item: edit for edit in earlier}
+    replacements = all(edit.old is not None and edit.new is not None for edit in (*earlier, *later))
+    if not replacements or len(result) < len(earlier):
+        return (*earlier, *later)
+    for edit in later:
+        first = result.get(edit.item)
+        result[edit.item] = edit if first is None else replace(edit, old=first.old)
+    return tuple(edit for edit in result.values() if not same_value(edit.old, edit.new))
