@@ -51,7 +51,7 @@ class Clip:
 
 @dataclass(frozen=True)
 class Performer:
-    """A character playing clips on the stage at ``position`` (metres), turned by ``heading`` (radians about Z)."""
+    """A character playing clips at ``position`` (metres) on the stage, turned by ``heading`` (radians)."""
 
     name: str
     character_id: str

@@ -34,7 +34,7 @@ class Document(QObject):
         self.undo_stack = QUndoStack(self)
         self.selection = Selection(self)
         self.playhead = Playhead(self)
-        self.undo_stack.cleanChanged.connect(lambda _clean: self.saved_state_changed.emit())
+        self.undo_stack.cleanChanged.connect(self._tell_saved_state)
         self._fit_playhead()
 
     @property
@@ -145,6 +145,9 @@ class Document(QObject):
         self.playhead.set_time(0.0)
         self._fit_playhead()
         self.project_opened.emit()
+        self.saved_state_changed.emit()
+
+    def _tell_saved_state(self) -> None:
         self.saved_state_changed.emit()
 
     def _existing(self, collection: str, entity_id: str) -> Entity:
