@@ -1,20 +1,166 @@
-"""A skin: a mesh bound to the segments of a body."""
+"""A skin: a mesh bound to the segments of a body, fitted to other bodies and carried by their poses."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+
+from studio.core.canonical import BodyPart
+from studio.core.kernels import skinning
+from studio.core.morphology import FloatArray, Morphology
+from studio.core.rest_pose import rest_pose
+
+INFLUENCES = 4
+_COLUMNS: tuple[tuple[str, type, int], ...] = (
+    ("vertices", np.float32, 3),
+    ("normals", np.float32, 3),
+    ("centres", np.float32, 3),
+    ("triangles", np.int32, 3),
+    ("segments", np.int32, INFLUENCES),
+    ("weights", np.float32, INFLUENCES),
+)
 
 
 @dataclass(frozen=True, eq=False)
 class SkinnedMesh:
     """A triangle mesh in the rest pose of its build, each vertex bound to up to four segments.
 
-    ``vertices`` (V, 3) metres, world space of the rest pose; ``triangles`` (T, 3); ``segments`` (V, 4) indices in
-    the canonical layout; ``weights`` (V, 4), each row summing to 1.
+    ``vertices`` (V, 3) metres and unit ``normals`` (V, 3), world space of the rest pose; ``triangles`` (T, 3),
+    counter-clockwise from outside; ``segments`` (V, 4) indices in the canonical layout; ``weights`` (V, 4),
+    heaviest first, each row summing to 1; ``centres`` (V, 3), the points about which the blended rotation of
+    each vertex turns. Raises ValueError with the member's name when a shape or an index is wrong.
     """
 
     vertices: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    centres: NDArray[np.float32]
     triangles: NDArray[np.int32]
     segments: NDArray[np.int32]
     weights: NDArray[np.float32]
+
+    def __post_init__(self) -> None:
+        for name, kind, width in _COLUMNS:
+            array = np.array(getattr(self, name), dtype=kind)
+            rows = array.shape[0] if name == "triangles" else len(self.vertices)
+            if array.shape != (rows, width):
+                raise ValueError(f"{name}: expected shape ({rows}, {width}), got {array.shape}.")
+            if not np.isfinite(array).all():
+                raise ValueError(f"{name}: holds a number that is not finite.")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if not len(self.vertices) or not len(self.triangles):
+            raise ValueError("vertices: a mesh needs at least one triangle.")
+        if self.triangles.min() < 0 or self.triangles.max() >= len(self.vertices):
+            raise ValueError("triangles: name a vertex that is not there.")
+        if self.segments.min() < 0:
+            raise ValueError("segments: an index is below zero.")
+        if (np.diff(self.weights, axis=1) > 0).any() or not np.allclose(
+            self.weights.sum(axis=1), 1, atol=1e-5
+        ):
+            raise ValueError("weights: each row falls and sums to 1.")
+
+
+def skin_vertices(
+    mesh: SkinnedMesh,
+    build: Morphology,
+    morphology: Morphology,
+    positions: FloatArray,
+    rotations: FloatArray,
+    out_vertices: NDArray[np.float32] | None = None,
+    out_normals: NDArray[np.float32] | None = None,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """World vertices and normals (V, 3) of one frame, written in place where ``out_`` arrays are given.
+
+    ``positions`` (K+23, 3) and ``rotations`` (K+18, 3, 3) pose a body of ``morphology``; ``mesh`` is bound to
+    ``build``. The mesh fitted to ``morphology`` is remembered, so only a moved slider pays for it.
+    """
+    fitted = fit_skin(mesh, build, morphology)
+    rest_positions, rest_rotations = _rest(morphology)
+    proximal = list(morphology.layout.proximal_points())
+    motions = np.empty((morphology.layout.segment_count, 16))
+    skinning.segment_motions(
+        rest_rotations, rest_positions[proximal], rotations, positions[proximal], motions
+    )
+    vertices = np.empty_like(mesh.vertices) if out_vertices is None else out_vertices
+    normals = np.empty_like(mesh.normals) if out_normals is None else out_normals
+    skinning.skin(
+        fitted.vertices,
+        fitted.normals,
+        fitted.centres,
+        fitted.segments,
+        fitted.weights,
+        motions,
+        vertices,
+        normals,
+    )
+    return vertices, normals
+
+
+@lru_cache(maxsize=64)
+def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> SkinnedMesh:
+    """``mesh``, bound to ``build``, reshaped to stand in the rest pose of ``morphology``.
+
+    Each segment stretches with its bone and thickens with the body; a body scaled as a whole gives the mesh
+    scaled as a whole. Raises ValueError when the two bodies have not the same number of spine segments.
+    """
+    if build.layout != morphology.layout:
+        raise ValueError("A skin fits bodies with the same number of spine segments only.")
+    if build == morphology:
+        return mesh
+    old_positions, old_rotations = rest_pose(build)
+    new_positions, new_rotations = rest_pose(morphology)
+    scales = segment_scales(build, morphology)
+    proximal = list(build.layout.proximal_points())
+    forms = np.einsum("sij,sj,skj->sik", new_rotations, scales, old_rotations)
+    shifts = new_positions[proximal] - np.einsum("sij,sj->si", forms, old_positions[proximal])
+    form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
+    shift = np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
+    normals = np.einsum("vji,vj->vi", np.linalg.inv(form), mesh.normals)
+    return replace(
+        mesh,
+        vertices=np.einsum("vij,vj->vi", form, mesh.vertices) + shift,
+        centres=np.einsum("vij,vj->vi", form, mesh.centres) + shift,
+        normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
+    )
+
+
+def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
+    """(K+18, 3) stretch of each segment along its own axes, from ``build`` to ``morphology``.
+
+    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond it;
+    head, hands and feet keep their form; the trunk widens with hips and shoulders.
+    """
+    layout, spine_count = build.layout, build.layout.spine_count
+    lengths = np.stack([_bone_lengths(body) for body in (build, morphology)])
+    along = lengths[1] / lengths[0]
+    shared = float(np.median(along))
+    girth = shared * (along / shared) ** 0.25
+    scales = np.stack([girth, girth, along], axis=1)
+    for side in (0, 1):
+        for part in (BodyPart.LEFT_HAND, BodyPart.LEFT_FOOT, BodyPart.LEFT_TOE):
+            segment = layout.segment(part) + 4 * side
+            scales[segment] = along[segment]
+    scales[layout.segment(BodyPart.HEAD)] = along[layout.segment(BodyPart.HEAD)]
+    hips, shoulders = _trunk_widths(morphology) / _trunk_widths(build)
+    scales[:spine_count, 0] = shared
+    scales[:spine_count, 1] = np.linspace(hips, shoulders, spine_count)
+    return scales
+
+
+def _bone_lengths(body: Morphology) -> FloatArray:
+    """(K+18,) length of each segment: the distance between its two ends."""
+    positions, _ = _rest(body)
+    ends = positions[list(body.layout.distal_points())] - positions[list(body.layout.proximal_points())]
+    return np.asarray(np.linalg.norm(ends, axis=1))
+
+
+def _trunk_widths(body: Morphology) -> FloatArray:
+    """Distance between the hips, and between the shoulders."""
+    shoulders = np.ptp(body.collar_base[:, 1]) + body.clavicle.sum()
+    return np.array([np.ptp(body.hip_offset[:, 1]), shoulders])
+
+
+@lru_cache(maxsize=64)
+def _rest(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    return rest_pose(morphology)

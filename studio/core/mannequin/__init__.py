@@ -1,0 +1,1 @@
+"""Mannequins: smooth bodies computed from a morphology and a few girths."""

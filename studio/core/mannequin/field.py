@@ -1,0 +1,76 @@
+"""Signed distance fields: the smooth solids a mannequin is put together from."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from studio.core.morphology import FloatArray
+
+_TINY = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Loft:
+    """A limb: ellipses strung along the z axis of ``frame``, with rounded ends.
+
+    ``stations`` rows: place along z, centre x, centre y, half-width x, half-width y (metres, at least two rows).
+    ``power`` 2 gives ellipses, above 2 boxier sections; ``caps`` are the lengths of the two rounded ends.
+    """
+
+    origin: FloatArray
+    frame: FloatArray
+    stations: FloatArray
+    power: float = 2.0
+    caps: tuple[float, float] | None = None
+
+    @cached_property
+    def _profile(self) -> PchipInterpolator:
+        return PchipInterpolator(self.stations[:, 0], self.stations[:, 1:])
+
+    def distance(self, points: FloatArray) -> FloatArray:
+        """(N,) distance from (N, 3) world points, below zero inside; true near the surface only."""
+        local = (points - self.origin) @ self.frame + _TINY
+        first, last = self.stations[0], self.stations[-1]
+        along = np.clip(local[:, 2], first[0], last[0])
+        centre_x, centre_y, half_x, half_y = self._profile(along).T
+        x, y, beyond = local[:, 0] - centre_x, local[:, 1] - centre_y, local[:, 2] - along
+        caps = self.caps or (float(first[3:].mean()), float(last[3:].mean()))
+        cap = np.where(beyond < 0, *caps)
+        section = (np.abs(x / half_x) ** self.power + np.abs(y / half_y) ** self.power) ** (1 / self.power)
+        level = np.hypot(section, beyond / cap)
+        return np.asarray(np.sqrt(x * x + y * y + beyond * beyond) * (1 - 1 / level))
+
+
+@dataclass(frozen=True, eq=False)
+class Ellipsoid:
+    """An ellipsoid with half-axes ``radii`` along the columns of ``frame``."""
+
+    centre: FloatArray
+    radii: FloatArray
+    frame: FloatArray
+
+    def distance(self, points: FloatArray) -> FloatArray:
+        """(N,) approximate distance, first order exact at the surface (Quilez, "Ellipsoid SDF")."""
+        local = (points - self.centre) @ self.frame + _TINY
+        level = np.linalg.norm(local / self.radii, axis=1)
+        slope = np.linalg.norm(local / self.radii**2, axis=1)
+        return np.asarray(level * (level - 1) / slope)
+
+
+Solid = Loft | Ellipsoid
+
+
+def smooth_union(a: FloatArray, b: FloatArray, width: float) -> FloatArray:
+    """The union of two solids with a fillet of ``width``."""
+    overlap = np.maximum(width - np.abs(a - b), 0) / width
+    return np.asarray(np.minimum(a, b) - overlap**3 * width / 6)
+
+
+def union(parts: list[tuple[Solid, float]], points: FloatArray) -> FloatArray:
+    """Parts joined one after another, each with the fillet width that stands beside it."""
+    distance = parts[0][0].distance(points)
+    for part, width in parts[1:]:
+        distance = smooth_union(distance, part.distance(points), width)
+    return distance

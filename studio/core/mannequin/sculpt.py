@@ -1,0 +1,33 @@
+"""From a physique to a bound mesh."""
+
+import numpy as np
+
+from studio.core.mannequin import binding, surface
+from studio.core.mannequin.form import Form
+from studio.core.mannequin.physique import Physique
+from studio.core.skin import SkinnedMesh
+
+CELL = 0.0115
+"""Grid cell of the first surface, as a fraction of stature."""
+
+
+def make_mannequin(physique: Physique) -> SkinnedMesh:
+    """The smooth body of ``physique`` in its rest pose, symmetric, closed, bound to its segments."""
+    form, h = Form(physique), physique.stature
+    points, _ = form.rest
+    low = np.array([-0.16, 0.0, -0.03]) * h
+    high = np.array([0.20, points[:, 1].max() / h + 0.05, 1.04]) * h
+    half, half_triangles = surface.left_half_surface(form.distance, low, high, CELL * h)
+    half = surface.project(form.distance, half, CELL * h)
+    vertices, triangles = surface.mirrored(half, half_triangles)
+    slope = surface.gradient(form.distance, vertices)
+    weights = binding.diffused(binding.segment_weights(form, vertices), triangles, 4)
+    segments, chosen = binding.strongest(weights)
+    return SkinnedMesh(
+        vertices=vertices,
+        normals=slope / np.linalg.norm(slope, axis=1, keepdims=True),
+        centres=binding.rotation_centres(vertices, triangles, segments, chosen),
+        triangles=triangles,
+        segments=segments,
+        weights=chosen,
+    )

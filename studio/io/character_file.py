@@ -1,0 +1,129 @@
+"""Characters on disk: a JSON file with name, colour and build, and beside it the mesh as .npz, named by hash."""
+
+import hashlib
+import json
+import re
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict
+from functools import lru_cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.core.character import Character
+from studio.core.errors import StudioError
+from studio.core.morphology import Morphology, Proportions
+from studio.core.skin import SkinnedMesh
+from studio.resources_folder import resources_folder
+
+FORMAT = "morpho-studio character"
+VERSION = 1
+_LIMIT = 50_000_000
+_MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
+
+
+def write_character(character: Character, path: Path) -> None:
+    """Write ``path`` (.json) and the mesh beside it under the same name (.npz). Raises OSError."""
+    mesh = mesh_bytes(character.skin)
+    mesh_path = path.with_suffix(".npz")
+    record = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": character.name,
+        "colour": character.colour,
+        "mesh": mesh_path.name,
+        "sha256": hashlib.sha256(mesh).hexdigest(),
+        "proportions": asdict(character.proportions),
+        "build": character.build.to_json(),
+    }
+    mesh_path.write_bytes(mesh)
+    path.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+
+
+def read_character(path: Path) -> Character:
+    """The character of a .json file. Raises StudioError naming the file and the member that is wrong."""
+    record = _read_record(path)
+    mesh_name = _member(record, "mesh", str, path)
+    if Path(mesh_name).name != mesh_name:
+        raise StudioError(f"{path}: 'mesh' must name a file beside it, not '{mesh_name}'.")
+    colour = _member(record, "colour", str, path)
+    if not re.fullmatch(r"#[0-9A-Fa-f]{6}", colour):
+        raise StudioError(f"{path}: 'colour' is '{colour}', expected #RRGGBB.")
+    mesh_path = path.with_name(mesh_name)
+    content = _read_bytes(mesh_path)
+    if hashlib.sha256(content).hexdigest() != record.get("sha256"):
+        raise StudioError(
+            f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both anew."
+        )
+    try:
+        build = Morphology.from_json(_member(record, "build", dict, path))
+        proportions = Proportions(**record.get("proportions", {}))
+    except (ValueError, TypeError) as error:
+        raise StudioError(f"{path}: the measures are damaged. {error}") from error
+    skin = read_mesh(content, str(mesh_path))
+    if skin.segments.max() >= build.layout.segment_count:
+        raise StudioError(f"{mesh_path}: 'segments' names a segment that this body has not.")
+    return Character(_member(record, "name", str, path), colour, build, skin, proportions)
+
+
+@lru_cache(maxsize=1)
+def bundled_characters() -> Mapping[str, Character]:
+    """The characters that come with the studio, by file name without suffix, in the order of their index."""
+    folder = resources_folder() / "characters"
+    order = json.loads((folder / "index.json").read_text(encoding="utf-8"))
+    return {name: read_character(folder / f"{name}.json") for name in order}
+
+
+def mesh_bytes(mesh: SkinnedMesh) -> bytes:
+    """A skinned mesh as the bytes of an .npz file; the same mesh always gives the same bytes."""
+    arrays = {name: getattr(mesh, name) for name in _MEMBERS}
+    buffer = BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, array in arrays.items():
+            entry = BytesIO()
+            np.lib.format.write_array(entry, np.ascontiguousarray(array), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy"), entry.getvalue(), zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()
+
+
+def read_mesh(content: bytes, source: str) -> SkinnedMesh:
+    """Inverse of ``mesh_bytes``. Raises StudioError that names ``source`` and the damaged member."""
+    try:
+        with zipfile.ZipFile(BytesIO(content)) as archive:
+            if sum(entry.file_size for entry in archive.infolist()) > _LIMIT:
+                raise StudioError(f"{source}: the mesh would unpack to more than {_LIMIT // 1_000_000} MB.")
+        with np.load(BytesIO(content), allow_pickle=False) as file:
+            return SkinnedMesh(**{name: file[name] for name in _MEMBERS})
+    except (zipfile.BadZipFile, KeyError, ValueError, EOFError, OSError) as error:
+        raise StudioError(f"{source}: the mesh is damaged. {error}") from error
+
+
+def _read_record(path: Path) -> dict[str, Any]:
+    try:
+        record = json.loads(_read_bytes(path))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise StudioError(f"{path}: not a character file. {error}") from error
+    if not isinstance(record, dict) or record.get("format") != FORMAT:
+        raise StudioError(f"{path}: not a character file: its 'format' is not '{FORMAT}'.")
+    if record.get("version") != VERSION:
+        raise StudioError(
+            f"{path}: version {record.get('version')} is not known here. Install a newer Morpho Studio."
+        )
+    return record
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise StudioError(f"{path}: cannot be read ({error.strerror}).") from error
+
+
+def _member(record: dict[str, Any], name: str, kind: type, path: Path) -> Any:
+    value = record.get(name)
+    if not isinstance(value, kind):
+        raise StudioError(f"{path}: '{name}' is missing or of the wrong kind.")
+    return value
