@@ -192,4 +192,4 @@ class Document(QObject):
         capture = self._project.captures.get(motion.capture_id) if motion else None
         if capture is not None:
             self.playhead.frame_rate = capture.frame_rate
-            self.playhead.set_range(0, capture.poses.frame_count - 1)
+            self.playhead.set_range(capture.first_frame, capture.frame_count - 1)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
+from weakref import WeakMethod
 
 import numpy as np
 from PySide6.QtGui import QUndoCommand
@@ -69,7 +70,9 @@ class ReplaceValue(QUndoCommand):
         gesture: int | None,
     ) -> None:
         super().__init__(text)
-        self._show, self.edits, self.gesture = show, edits, gesture
+        # A strong one closes a cycle through the stack's C++ side, which crashes the garbage collector.
+        self._document_step = WeakMethod(show)
+        self.edits, self.gesture = edits, gesture
         self._verb = "edit"
 
     def redo(self) -> None:
@@ -80,6 +83,11 @@ class ReplaceValue(QUndoCommand):
     def undo(self) -> None:
         """Put the old values back."""
         self._show(reverted(self.edits), "undo")
+
+    def _show(self, edits: tuple[Edit, ...], verb: str) -> None:
+        step = self._document_step()
+        if step is not None:
+            step(edits, verb)
 
     def id(self) -> int:
         """Which commands may be offered for merging: all that belong to a gesture."""

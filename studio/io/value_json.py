@@ -1,0 +1,180 @@
+"""Frozen dataclasses to plain JSON and back, led by their type hints; large arrays become members."""
+
+import types
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from enum import Enum
+from functools import cache
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+
+Json = Any
+Array = NDArray[Any]
+INLINE_NUMBERS = 64
+"""Arrays of up to so many numbers stand in the JSON itself."""
+
+
+@dataclass(frozen=True)
+class MemberCodec:
+    """Where large arrays go and come from: ``store`` names an array's member, ``load`` gives it back."""
+
+    store: Callable[[Array], str]
+    load: Callable[[str], Array]
+
+
+def to_json(value: Any, members: MemberCodec) -> Json:
+    """Plain JSON of a value made of dataclasses, enumerations, sequences, mappings, numbers and arrays."""
+    match value:
+        case np.ndarray():
+            inline = 0 < value.size <= INLINE_NUMBERS and bool(np.isfinite(value).all())
+            return value.tolist() if inline else {"member": members.store(value)}
+        case Enum():
+            return value.value
+        case np.generic():
+            return value.item()
+        case None | bool() | int() | str() | float():
+            return value
+        case Mapping():
+            return {str(to_json(key, members)): to_json(item, members) for key, item in value.items()}
+        case tuple() | list():
+            return [to_json(item, members) for item in value]
+    if not is_dataclass(value):
+        raise TypeError(f"A {type(value).__name__} cannot be stored.")
+    return {field.name: to_json(getattr(value, field.name), members) for field in fields(value)}
+
+
+def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
+    """The value of type ``hint`` that ``record`` describes.
+
+    Raises ValueError, with the names of the fields on the way, when the record does not fit the hint. Unknown
+    fields are passed over; ``unknown_fields`` finds them.
+    """
+    origin = get_origin(hint)
+    if origin is np.ndarray:
+        return _array(record, hint, members)
+    if origin in (Union, types.UnionType):
+        return _union(record, get_args(hint), members)
+    if origin is Literal:
+        return _checked(record, record in get_args(hint), f"one of {get_args(hint)}")
+    if origin is tuple:
+        return _tuple(record, get_args(hint), members)
+    if origin in (list, Mapping, dict):
+        return _collection(record, origin, get_args(hint), members)
+    if is_dataclass(hint):
+        return _dataclass(record, hint, members)
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return hint(record)
+    return _plain(record, hint)
+
+
+def unknown_fields(record: Json, hint: Any) -> dict[str, Json]:
+    """What stands in ``record`` and its inner records but in no field of the dataclass ``hint``."""
+    if not is_dataclass(hint) or not isinstance(record, dict):
+        return {}
+    hints: dict[str, Any] = field_hints(hint)  # type: ignore[arg-type]
+    unknown = {key: item for key, item in record.items() if key not in hints}
+    inner = {key: unknown_fields(record[key], hints[key]) for key in record if key in hints}
+    return unknown | {key: item for key, item in inner.items() if item}
+
+
+@cache
+def field_hints(kind: type) -> dict[str, Any]:
+    """The resolved type of each field of a dataclass."""
+    hints = get_type_hints(kind)
+    return {field.name: hints[field.name] for field in fields(kind) if field.init}
+
+
+def _dataclass(record: Json, kind: Any, members: MemberCodec) -> Any:
+    _checked(record, isinstance(record, dict), "a record")
+    values = {}
+    for name, hint in field_hints(kind).items():
+        if name in record:
+            try:
+                values[name] = from_json(record[name], hint, members)
+            except (ValueError, StudioError) as error:
+                raise ValueError(f"{name}: {error}") from error
+    required = {f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING}
+    if missing := sorted(required - values.keys()):
+        raise ValueError(f"{', '.join(missing)} missing.")
+    return _as_stored(kind(**values), values)
+
+
+def _as_stored(value: Any, stored: dict[str, Any]) -> Any:
+    """Keep stored arrays to the bit where the constructor only rounded them anew, so that hashes last."""
+    for name, array in stored.items():
+        built = getattr(value, name)
+        if not isinstance(array, np.ndarray) or (built.dtype, built.shape) != (array.dtype, array.shape):
+            continue
+        if array.dtype.kind == "f" and np.allclose(built, array, rtol=0.0, atol=1e-12, equal_nan=True):
+            object.__setattr__(value, name, array)
+    return value
+
+
+def _array(record: Json, hint: Any, members: MemberCodec) -> Array:
+    kind = np.dtype(get_args(get_args(hint)[1])[0])
+    if isinstance(record, dict):
+        return members.load(_plain(record.get("member"), str))
+    _checked(record, isinstance(record, list | int | float), "numbers")
+    try:
+        array = np.array(record, dtype=kind)
+    except (TypeError, OverflowError) as error:
+        raise ValueError("numbers expected.") from error
+    array.setflags(write=False)
+    return array
+
+
+def _union(record: Json, choices: tuple[Any, ...], members: MemberCodec) -> Any:
+    if record is None and type(None) in choices:
+        return None
+    failure = ValueError("no value.")
+    for choice in choices:
+        if choice is not type(None):
+            try:
+                return from_json(record, choice, members)
+            except ValueError as error:
+                failure = error
+    raise failure
+
+
+def _tuple(record: Json, hints: tuple[Any, ...], members: MemberCodec) -> tuple[Any, ...]:
+    _checked(record, isinstance(record, list), "a list")
+    if len(hints) == 2 and hints[1] is Ellipsis:
+        return tuple(from_json(item, hints[0], members) for item in record)
+    _checked(record, len(record) == len(hints), f"a list of {len(hints)}")
+    return tuple(from_json(item, hint, members) for item, hint in zip(record, hints, strict=True))
+
+
+def _collection(record: Json, origin: Any, hints: tuple[Any, ...], members: MemberCodec) -> Any:
+    if origin is list:
+        _checked(record, isinstance(record, list), "a list")
+        return [from_json(item, hints[0], members) for item in record]
+    _checked(record, isinstance(record, dict), "a record")
+    key_hint, value_hint = hints
+    return {_key(key, key_hint): from_json(item, value_hint, members) for key, item in record.items()}
+
+
+def _key(key: str, hint: Any) -> Any:
+    if isinstance(hint, type) and issubclass(hint, Enum | int):
+        return hint(key)
+    return key
+
+
+def _plain(record: Json, hint: Any) -> Any:
+    if hint is Any:
+        return record
+    if hint is float:
+        _checked(record, isinstance(record, int | float) and not isinstance(record, bool), "a number")
+        return float(record)
+    if hint is int:
+        return _checked(record, isinstance(record, int) and not isinstance(record, bool), "a whole number")
+    return _checked(record, isinstance(record, hint), f"of type {hint.__name__}")
+
+
+def _checked(record: Json, right: bool, expected: str) -> Json:
+    if not right:
+        raise ValueError(f"{expected} expected, not {str(record)[:40]!r}.")
+    return record

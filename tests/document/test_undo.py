@@ -1,0 +1,208 @@
+"""Undo is exact: whatever was edited, undoing all gives the first bytes back, redoing all the last."""
+
+import gc
+import weakref
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from studio.core.errors import StudioError
+from studio.core.ground import Ground
+from studio.core.project import GROUND_ID, Prop
+from studio.document.document import Document
+from studio.io.entity_json import project_json
+from tests.builders import make_constraint, make_contact, make_project
+
+PROJECT = make_project(characters=3, constraints=2, contacts=3)
+
+
+def state(document: Document) -> bytes:
+    return project_json(document.project, {})
+
+
+def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
+    """One of the edits an animator makes; some belong to the current gesture."""
+    project = document.project
+    constraints, contacts = list(project.constraints), list(project.contacts)
+    match chance.choice(
+        ["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group"]
+    ):
+        case "add" if project.motions:
+            document.add("constraints", make_constraint(name=f"T{chance.random()}"), "Add target")
+        case "add contact" if project.motions:
+            document.add("contacts", make_contact(first=chance.randrange(12)), "Add contact")
+        case "add prop":
+            document.add("props", Prop("Box"), "Add prop")
+        case "drag" if constraints:
+            key = chance.choice(constraints)
+            target = (chance.choice([0.0, 0.1, 0.2]), 0.0, 1.0)
+            moved = replace(project.constraints[key], target=target)
+            document.replace("constraints", key, moved, "Move target", gesture)
+        case "trim" if contacts:
+            key = chance.choice(contacts)
+            trimmed = replace(project.contacts[key], last=12 + chance.randrange(5))
+            document.replace("contacts", key, trimmed, "Trim contact")
+        case "remove":
+            names = ["constraints", "contacts", "props", "performers", "characters", "motions", "captures"]
+            name = chance.choices(names, [6, 6, 6, 2, 1, 0.1, 0.1])[0]
+            keys = list(getattr(project, name))
+            if keys:
+                document.remove(name, chance.choice(keys), "Remove")
+        case "ground":
+            document.replace("grounds", GROUND_ID, Ground(chance.choice([0.0, 0.1])), "Raise ground", gesture)
+        case "group":
+            with document.group("Several", chance.choice([None, gesture])):
+                edit_at_random(document, chance, gesture)
+                edit_at_random(document, chance, gesture)
+
+
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seed=st.integers(0, 2**32))
+def test_undoing_all_gives_the_first_bytes_and_redoing_all_the_last(qapp: Any, seed: int) -> None:
+    document, chance = Document(PROJECT), Random(seed)
+    first = state(document)
+    gesture = document.new_gesture()
+    for _ in range(40):
+        if chance.random() < 0.2:
+            gesture = document.new_gesture()
+        if chance.random() < 0.15:
+            document.undo_stack.setIndex(chance.randrange(document.undo_stack.count() + 1))
+        edit_at_random(document, chance, gesture)
+    last = state(document)
+    now = document.undo_stack.index()
+    document.undo_stack.setIndex(0)
+    assert state(document) == first
+    document.undo_stack.setIndex(now)
+    assert state(document) == last
+
+
+def moved(document: Document, x: float) -> Any:
+    return replace(document.project.constraints["constraint 0"], target=(x, 0.0, 1.0))
+
+
+def test_a_drag_is_one_undo_step(qapp: Any) -> None:
+    document = Document(PROJECT)
+    gesture = document.new_gesture()
+    for x in (0.1, 0.2, 0.3):
+        document.replace("constraints", "constraint 0", moved(document, x), "Move target", gesture)
+    document.replace(
+        "constraints", "constraint 0", moved(document, 0.9), "Move target", document.new_gesture()
+    )
+    assert document.history == ("Move target", "Move target")
+    document.undo_stack.undo()
+    assert document.project.constraints["constraint 0"].target[0] == 0.3
+
+
+def test_a_drag_back_to_its_start_vanishes(qapp: Any) -> None:
+    document = Document(PROJECT)
+    start, gesture = document.project.constraints["constraint 0"], document.new_gesture()
+    document.replace("constraints", "constraint 0", moved(document, 0.1), "Move target", gesture)
+    document.replace("constraints", "constraint 0", start, "Move target", gesture)
+    assert document.history == ()
+    assert not document.dirty
+
+
+def test_a_drag_of_several_things_is_one_undo_step(qapp: Any) -> None:
+    document = Document(PROJECT)
+    before, gesture = state(document), document.new_gesture()
+    for shift in (1, 2, 3):
+        with document.group("Move contacts", gesture):
+            for key in ("contact 0", "contact 1"):
+                contact = document.project.contacts[key]
+                document.replace(
+                    "contacts", key, replace(contact, last=contact.last + shift), "Move contacts"
+                )
+    assert document.history == ("Move contacts",)
+    document.undo_stack.undo()
+    assert state(document) == before
+
+
+def test_removing_a_motion_takes_constraints_contacts_and_clips_along_and_undo_brings_all_back(
+    qapp: Any,
+) -> None:
+    document = Document(PROJECT)
+    before = state(document)
+    document.remove("captures", "capture", "Remove capture")
+    project = document.project
+    for collection in (project.captures, project.motions, project.constraints, project.contacts):
+        assert not collection
+    assert [performer.clips for performer in project.performers.values()] == [(), (), ()]
+    document.undo_stack.undo()
+    assert state(document) == before
+
+
+def test_undo_of_a_removal_restores_the_place_in_the_order(qapp: Any) -> None:
+    document = Document(PROJECT)
+    document.remove("characters", "character 1", "Remove")
+    assert list(document.project.performers) == ["performer 0", "performer 2"]
+    document.undo_stack.undo()
+    assert list(document.project.performers) == ["performer 0", "performer 1", "performer 2"]
+
+
+def test_what_fails_inside_a_group_leaves_nothing_behind(qapp: Any) -> None:
+    document = Document(PROJECT)
+    before = state(document)
+
+    def remove_two() -> None:
+        with document.group("Two things"):
+            document.remove("constraints", "constraint 0", "Remove")
+            document.remove("constraints", "no such", "Remove")
+
+    with pytest.raises(StudioError):
+        remove_two()
+    assert state(document) == before
+    assert document.history == ()
+
+
+def test_an_edit_that_refers_to_nothing_is_refused_before_the_push(qapp: Any) -> None:
+    document = Document(PROJECT)
+    for edit in (
+        lambda: document.add("constraints", make_constraint("no such motion"), "Add"),
+        lambda: document.replace("props", "no such", Prop("Box"), "Move"),
+        lambda: document.remove("grounds", GROUND_ID, "Remove"),
+    ):
+        with pytest.raises(StudioError):
+            edit()
+    assert document.history == ()
+
+
+def test_a_change_tells_its_ids_once_the_whole_project_is_in_place(qapp: Any) -> None:
+    document = Document(PROJECT)
+    heard: list[tuple[str, str, bool]] = []
+    document.entity_changed.connect(
+        lambda name, key: heard.append((name, key, bool(document.project.constraints)))
+    )
+    document.remove("motions", "motion", "Remove motion")
+    assert ("constraints", "constraint 1", False) in heard
+    assert all(not constraints_left for _, _, constraints_left in heard)
+
+
+def test_what_is_gone_is_no_longer_selected(qapp: Any) -> None:
+    document = Document(PROJECT)
+    document.selection.set(("constraints", "constraint 0"), ("contacts", "contact 0"))
+    document.remove("contacts", "contact 0", "Remove")
+    assert document.selection.items == (("constraints", "constraint 0"),)
+
+
+def test_the_active_performer_is_the_selected_one_else_the_first_visible(qapp: Any) -> None:
+    document = Document(PROJECT)
+    hidden = replace(document.project.performers["performer 0"], visible=False)
+    document.replace("performers", "performer 0", hidden, "Hide")
+    assert document.active_performer_id == "performer 1"
+    document.selection.set(("performers", "performer 2"))
+    assert document.active_performer_id == "performer 2"
+    assert document.active_motion_id == "motion"
+
+
+def test_a_dropped_document_with_a_history_is_collected(qapp: Any) -> None:
+    document = Document(PROJECT)
+    document.remove("constraints", "constraint 0", "Remove")
+    document.undo_stack.undo()
+    ghost = weakref.ref(document)
+    del document
+    gc.collect()
+    assert ghost() is None
