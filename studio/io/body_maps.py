@@ -1,0 +1,162 @@
+"""Which joints play which parts, by the naming tables in ``resources/body_maps``."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body_matching import BodySearch, Match
+from studio.core.errors import StudioError
+from studio.core.humanoid import LIMBS, BodyMap, BodyPart, is_spine, part_called
+from studio.core.skeleton import Skeleton
+from studio.resources_folder import resources_folder
+
+FloatArray = NDArray[np.float64]
+
+_SIDES = (
+    {"side": "left", "Side": "Left", "s": "l", "S": "L"},
+    {"side": "right", "Side": "Right", "s": "r", "S": "R"},
+)
+
+
+@dataclass(frozen=True)
+class NamingFamily:
+    """Names that one group of programs gives to the joints, the likeliest first."""
+
+    name: str
+    names: Mapping[BodyPart, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class FoundBody:
+    """A body map, the family whose names led to it, and what could not be found."""
+
+    body_map: BodyMap | None
+    family: str
+    missing: tuple[str, ...]
+
+
+@lru_cache(maxsize=1)
+def naming_families() -> tuple[NamingFamily, ...]:
+    """All tables in ``resources/body_maps``, the most usual first."""
+    files = sorted((resources_folder() / "body_maps").glob("*.json"), key=lambda path: path.name)
+    return tuple(_family(json.loads(path.read_text(encoding="utf-8"))) for path in files)
+
+
+def find_body(
+    skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, str] | None = None
+) -> FoundBody:
+    """The body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
+
+    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search. Raises StudioError when a
+    chosen part or joint does not exist or the chosen ones do not make a body.
+    """
+    search = BodySearch(skeleton, positions)
+    fixed = _fixed(skeleton, chosen or {})
+    by_name = _joints_by_name(skeleton)
+    tries = [
+        (family.name, search.match(_candidates(family, by_name) | fixed)) for family in naming_families()
+    ]
+    tries.append(("names of several families", search.match(_candidates(_all_families(), by_name) | fixed)))
+    family, best = max(tries, key=lambda tried: (tried[1].parts, -len(tried[1].missing)))
+    if best.body_map is None:
+        if fixed:
+            raise _chosen_are_no_body(best, skeleton)
+        return FoundBody(None, "", best.missing)
+    return FoundBody(_overruled(best.body_map, skeleton, chosen or {}, fixed), family, ())
+
+
+def similar_joints(skeleton: Skeleton, limb: str) -> list[str]:
+    """Names that might belong to ``limb`` (``left arm``), to be offered when it was not found."""
+    parts = LIMBS.get(limb, (BodyPart.PELVIS, BodyPart.HEAD))
+    words = {_plain(word) for part in parts for word in _all_families().names[part]}
+    side = limb.split()[0]
+    near = [
+        name
+        for name, end_site in zip(skeleton.names, skeleton.end_sites, strict=True)
+        if not end_site and (_plain(name) in words or side in _plain(name))
+    ]
+    return near[:4]
+
+
+def _family(table: dict[str, object]) -> NamingFamily:
+    names: dict[BodyPart, tuple[str, ...]] = {}
+    parts = table["parts"]
+    assert isinstance(parts, dict)
+    for part, words in parts.items():
+        for side in _SIDES if "{side}" in part else _SIDES[:1]:
+            names[BodyPart(part.format(**side))] = tuple(word.format(**side) for word in words)
+    return NamingFamily(str(table["name"]), names)
+
+
+@lru_cache(maxsize=1)
+def _all_families() -> NamingFamily:
+    names: dict[BodyPart, tuple[str, ...]] = {}
+    for family in naming_families():
+        for part, words in family.names.items():
+            names[part] = (*names.get(part, ()), *(word for word in words if word not in names.get(part, ())))
+    return NamingFamily("all", names)
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\W_]+", "", name).casefold()
+
+
+def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
+    """Joints by their plain name and by what remains after a prefix (``Character1_Hips``, ``mixamorig:Hips``)."""
+    by_name: dict[str, list[int]] = {}
+    suffixed: list[tuple[str, int]] = []
+    for joint, (name, end_site) in enumerate(zip(skeleton.names, skeleton.end_sites, strict=True)):
+        if not end_site:
+            by_name.setdefault(_plain(name), []).append(joint)
+            suffixed += [(_plain(suffix), joint) for suffix in _suffixes(name)]
+    for suffix, joint in suffixed:
+        if joint not in by_name.setdefault(suffix, []):
+            by_name[suffix].append(joint)
+    return by_name
+
+
+def _suffixes(name: str) -> Iterator[str]:
+    """What follows the first two separators, and what follows ``mixamorig`` and its like without one."""
+    for separator in list(re.finditer(r"[:_ .|-]", name))[:3]:
+        yield name[separator.end() :]
+    if run_in := re.match(r"mixamorig\d*|bip\d+|character\d+", name, re.IGNORECASE):
+        yield name[run_in.end() :]
+
+
+def _candidates(family: NamingFamily, by_name: dict[str, list[int]]) -> dict[BodyPart, list[int]]:
+    candidates: dict[BodyPart, list[int]] = {}
+    for part, words in family.names.items():
+        joints = [joint for word in words for joint in by_name.get(_plain(word), [])]
+        candidates[part] = list(dict.fromkeys(joints))
+    return candidates
+
+
+def _fixed(skeleton: Skeleton, chosen: Mapping[str, str]) -> dict[BodyPart, list[int]]:
+    return {part_called(key): [skeleton.index(name)] for key, name in chosen.items() if not is_spine(key)}
+
+
+def _overruled(
+    found: BodyMap, skeleton: Skeleton, chosen: Mapping[str, str], fixed: Mapping[BodyPart, list[int]]
+) -> BodyMap:
+    """What the user chose stands, also where the search would have decided by topology."""
+    if not chosen:
+        return found
+    parts = dict(found.parts) | {part: joints[0] for part, joints in fixed.items()}
+    given = sorted((int(key[6:]), skeleton.index(name)) for key, name in chosen.items() if is_spine(key))
+    chest = given[-1][1] if given else found.spine[-1]
+    spine = skeleton.path(parts[BodyPart.PELVIS], chest)
+    if given:
+        spine = (parts[BodyPart.PELVIS], *(joint for _, joint in given))
+    return BodyMap(parts, spine)
+
+
+def _chosen_are_no_body(best: Match, skeleton: Skeleton) -> StudioError:
+    return StudioError(
+        f"With the joints chosen, no {' and no '.join(best.missing)} was found in '{skeleton.names[0]}': the bones "
+        "must hang below each other and be alike on both sides. Choose others under Characters > Body map."
+    )
