@@ -1,0 +1,42 @@
+"""From a file to a capture: read, find the body, guess what the file does not say, convert to world axes once."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from studio.core.capture import Capture
+from studio.io.registry import format_of
+
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """What the user knows better; None is guessed and listed."""
+
+    unit: str | None = None
+    """``m``, ``cm``, ``mm``, ``inch``, ``cmu``, ``unknown``, or metres a unit as a number."""
+    up_axis: str | None = None
+    """``X``, ``Y`` or ``Z``."""
+    frame_rate: float | None = None
+    floor: float | None = None
+    """Height of the ground in metres."""
+    body_map: Mapping[str, str] | None = None
+    """Joints by part, as ``BodyMap.to_json`` gives them; parts left out are still guessed."""
+    reference: str | None = None
+    """``zero`` or the number of a frame."""
+
+
+GUESS_ALL = ImportOptions()
+
+
+def load_capture(
+    path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
+) -> Capture:
+    """The capture in the file at ``path``, in world axes and metres.
+
+    ``progress`` hears a share from 0 to 1 and what is being done. Raises StudioError with file, line and what to do
+    when the file is damaged or the options do not fit it.
+    """
+    path = Path(path)
+    return format_of(path).read(path, options, progress or (lambda share, text: None))
