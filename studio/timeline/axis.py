@@ -1,0 +1,99 @@
+"""TimeAxis: the one mapping between seconds on the stage and pixels, for everything drawn over time."""
+
+from PySide6.QtCore import QObject, Signal
+
+MAX_PIXELS_PER_FRAME = 80.0
+MARGIN = 10
+"""Pixels before the first and after the last moment when everything is shown."""
+
+
+class TimeAxis(QObject):
+    """``start`` seconds lie at pixel ``left``; ``scale`` pixels a second, over ``width`` pixels."""
+
+    changed = Signal()
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.left, self.width = 0.0, 1000.0
+        self.begin, self.end = 0.0, 1.0
+        self.frame_rate = 30.0
+        self.start, self.scale = 0.0, 1000.0
+        self._fitted = True
+
+    def x_of_time(self, seconds: float) -> float:
+        """Pixel of a time."""
+        return self.left + (seconds - self.start) * self.scale
+
+    def time_at(self, x: float) -> float:
+        """Seconds at a pixel."""
+        return self.start + (x - self.left) / self.scale
+
+    def x_of_frame(self, frame: float) -> float:
+        """Pixel of a frame of the stage."""
+        return self.x_of_time(frame / self.frame_rate)
+
+    def frame_at(self, x: float) -> float:
+        """Frame of the stage at a pixel, not rounded."""
+        return self.time_at(x) * self.frame_rate
+
+    @property
+    def right(self) -> float:
+        """The pixel where the axis ends."""
+        return self.left + self.width
+
+    @property
+    def pixels_per_frame(self) -> float:
+        """Pixels from one frame to the next."""
+        return self.scale / self.frame_rate
+
+    def place(self, left: float, width: float) -> None:
+        """Take ``width`` pixels from ``left`` on; what was fitted stays fitted, else the start stays."""
+        if (left, width) != (self.left, self.width):
+            self.left, self.width = left, max(width, 1.0)
+            self._settle()
+
+    def set_extent(self, begin: float, end: float, frame_rate: float) -> None:
+        """There is something from ``begin`` to ``end`` seconds, counted in frames of ``frame_rate``."""
+        end = max(end, begin + 1.0 / frame_rate)
+        if (begin, end, frame_rate) != (self.begin, self.end, self.frame_rate):
+            self.begin, self.end, self.frame_rate = begin, end, frame_rate
+            self._settle()
+
+    def fit(self) -> None:
+        """Show everything."""
+        self._fitted = True
+        self._settle()
+
+    def zoom(self, factor: float, x: float) -> None:
+        """Scale by ``factor`` so that the moment under pixel ``x`` stays where it is."""
+        fixed = self.time_at(x)
+        scale = min(max(self.scale * factor, self._whole), MAX_PIXELS_PER_FRAME * self.frame_rate)
+        self._fitted = scale <= self._whole
+        self.start = fixed - (x - self.left) / scale
+        self.scale = scale
+        self._settle()
+
+    def scroll(self, pixels: float) -> None:
+        """Move the view ``pixels`` towards later times."""
+        self.start += pixels / self.scale
+        self._settle()
+
+    def reveal(self, seconds: float) -> None:
+        """Turn the page when a moment has left the view."""
+        if not self.left <= self.x_of_time(seconds) <= self.right:
+            self.start = seconds - MARGIN / self.scale
+            self._settle()
+
+    @property
+    def _whole(self) -> float:
+        """The scale at which everything fits."""
+        return max(self.width - 2 * MARGIN, 1.0) / (self.end - self.begin)
+
+    def _settle(self) -> None:
+        """Keep the view over what there is."""
+        if self._fitted:
+            self.scale = self._whole
+        margin = MARGIN / self.scale
+        latest = self.end + margin - self.width / self.scale
+        self.start = max(min(self.start, latest), self.begin - margin)
+        self.changed.emit()

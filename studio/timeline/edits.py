@@ -1,0 +1,105 @@
+"""Edits without the mouse: add a contact, delete what is selected, move a handle by whole frames."""
+
+from dataclasses import replace
+from typing import Any
+
+from studio.core.contacts import ContactInterval, FootPoint
+from studio.timeline.figures import moment
+from studio.timeline.gestures.activation import time_of, with_time
+from studio.timeline.gestures.begin import name_of
+from studio.timeline.gestures.contact import free_stretch, new_contact
+from studio.timeline.shown import EDGES, HANDLES, Part, Shown
+
+DELETABLE = ("constraints", "contacts")
+
+
+def add_contact(shown: Shown, point: FootPoint, frame: int) -> str | None:
+    """Add and select a contact about a frame of the motion; its id, or None where one stands already."""
+    contact = new_contact(shown, point, frame)
+    if contact is None:
+        return None
+    entity_id = shown.document.add("contacts", contact, f"Add {name_of(contact).lower()}")
+    shown.document.selection.set(("contacts", entity_id))
+    return entity_id
+
+
+def delete_selected(shown: Shown) -> bool:
+    """Delete the selected constraints and contacts as one step; whether there were any."""
+    document = shown.document
+    items = [item for item in document.selection.items if item[0] in DELETABLE]
+    if not items:
+        return False
+    first = document.project.get(*items[0])
+    name = name_of(first).lower() if isinstance(first, ContactInterval) else getattr(first, "name", "")
+    text = f"Delete {name}" if len(items) == 1 else f"Delete {len(items)} things"
+    with document.group(text):
+        for collection, entity_id in items:
+            document.remove(collection, entity_id, text)
+    return True
+
+
+def handles_of(shown: Shown) -> tuple[Part, ...]:
+    """What of the selected thing the keyboard may take hold of."""
+    match shown.document.selection.current:
+        case ("constraints", _):
+            return HANDLES
+        case ("contacts", _):
+            return EDGES
+    return ()
+
+
+def next_handle(shown: Shown, forward: bool) -> Part | None:
+    """The handle after the one that has the keyboard; None past the last one."""
+    ring = handles_of(shown) if forward else handles_of(shown)[::-1]
+    if not ring:
+        return None
+    if shown.handle not in ring:
+        return ring[0]
+    place = ring.index(shown.handle) + 1
+    return ring[place] if place < len(ring) else None
+
+
+def nudge(shown: Shown, frames: int) -> None:
+    """Move the handle that has the keyboard by whole frames: one undo step."""
+    current = shown.document.selection.current
+    if current is None or shown.handle is None:
+        return
+    collection, entity_id = current
+    entity: Any = shown.project.get(collection, entity_id)
+    if collection == "contacts":
+        new: Any = _trimmed(shown, entity_id, entity, shown.handle, frames)
+        text = f"Trim {name_of(entity).lower()}"
+    else:
+        rate = shown.subject.frame_rate
+        frame = round(time_of(entity.activation, shown.handle) * rate) + frames
+        frame = min(max(frame, 0), shown.subject.last_frame)
+        new = replace(entity, activation=with_time(entity.activation, shown.handle, frame / rate))
+        text = f"Move {shown.handle} of {entity.name}"
+    shown.document.replace(collection, entity_id, new, text)
+
+
+def handle_words(shown: Shown) -> str:
+    """The handle that has the keyboard, for who cannot see it: ``Kick target, full, 0.667 s · frame 20``."""
+    current = shown.document.selection.current
+    entity: Any = shown.project.get(*current) if current else None
+    if entity is None or shown.handle is None:
+        return "Timeline"
+    rate = shown.subject.frame_rate
+    if isinstance(entity, ContactInterval):
+        frame = entity.first if shown.handle == Part.FIRST else entity.last
+        return f"{name_of(entity)}, {shown.handle}, {moment(frame, frame / rate)}"
+    time = time_of(entity.activation, shown.handle)
+    return f"{entity.name}, {shown.handle}, {moment(time * rate, time)}"
+
+
+def _trimmed(
+    shown: Shown, entity_id: str, contact: ContactInterval, edge: Part, frames: int
+) -> ContactInterval:
+    subject = shown.subject
+    room = free_stretch(
+        shown.project, subject.motion_id, contact.point, contact.first, subject.last_frame, entity_id
+    )
+    low, high = room or (contact.first, contact.last)
+    if edge == Part.FIRST:
+        return replace(contact, first=min(max(contact.first + frames, low), contact.last))
+    return replace(contact, last=max(min(contact.last + frames, high), contact.first))

@@ -1,0 +1,18 @@
+"""Times and errors in words: always with their unit."""
+
+
+def millimetres(metres: float) -> str:
+    """``0.4 mm``, ``42 mm``."""
+    value = metres * 1000.0
+    return f"{value:.1f} mm" if value < 10.0 else f"{value:.0f} mm"
+
+
+def moment(frame: float, seconds: float) -> str:
+    """``0.767 s · frame 23``; a time between frames says so."""
+    number = f"{round(frame)}" if abs(frame - round(frame)) < 0.005 else f"{frame:.2f}"
+    return f"{seconds:.3f} s · frame {number}"
+
+
+def rate(frame_rate: float) -> str:
+    """``30 Hz``, ``59.94 Hz``."""
+    return f"{frame_rate:.2f}".rstrip("0").rstrip(".") + " Hz"

@@ -1,0 +1,81 @@
+"""Drags on a constraint's bar: one of its four times, or all of them."""
+
+from dataclasses import replace
+
+from PySide6.QtCore import QPointF
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.timeline.figures import moment
+from studio.timeline.gestures.gesture import EditGesture, Mark
+from studio.timeline.shown import HANDLES, Part, Shown
+from studio.timeline.snapping import Snapped
+
+
+def with_time(curve: ActivationCurve, part: Part, time: float) -> ActivationCurve:
+    """The curve with one of its times set; those in its way are pushed along."""
+    place = HANDLES.index(part)
+    times = [curve.start, curve.full, curve.full_end, curve.end]
+    pushed = [min(other, time) if k < place else max(other, time) for k, other in enumerate(times)]
+    pushed[place] = time
+    start, full, full_end, end = pushed
+    return ActivationCurve(start, full, full_end, end, curve.shape)
+
+
+def time_of(curve: ActivationCurve, part: Part) -> float:
+    """One of the four times."""
+    return (curve.start, curve.full, curve.full_end, curve.end)[HANDLES.index(part)]
+
+
+class DragHandle(EditGesture):
+    """Drag one of the four times, within the motion."""
+
+    collection = "constraints"
+
+    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+        super().__init__(shown, entity_id, press)
+        self.part = part
+        self.text = f"Move {part} of {self.original.name}"
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """The time under the mouse, snapped."""
+        curve, subject = self.original.activation, self.shown.subject
+        old = time_of(curve, self.part)
+        caught = self.snap(old + subject.offset + self.moved(position), free)
+        last = max(subject.last_frame / subject.frame_rate, curve.end)
+        time = min(max(caught.time - subject.offset, min(0.0, curve.start)), last)
+        self.put(replace(self.original, activation=with_time(curve, self.part, time)))
+        text = f"{self.part}  {moment(time * subject.frame_rate, time)}"
+        self.mark = Mark(time + subject.offset, text, caught.caught)
+
+
+class MoveActivation(EditGesture):
+    """Drag the bar: the whole curve moves, whichever of its times catches."""
+
+    collection = "constraints"
+
+    def __init__(self, shown: Shown, entity_id: str, press: QPointF) -> None:
+        super().__init__(shown, entity_id, press)
+        self.text = f"Move {self.original.name} in time"
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """All four times later or earlier by the same."""
+        curve, subject = self.original.activation, self.shown.subject
+        begin = curve.start + subject.offset
+        caught = self._catch(begin + self.moved(position), free)
+        seconds = caught.time - begin
+        # At least a frame of it stays within the motion.
+        seconds = min(max(seconds, -curve.end), subject.last_frame / subject.frame_rate - curve.start)
+        self.put(replace(self.original, activation=curve.moved(seconds)))
+        start = curve.start + seconds
+        text = f"{seconds:+.3f} s  starts {moment(start * subject.frame_rate, start)}"
+        self.mark = Mark(start + subject.offset, text, caught.caught)
+
+    def _catch(self, begin: float, free: bool) -> Snapped:
+        """The snapped begin: by a magnet near one of the four times, else by the frame of the begin."""
+        curve = self.original.activation
+        for part in HANDLES:
+            ahead = time_of(curve, part) - curve.start
+            caught = self.snap(begin + ahead, free)
+            if caught.caught is not None:
+                return Snapped(caught.time - ahead, caught.caught)
+        return self.snap(begin, free)

@@ -1,0 +1,50 @@
+"""Which drag begins where, and the cursor that says so before the button is pressed."""
+
+from PySide6.QtCore import QPointF, Qt
+
+from studio.core.contacts import ContactInterval
+from studio.timeline.gestures.activation import DragHandle, MoveActivation
+from studio.timeline.gestures.contact import DragContact
+from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.view import Scrub
+from studio.timeline.shown import EDGES, HANDLES, Hit, Part, Shown
+
+Cursor = Qt.CursorShape
+
+
+def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
+    """The drag of what was hit, or None where there is nothing to drag."""
+    if hit.part == Part.TIME:
+        return Scrub(shown.document.playhead, shown.axis)
+    if hit.kind == "constraints" and hit.part in HANDLES:
+        return DragHandle(shown, hit.id, hit.part, press)
+    if hit.kind == "constraints" and hit.part == Part.BODY:
+        return MoveActivation(shown, hit.id, press)
+    if hit.kind == "contacts":
+        return DragContact(shown, hit.id, hit.part, press)
+    return None
+
+
+def cursor_at(hit: Hit) -> Cursor:
+    """Arrows for what moves, a hand for what is chosen, a cross where a contact may be added."""
+    if hit.part in HANDLES or hit.part in EDGES or hit.kind == "playhead":
+        return Cursor.SizeHorCursor
+    if hit.part == Part.BODY and hit.kind in ("constraints", "contacts"):
+        return Cursor.OpenHandCursor
+    if hit.part == Part.LABEL and hit.kind in ("constraints", "plot", "performers"):
+        return Cursor.PointingHandCursor
+    if hit.kind == "feet" and hit.part == Part.EMPTY:
+        return Cursor.CrossCursor
+    return Cursor.ArrowCursor
+
+
+def item_of(hit: Hit) -> tuple[str, str] | None:
+    """What a click on it selects."""
+    if hit.kind in ("constraints", "performers") and hit.part != Part.EMPTY:
+        return hit.kind, hit.id
+    return (hit.kind, hit.id) if hit.kind == "contacts" else None
+
+
+def name_of(contact: ContactInterval) -> str:
+    """``Left heel contact``."""
+    return f"{contact.point.value.replace('_', ' ').capitalize()} contact"

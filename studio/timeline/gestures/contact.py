@@ -1,0 +1,85 @@
+"""Drags on a contact, and how long a new one is: contacts of one point never overlap."""
+
+from dataclasses import replace
+
+from PySide6.QtCore import QPointF
+
+from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.project import Project
+from studio.timeline.figures import moment
+from studio.timeline.gestures.gesture import EditGesture, Mark
+from studio.timeline.shown import Part, Shown
+
+LONGEST_NEW = 0.3
+"""Seconds of a contact that is added by hand."""
+
+
+def free_stretch(
+    project: Project, motion_id: str, point: FootPoint, frame: int, last_frame: int, without: str = ""
+) -> tuple[int, int] | None:
+    """First and last frame about ``frame`` that no contact of the point takes; None where one stands."""
+    first, last = 0, last_frame
+    for key, contact in project.contacts_of(motion_id).items():
+        if contact.point != point or key == without:
+            continue
+        if contact.first <= frame <= contact.last:
+            return None
+        if contact.last < frame:
+            first = max(first, contact.last + 1)
+        else:
+            last = min(last, contact.first - 1)
+    return (first, last) if first <= frame <= last else None
+
+
+def new_contact(shown: Shown, point: FootPoint, frame: int) -> ContactInterval | None:
+    """A contact about ``frame``, at most 0.3 s long and up to its neighbours; None where one stands."""
+    subject = shown.subject
+    room = free_stretch(shown.project, subject.motion_id, point, frame, subject.last_frame)
+    if room is None:
+        return None
+    length = min(int(LONGEST_NEW * subject.frame_rate), room[1] - room[0])
+    first = min(max(frame - length // 2, room[0]), room[1] - length)
+    return ContactInterval(subject.motion_id, point, first, first + length)
+
+
+class DragContact(EditGesture):
+    """Drag a contact's body to move it, an end to trim it; it stops at its neighbours."""
+
+    collection = "contacts"
+
+    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+        super().__init__(shown, entity_id, press)
+        self.part = part
+        name = self.original.point.value.replace("_", " ")
+        self.text = f"Move {name} contact" if part == Part.BODY else f"Trim {name} contact"
+        subject = shown.subject
+        self._room = free_stretch(
+            shown.project,
+            subject.motion_id,
+            self.original.point,
+            self.original.first,
+            subject.last_frame,
+            without=entity_id,
+        ) or (self.original.first, self.original.last)
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """Whole frames always; ``free`` only keeps it from catching on what lies near."""
+        subject, old = self.shown.subject, self.original
+        grabbed = old.last if self.part == Part.LAST else old.first
+        caught = self.snap(subject.stage_time(grabbed) + self.moved(position), free)
+        frame = round(subject.motion_frame(caught.time))
+        contact = self._dragged(frame)
+        self.put(contact)
+        shown_frame = contact.last if self.part == Part.LAST else contact.first
+        text = moment(shown_frame, shown_frame / subject.frame_rate)
+        self.mark = Mark(subject.stage_time(shown_frame), text, caught.caught)
+
+    def _dragged(self, frame: int) -> ContactInterval:
+        old, (low, high) = self.original, self._room
+        if self.part == Part.FIRST:
+            return replace(old, first=min(max(frame, low), old.last))
+        if self.part == Part.LAST:
+            return replace(old, last=max(min(frame, high), old.first))
+        length = old.last - old.first
+        first = max(min(frame, high - length), low)
+        return replace(old, first=first, last=first + length)

@@ -1,0 +1,43 @@
+"""Drags that only change where one looks: the playhead and the stretch of time that is shown."""
+
+from PySide6.QtCore import QPointF
+from PySide6.QtWidgets import QScrollBar
+
+from studio.document.playhead import Playhead
+from studio.timeline.axis import TimeAxis
+from studio.timeline.gestures.gesture import Gesture
+
+
+class Scrub(Gesture):
+    """The playhead goes to the frame under the mouse, at once; Esc brings it back."""
+
+    def __init__(self, playhead: Playhead, axis: TimeAxis) -> None:
+        self.playhead, self.axis = playhead, axis
+        self._before = playhead.time
+        playhead.pause()
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """Whole frames within what there is; between frames when ``free``."""
+        time = min(max(self.axis.time_at(position.x()), self.axis.begin), self.axis.end)
+        if free:
+            self.playhead.set_time(time)
+        else:
+            self.playhead.set_frame(round(time * self.axis.frame_rate))
+
+    def cancel(self) -> None:
+        """Back to where it was."""
+        self.playhead.set_time(self._before)
+
+
+class Pan(Gesture):
+    """The rows follow the mouse, sideways and upright."""
+
+    def __init__(self, axis: TimeAxis, scroll_bar: QScrollBar, press: QPointF) -> None:
+        self.axis, self.scroll_bar, self._last = axis, scroll_bar, press
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """By what the mouse moved since the last time."""
+        step = self._last - position
+        self._last = position
+        self.axis.scroll(step.x())
+        self.scroll_bar.setValue(round(self.scroll_bar.value() + step.y()))

@@ -1,0 +1,77 @@
+"""What a place of the timeline tells in a sentence, with units."""
+
+from typing import Any
+
+from PySide6.QtCore import QPointF
+
+from studio.timeline.figures import millimetres, moment
+from studio.timeline.gestures.activation import time_of
+from studio.timeline.gestures.begin import name_of
+from studio.timeline.sheet import Sheet
+from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
+from studio.timeline.strips import StripState
+from studio.timeline.tracks import constraint
+from studio.timeline.tracks.plot import PlotPicture, Quantity
+
+
+def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
+    """Empty where there is nothing to say."""
+    if position.x() < LABEL_WIDTH:
+        return "Click to choose what is plotted" if sheet.plot.contains(position.toPoint()) else ""
+    hit = sheet.hit(position)
+    match hit.kind:
+        case "plot":
+            return _plot_text(sheet, plot, position)
+        case "constraints":
+            return _constraint_text(sheet, hit, position)
+        case "contacts":
+            contact: Any = sheet.shown.project.contacts[hit.id]
+            rate = sheet.shown.subject.frame_rate
+            seconds = (contact.last - contact.first) / rate
+            return f"{name_of(contact)}: frames {contact.first} to {contact.last}, {seconds:.3f} s"
+        case "feet":
+            return f"{hit.id.replace('_', ' ').capitalize()}: double-click to add a contact"
+    return ""
+
+
+def is_value(sheet: Sheet, position: QPointF) -> bool:
+    """Whether the place shows a measured value, which is told at once and not after a rest."""
+    hit = sheet.hit(position)
+    return position.x() >= LABEL_WIDTH and (
+        hit.kind == "plot" or (hit.kind == "constraints" and hit.part == Part.EMPTY)
+    )
+
+
+def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) -> str:
+    """``Child: 42 mm at frame 23``; nothing where the constraint is not active."""
+    strip = sheet.shown.strip(constraint_id, performer_id)
+    if strip is None or strip.state_at(frame) == StripState.INACTIVE:
+        return ""
+    name = sheet.shown.project.performers[performer_id].name
+    easing = " (easing)" if strip.state_at(frame) == StripState.EASING else ""
+    return f"{name}: {millimetres(strip.error_at(frame))} at frame {frame}{easing}"
+
+
+def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
+    entity: Any = sheet.shown.project.constraints[hit.id]
+    rate = sheet.shown.subject.frame_rate
+    if hit.part in HANDLES:
+        time = time_of(entity.activation, hit.part)
+        return f"{entity.name}, {hit.part}: {moment(time * rate, time)}"
+    frame = round(sheet.shown.frame_at(position.x()))
+    if hit.part == Part.BODY:
+        activation = float(entity.activation.at(frame / rate))
+        return f"{entity.name}: {activation:.0%} active at frame {frame}"
+    row = sheet.find("constraints", hit.id)
+    body = constraint.strip_body(sheet.shown, sheet.rect(row), position.y()) if row else None
+    return strip_text(sheet, hit.id, body, frame) if body else ""
+
+
+def _plot_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
+    time = sheet.shown.axis.time_at(position.x())
+    near = plot.nearest(sheet.plot, time, position.y())
+    if near is None:
+        return ""
+    curve, value = near
+    figure = f"{value:.0f} mm" if plot.quantity is Quantity.ERROR else f"{value:.2f} m/s"
+    return f"{curve.name}: {figure} at frame {round(sheet.shown.subject.motion_frame(time))}"

@@ -1,0 +1,60 @@
+"""What lies over the rows' picture: the playhead, the moment a drag has caught on, and what the drag says."""
+
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
+
+from studio.document import colours
+from studio.timeline.gestures.gesture import Mark
+from studio.timeline.shown import LABEL_WIDTH, Shown
+from studio.timeline.tracks import ruler
+from studio.timeline.tracks.brush import font, hairline, paint_bar
+
+HEAD = 6.0
+
+
+def playhead_area(shown: Shown, height: int) -> QRect:
+    """The pixels that the playhead covers."""
+    x = round(shown.axis.x_of_time(shown.document.playhead.time))
+    return QRect(x - 8, 0, 17, height)
+
+
+def paint_playhead(painter: QPainter, shown: Shown, height: int) -> None:
+    """A thin line under a head that asks to be dragged."""
+    x = round(shown.axis.x_of_time(shown.document.playhead.time))
+    if x < LABEL_WIDTH:
+        return
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+    painter.fillRect(x, ruler.HEIGHT - 6, 1, height, QColor(colours.PLAYHEAD))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(colours.PLAYHEAD))
+    middle, top, tip = x + 0.5, ruler.HEIGHT - 16.0, ruler.HEIGHT - 1.0
+    corners = ((-HEAD, top), (HEAD, top), (HEAD, tip - 6), (0.0, tip), (-HEAD, tip - 6))
+    painter.drawPolygon(QPolygonF([QPointF(middle + dx, y) for dx, y in corners]))
+
+
+def paint_mark(painter: QPainter, shown: Shown, mark: Mark, mouse: QPointF, area: QRect) -> None:
+    """The line of what caught the drag, and the drag's words beside its handle."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+    if mark.caught is not None:
+        x = round(shown.axis.x_of_time(mark.caught))
+        painter.setPen(hairline(colours.SELECTED_HANDLE))
+        painter.drawLine(x, ruler.HEIGHT, x, area.bottom())
+    painter.setFont(font(11))
+    width = QFontMetrics(painter.font()).horizontalAdvance(mark.text) + 14
+    left = shown.axis.x_of_time(mark.time) + 10
+    if left + width > area.right():
+        left -= width + 20
+    top = mouse.y() - 32 if mouse.y() > ruler.HEIGHT + 32 else mouse.y() + 14
+    chip = QRectF(round(max(left, LABEL_WIDTH + 4.0)) + 0.5, round(top) + 0.5, width, 20)
+    paint_bar(painter, chip, QColor(colours.WINDOW), 4, colours.EDGE)
+    painter.setPen(QColor(colours.TEXT))
+    painter.drawText(chip, Qt.AlignmentFlag.AlignCenter, mark.text)
+
+
+def paint_prompt(painter: QPainter, area: QRect, text: str) -> None:
+    """The one line that says what to do while there is nothing to show."""
+    painter.fillRect(area, QColor(colours.PANEL))
+    painter.setFont(font(13))
+    painter.setPen(QColor(colours.TEXT_SECOND))
+    painter.drawText(area, Qt.AlignmentFlag.AlignCenter, text)

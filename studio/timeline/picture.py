@@ -1,0 +1,115 @@
+"""Picture: the rows as they were last drawn. Only what changed is drawn again; the playhead lies over it."""
+
+from PySide6.QtCore import QPoint, QRect, QSize
+from PySide6.QtGui import QColor, QPainter, QPixmap
+
+from studio.document import colours
+from studio.timeline.sheet import Sheet
+from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
+from studio.timeline.tracks import clip, constraint, feet, ruler
+from studio.timeline.tracks.brush import time_area, translucent
+from studio.timeline.tracks.plot import PlotPicture
+
+PLOT = ("plot", "")
+RULER = ("ruler", "")
+
+
+class Picture:
+    """A pixmap of the timeline and which of its rows are out of date."""
+
+    def __init__(self) -> None:
+        self.plot = PlotPicture()
+        self.pixmap = QPixmap()
+        self._stale: set[tuple[str, str]] = set()
+        self._all_stale = True
+
+    def expire(self, *rows: tuple[str, str]) -> None:
+        """These rows, or all, are to be drawn again before they are next shown."""
+        self._stale.update(rows)
+        self._all_stale |= not rows
+
+    def refresh(self, sheet: Sheet, scale: float) -> None:
+        """Draw what is out of date, on a screen of ``scale`` pixels a unit."""
+        size = QSize(round(sheet.size.width() * scale), round(sheet.size.height() * scale))
+        if self.pixmap.size() != size:
+            self.pixmap = QPixmap(size)
+            self.pixmap.setDevicePixelRatio(scale)
+            self._all_stale = True
+        if not self._all_stale and not self._stale:
+            return
+        with QPainter(self.pixmap) as painter:
+            self._paint_stale(painter, sheet)
+        self._stale.clear()
+        self._all_stale = False
+
+    def _paint_stale(self, painter: QPainter, sheet: Sheet) -> None:
+        if self._all_stale:
+            painter.fillRect(QRect(QPoint(), sheet.size), QColor(colours.PANEL))
+            _paint_ground(painter, sheet.viewport, sheet.shown)
+        if self._is_stale(RULER):
+            ruler.paint_ruler(painter, sheet.ruler, sheet.shown.axis, sheet.shown.document.playhead)
+        for row in sheet.rows:
+            if self._is_stale((row.kind, row.id)):
+                self._paint_row(painter, sheet, row)
+        if self._is_stale(PLOT):
+            self._paint_plot(painter, sheet)
+
+    def _is_stale(self, row: tuple[str, str]) -> bool:
+        return self._all_stale or row in self._stale
+
+    def _paint_row(self, painter: QPainter, sheet: Sheet, row: Row) -> None:
+        area = sheet.rect(row)
+        if not area.intersects(sheet.viewport):
+            return
+        painter.save()
+        painter.setClipRect(area.intersected(sheet.viewport))
+        _paint_ground(painter, area, sheet.shown)
+        _paint_label(painter, area, sheet.shown, row)
+        painter.save()
+        painter.setClipRect(time_area(area).intersected(sheet.viewport))
+        _paint_content(painter, area, sheet.shown, row)
+        painter.restore()
+        painter.fillRect(area.left(), area.bottom(), area.width(), 1, translucent(colours.EDGE, 0.5))
+        painter.restore()
+
+    def _paint_plot(self, painter: QPainter, sheet: Sheet) -> None:
+        painter.save()
+        painter.setClipRect(sheet.plot)
+        _paint_ground(painter, sheet.plot, sheet.shown)
+        self.plot.fetch(sheet.shown)
+        self.plot.paint(painter, sheet.plot, sheet.shown)
+        self.plot.paint_label(painter, sheet.plot, sheet.shown)
+        painter.fillRect(0, sheet.plot.top(), sheet.size.width(), 1, QColor(colours.EDGE))
+        painter.restore()
+
+
+def _paint_ground(painter: QPainter, area: QRect, shown: Shown) -> None:
+    """Panel grey, with a hardly visible line at each number of the ruler."""
+    painter.fillRect(area, QColor(colours.PANEL))
+    line = translucent(colours.EDGE, 0.6)
+    for frame in ruler.major_frames(shown.axis):
+        x = round(shown.axis.x_of_frame(frame))
+        if x >= LABEL_WIDTH:
+            painter.fillRect(x, area.top(), 1, area.height(), line)
+
+
+def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None:
+    if row.kind == "constraints" and shown.is_selected("constraints", row.id):
+        painter.fillRect(label_area(area), QColor(colours.SELECTED_ROW))
+    match row.kind:
+        case "clip":
+            clip.paint_clip_label(painter, area, shown)
+        case "feet":
+            feet.paint_feet_label(painter, area, row.id)
+        case "constraints":
+            constraint.paint_constraint_label(painter, area, shown, row.id)
+
+
+def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None:
+    match row.kind:
+        case "clip":
+            clip.paint_clip(painter, area, shown)
+        case "feet":
+            feet.paint_feet(painter, area, shown, row.id)
+        case "constraints":
+            constraint.paint_constraint(painter, area, shown, row.id)

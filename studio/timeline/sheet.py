@@ -1,0 +1,98 @@
+"""Sheet: the rows from the clip down to the plot, where each lies, and what is under a point."""
+
+from dataclasses import dataclass
+
+from PySide6.QtCore import QPoint, QPointF, QRect, QSize
+
+from studio.timeline.shown import LABEL_WIDTH, Hit, Part, Row, Shown
+from studio.timeline.tracks import clip, constraint, feet, plot, ruler
+
+PLAYHEAD_REACH = 4.0
+RIGHT_MARGIN = 12
+
+
+def rows_of(shown: Shown) -> tuple[Row, ...]:
+    """Clip, left foot, right foot, then the motion's constraints by priority."""
+    constraints = shown.project.constraints_of(shown.subject.motion_id)
+    tall = constraint.height(len(shown.subject.bodies))
+    heights = [
+        ("clip", shown.subject.performer_id, clip.HEIGHT),
+        ("feet", "left", feet.HEIGHT),
+        ("feet", "right", feet.HEIGHT),
+        *(("constraints", key, tall) for key in constraints),
+    ]
+    rows, y = [], 0
+    for kind, row_id, height in heights:
+        rows.append(Row(kind, row_id, y, height))
+        y += height
+    return tuple(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """The rows laid out in a widget of ``size``, scrolled down by ``scroll`` pixels."""
+
+    shown: Shown
+    rows: tuple[Row, ...]
+    size: QSize
+    scroll: int = 0
+
+    @property
+    def ruler(self) -> QRect:
+        """The ruler, on top."""
+        return QRect(0, 0, self.size.width(), ruler.HEIGHT)
+
+    @property
+    def content_height(self) -> int:
+        """Pixels of all rows between the ruler and the plot."""
+        return self.rows[-1].y + self.rows[-1].height
+
+    @property
+    def plot(self) -> QRect:
+        """The plot, at the bottom; it takes what the rows leave."""
+        spare = self.size.height() - ruler.HEIGHT - self.content_height
+        height = min(max(spare, plot.LEAST_HEIGHT), plot.MOST_HEIGHT)
+        return QRect(0, self.size.height() - height, self.size.width(), height)
+
+    @property
+    def viewport(self) -> QRect:
+        """What the rows may fill."""
+        return QRect(0, ruler.HEIGHT, self.size.width(), max(self.plot.top() - ruler.HEIGHT, 0))
+
+    def rect(self, row: Row) -> QRect:
+        """Where a row lies now, possibly outside the viewport."""
+        return QRect(0, ruler.HEIGHT + row.y - self.scroll, self.size.width(), row.height)
+
+    def find(self, kind: str, row_id: str) -> Row | None:
+        """The row of that kind and id."""
+        return next((row for row in self.rows if (row.kind, row.id) == (kind, row_id)), None)
+
+    def row_at(self, point: QPoint) -> Row | None:
+        """The row under a point of the viewport."""
+        if not self.viewport.contains(point):
+            return None
+        return next((row for row in self.rows if self.rect(row).contains(point)), None)
+
+    def hit(self, position: QPointF) -> Hit:
+        """What the mouse would take hold of: things first, then the playhead's line, then empty places."""
+        point = position.toPoint()
+        if self.ruler.contains(point):
+            return Hit("ruler", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.EMPTY)
+        if self.plot.contains(point):
+            return Hit("plot", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.LABEL)
+        row = self.row_at(point)
+        hit = self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
+        line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
+        over_line = point.x() >= LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
+        return Hit("playhead", "", Part.TIME) if hit.part == Part.EMPTY and over_line else hit
+
+    def _hit_row(self, row: Row, position: QPointF) -> Hit:
+        if position.x() < LABEL_WIDTH:
+            return Hit("performers" if row.kind == "clip" else row.kind, row.id, Part.LABEL)
+        area = self.rect(row)
+        match row.kind:
+            case "clip":
+                return clip.clip_hit(self.shown, area, position)
+            case "feet":
+                return feet.feet_hit(self.shown, area, row.id, position)
+        return constraint.constraint_hit(self.shown, area, row.id, position)

@@ -1,0 +1,114 @@
+"""Shown: all that the rows need to draw themselves and to find what is under the mouse."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Protocol
+
+from PySide6.QtCore import QPointF, QRect
+
+from studio.core.project import Project
+from studio.core.solver.request import AdaptedMotion
+from studio.document.document import Document
+from studio.timeline.axis import TimeAxis
+from studio.timeline.strips import Strip, strip_of
+from studio.timeline.subject import Subject
+
+LABEL_WIDTH = 196
+
+
+class Live(Protocol):
+    """What the timeline asks of the live adaptation."""
+
+    adapted: Any
+    interactive: bool
+
+    def result(self, performer_id: str) -> AdaptedMotion | None:
+        """A body's newest adapted motion."""
+
+
+class Part(StrEnum):
+    """What of a thing is under the mouse, or has the keyboard."""
+
+    BODY = "body"
+    START = "start"
+    FULL = "full"
+    FULL_END = "full end"
+    END = "end"
+    FIRST = "first frame"
+    LAST = "last frame"
+    LABEL = "label"
+    EMPTY = "empty"
+    TIME = "time"
+
+
+HANDLES = (Part.START, Part.FULL, Part.FULL_END, Part.END)
+EDGES = (Part.FIRST, Part.LAST)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row: its kind (constraints, clip, feet), the id there, and its place from the top of all rows."""
+
+    kind: str
+    id: str
+    y: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Hit:
+    """What lies under a point: its kind, its id (an empty place of a foot has the foot point's), its part."""
+
+    kind: str
+    id: str
+    part: Part
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """The document, the motion in question, the axis, the results, and which handle has the keyboard."""
+
+    document: Document
+    live: Live
+    axis: TimeAxis
+    subject: Subject
+    handle: Part | None = None
+
+    @property
+    def project(self) -> Project:
+        """The project as it is now."""
+        return self.document.project
+
+    def is_selected(self, collection: str, entity_id: str) -> bool:
+        """Whether the user works on it."""
+        return (collection, entity_id) in self.document.selection
+
+    def x_of_frame(self, frame: float) -> float:
+        """Pixel of a frame of the motion."""
+        return self.axis.x_of_time(self.subject.stage_time(frame))
+
+    def frame_at(self, x: float) -> float:
+        """Frame of the motion at a pixel, not rounded."""
+        return self.subject.motion_frame(self.axis.time_at(x))
+
+    def x_of_motion_time(self, seconds: float) -> float:
+        """Pixel of a time counted from the motion's beginning."""
+        return self.axis.x_of_time(seconds + self.subject.offset)
+
+    def result(self, performer_id: str) -> AdaptedMotion | None:
+        """A body's newest adapted motion."""
+        return self.live.result(performer_id)
+
+    def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
+        """How well a constraint holds on a body."""
+        return strip_of(self.project, self.result(performer_id), constraint_id)
+
+
+def within(point: QPointF, x: float, y: float, reach: float) -> bool:
+    """Whether a point lies no farther than ``reach`` pixels from another, sideways and upright."""
+    return abs(point.x() - x) <= reach and abs(point.y() - y) <= reach
+
+
+def label_area(row: QRect) -> QRect:
+    """The part of a row that carries its name."""
+    return QRect(0, row.top(), LABEL_WIDTH, row.height())

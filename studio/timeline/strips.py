@@ -1,0 +1,98 @@
+"""How well a constraint holds on one body, frame by frame: held, partly or not reached."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.project import Project
+from studio.core.solver.request import AdaptedMotion
+
+HELD_BELOW = 0.001
+"""Metres: nobody sees less."""
+PARTLY_BELOW = 0.020
+"""Metres: up to here the eye forgives."""
+WORST_SHOWN = 0.1
+"""Metres at which a strip has its full height."""
+
+FULLY_ACTIVE = 1.0 - 1e-6
+
+
+class StripState(StrEnum):
+    """What a strip tells of a frame. While the activation eases, nothing is asked in full or missed."""
+
+    INACTIVE = "not active"
+    EASING = "easing"
+    HELD = "held"
+    PARTLY = "partly held"
+    NOT_REACHED = "not reached"
+
+
+@dataclass(frozen=True, eq=False)
+class Strip:
+    """Errors (F,) in metres, NaN where not active, and activation (F,), from frame ``first_frame`` on."""
+
+    first_frame: int
+    errors: NDArray[np.float64]
+    activation: NDArray[np.float64]
+
+    def error_at(self, frame: int) -> float:
+        """Metres at a frame of the motion; NaN outside."""
+        place = frame - self.first_frame
+        return float(self.errors[place]) if 0 <= place < len(self.errors) else float("nan")
+
+    def state_at(self, frame: int) -> StripState:
+        """What the strip shows at a frame of the motion."""
+        place = frame - self.first_frame
+        if not 0 <= place < len(self.errors):
+            return StripState.INACTIVE
+        return STATES[int(self.state_indices[place])]
+
+    @cached_property
+    def state_indices(self) -> NDArray[np.int64]:
+        """(F,) the state of each frame as its place in ``STATES``."""
+        return np.select(
+            [
+                ~np.isfinite(self.errors),
+                self.errors < HELD_BELOW,
+                self.activation < FULLY_ACTIVE,
+                self.errors < PARTLY_BELOW,
+            ],
+            [0, 2, 1, 3],
+            default=4,
+        )
+
+    @property
+    def worst(self) -> tuple[int, float] | None:
+        """Frame and metres of the greatest error while fully active, or None when it is held all the time."""
+        missed = np.where(self.state_indices >= 3, self.errors, 0.0)
+        if not missed.any():
+            return None
+        place = int(np.argmax(missed))
+        return self.first_frame + place, float(missed[place])
+
+
+STATES = tuple(StripState)
+
+
+def strip_of(project: Project, result: AdaptedMotion | None, constraint_id: str) -> Strip | None:
+    """The strip of a constraint in a body's newest result; None while there is none, or it is disabled."""
+    constraint = project.constraints.get(constraint_id)
+    if constraint is None or result is None or not constraint.enabled:
+        return None
+    asked = [key for key, each in project.constraints_of(constraint.motion_id).items() if each.enabled]
+    if len(result.residuals) != len(asked):
+        return None  # the result answers an older question; the newer one is under way
+    times = (result.first_frame + np.arange(result.frame_count)) / result.frame_rate
+    return Strip(
+        result.first_frame, result.residuals[asked.index(constraint_id)], constraint.activation.at(times)
+    )
+
+
+def strip_heights(errors: NDArray[np.float64], most: int) -> NDArray[np.int64]:
+    """Pixels for errors in metres: 1 for what is held, growing with the logarithm to ``most``."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.log(errors / HELD_BELOW) / np.log(WORST_SHOWN / HELD_BELOW)
+    return 1 + np.rint(np.clip(np.nan_to_num(share), 0.0, 1.0) * (most - 1)).astype(np.int64)

@@ -1,0 +1,85 @@
+"""Timeline: the transport and, under it, everything over time."""
+
+from PySide6.QtCore import QPoint, QRect, Signal
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from studio.document.document import Document
+from studio.timeline.canvas import TrackCanvas
+from studio.timeline.sheet import Sheet
+from studio.timeline.shown import Live, Part
+from studio.timeline.strips import StripState
+from studio.timeline.tracks import constraint, feet
+from studio.timeline.transport import Transport
+
+
+class Timeline(QWidget):
+    """The lower third of the window. Places are given in the pixels of ``tracks``, the widget with the rows.
+
+    ``told`` carries what is under the mouse, in words for the status line.
+    """
+
+    told = Signal(str)
+
+    def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.transport = Transport(document, self)
+        self.tracks = TrackCanvas(document, live, self)
+        self.tracks.told.connect(self.told)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.transport)
+        layout.addWidget(self.tracks, 1)
+
+    def x_of_frame(self, frame: float) -> float:
+        """Pixel of a frame of the stage."""
+        return self.tracks.axis.x_of_frame(frame)
+
+    def frame_at(self, x: float) -> float:
+        """Frame of the stage at a pixel, not rounded."""
+        return self.tracks.axis.frame_at(x)
+
+    def row_rect(self, kind: str, row_id: str = "") -> QRect:
+        """Where a row lies, empty where there is none.
+
+        Kinds: ``ruler``, ``clip`` (performer), ``feet`` (left, right), ``constraints``, ``plot``.
+        """
+        sheet = self.tracks.sheet
+        if sheet is None:
+            return QRect()
+        if kind in ("ruler", "plot"):
+            return sheet.ruler if kind == "ruler" else sheet.plot
+        row = sheet.find(kind, row_id)
+        return sheet.rect(row) if row else QRect()
+
+    def handle_point(self, constraint_id: str, handle: str) -> QPoint:
+        """Where a constraint's handle lies: ``start``, ``full``, ``full end``, ``end``."""
+        sheet = self._sheet()
+        entity = sheet.shown.project.constraints[constraint_id]
+        points = constraint.handle_points(sheet.shown, self.row_rect("constraints", constraint_id), entity)
+        return points[Part(handle)].toPoint()
+
+    def contact_rect(self, contact_id: str) -> QRect:
+        """Where a contact's bar lies."""
+        sheet = self._sheet()
+        contact = sheet.shown.project.contacts[contact_id]
+        row = self.row_rect("feet", feet.side_of(contact.point))
+        return feet.contact_bar(sheet.shown, row, contact).toRect()
+
+    def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:
+        """What a body's strip shows at a frame of the motion."""
+        strip = self._sheet().shown.strip(constraint_id, performer_id)
+        return strip.state_at(frame) if strip else StripState.INACTIVE
+
+    def fit(self) -> None:
+        """Show all of time."""
+        self.tracks.axis.fit()
+
+    def close_view(self) -> None:
+        """Stop following the document; to be called before the widget goes."""
+        self.tracks.close_view()
+
+    def _sheet(self) -> Sheet:
+        if self.tracks.sheet is None:
+            raise LookupError("The timeline shows no motion.")
+        return self.tracks.sheet

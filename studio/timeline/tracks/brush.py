@@ -1,0 +1,63 @@
+"""The pens, fonts and labels that all rows share."""
+
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter, QPen
+
+from studio.document import colours
+from studio.timeline.shown import LABEL_WIDTH
+
+LABEL_INDENT = 14
+
+
+def font(pixels: int = 12) -> QFont:
+    """The timeline's type; figures stand in columns."""
+    chosen = QFont("Inter")
+    chosen.setStyleHint(QFont.StyleHint.SansSerif)
+    chosen.setPixelSize(pixels)
+    chosen.setFeature(QFont.Tag("tnum"), 1)
+    return chosen
+
+
+def translucent(colour: str, share: float) -> QColor:
+    """``colour`` with an opacity from 0 to 1."""
+    result = QColor(colour)
+    result.setAlphaF(share)
+    return result
+
+
+def hairline(colour: str | QColor, width: float = 1.0) -> QPen:
+    """A pen of so many device-independent pixels."""
+    return QPen(QColor(colour), width)
+
+
+def paint_label(painter: QPainter, area: QRect, text: str, colour: str, pixels: int = 12) -> None:
+    """One line in the label column, cut with an ellipsis where it is too long."""
+    painter.setFont(font(pixels))
+    painter.setPen(QColor(colour))
+    room = area.adjusted(LABEL_INDENT, 0, -8, 0)
+    line = QFontMetrics(painter.font()).elidedText(text, Qt.TextElideMode.ElideRight, room.width())
+    painter.drawText(room, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, line)
+
+
+def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge: str | None = None) -> None:
+    """A round mark; an edge of the ground's colour lifts it off what lies below."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(hairline(edge, 1.5) if edge else Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(fill))
+    painter.drawEllipse(centre, radius, radius)
+
+
+def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge: str | None = None) -> None:
+    """A bar with rounded corners."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setBrush(fill)
+    painter.setPen(hairline(edge, 1.5) if edge else Qt.PenStyle.NoPen)
+    painter.drawRoundedRect(bar, radius, radius)
+
+
+def time_area(row: QRect) -> QRect:
+    """The part of a row that lies over time."""
+    return row.adjusted(LABEL_WIDTH, 0, 0, 0)
+
+
+SELECTED_LABEL = colours.SELECTED_ROW

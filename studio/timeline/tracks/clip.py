@@ -1,0 +1,52 @@
+"""The clip bar of the active performer."""
+
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter
+
+from studio.document import colours
+from studio.timeline.figures import rate
+from studio.timeline.shown import Hit, Part, Shown, label_area
+from studio.timeline.tracks.brush import font, paint_bar, paint_label
+
+HEIGHT = 24
+FILL = colours.mixed(colours.CONTROL, colours.KINDS["position"], 0.28)
+
+
+def clip_bar(shown: Shown, row: QRect) -> QRectF:
+    """Where the clip lies."""
+    clip = shown.subject.clip
+    left, right = shown.x_of_frame(clip.first), shown.x_of_frame(clip.last)
+    return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
+
+
+def clip_text(shown: Shown) -> str:
+    """``front_kick · 70 f at 30 Hz → 5 bodies``."""
+    subject = shown.subject
+    frames = subject.clip.last - subject.clip.first + 1
+    bodies = len(subject.bodies)
+    return (
+        f"{subject.motion.name} · {frames} f at {rate(subject.frame_rate)} → "
+        f"{bodies} {'body' if bodies == 1 else 'bodies'}"
+    )
+
+
+def paint_clip(painter: QPainter, row: QRect, shown: Shown) -> None:
+    """A quiet bar that says what plays on how many bodies."""
+    bar = clip_bar(shown, row)
+    paint_bar(painter, bar, QColor(FILL), 3)
+    painter.setFont(font())
+    painter.setPen(QColor(colours.TEXT))
+    visible = bar.intersected(QRectF(shown.axis.left, bar.top(), shown.axis.width, bar.height()))
+    painter.drawText(visible.adjusted(10, 0, -4, 0), Qt.AlignmentFlag.AlignVCenter, clip_text(shown))
+
+
+def paint_clip_label(painter: QPainter, row: QRect, shown: Shown) -> None:
+    """Whose clip it is."""
+    performer = shown.project.performers[shown.subject.performer_id]
+    paint_label(painter, label_area(row), performer.name, colours.TEXT)
+
+
+def clip_hit(shown: Shown, row: QRect, point: QPointF) -> Hit:
+    """The clip's performer."""
+    part = Part.BODY if clip_bar(shown, row).contains(point) else Part.EMPTY
+    return Hit("performers", shown.subject.performer_id, part)

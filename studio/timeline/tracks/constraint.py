@@ -1,0 +1,147 @@
+"""A constraint's row: the bar that is its activation curve, four handles, and its strips, one a body."""
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRect, Qt
+from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
+
+from studio.core.constraints.base import Constraint
+from studio.document import colours
+from studio.timeline.figures import millimetres
+from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
+from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
+from studio.timeline.tracks.strip import PITCH, paint_strip
+
+ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 3, 5
+HANDLE_REACH = 6.0
+
+
+def height(body_count: int) -> int:
+    """Pixels of a row with so many strips."""
+    return ABOVE + CURVE + BETWEEN + PITCH * body_count + BELOW
+
+
+def baseline(row: QRect) -> int:
+    """The pixel at which the activation is 0; a curve's height above it is 1."""
+    return row.top() + ABOVE + CURVE
+
+
+def handle_points(shown: Shown, row: QRect, constraint: Constraint) -> dict[Part, QPointF]:
+    """Where the four handles lie."""
+    curve, low = constraint.activation, baseline(row) + 0.5
+    times = (curve.start, curve.full, curve.full_end, curve.end)
+    heights = (low, low - CURVE, low - CURVE, low)
+    xs = (shown.x_of_motion_time(time) for time in times)
+    return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, heights, strict=True)}
+
+
+def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+    """The curve filled at 40 per cent in the kind's colour; light and with larger handles when selected."""
+    constraint = shown.project.constraints[constraint_id]
+    selected = shown.is_selected("constraints", constraint_id)
+    colour = colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
+    line = colours.SELECTED_HANDLE if selected else colour
+    path = _curve_path(shown, row, constraint)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(hairline(line, 1.5))
+    if not constraint.enabled:
+        painter.setPen(Qt.PenStyle.DashLine)
+    painter.setBrush(translucent(colour, 0.4 if constraint.enabled else 0.1))
+    painter.drawPath(path)
+    for part, point in handle_points(shown, row, constraint).items():
+        focused = selected and shown.handle == part
+        paint_dot(
+            painter, point, 4.5 if selected else 3.5, line, colours.PLAYHEAD if focused else colours.PANEL
+        )
+    _paint_strips(painter, row, shown, constraint_id)
+
+
+def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+    """Priority and name, and who misses it most."""
+    constraint = shown.project.constraints[constraint_id]
+    order = list(shown.project.constraints_of(constraint.motion_id)).index(constraint_id) + 1
+    area = label_area(row)
+    top = QRect(area.left(), area.top() + ABOVE - 2, area.width(), 20)
+    name_colour = colours.TEXT if constraint.enabled else colours.TEXT_THIRD
+    paint_label(painter, top, f"{order}  {constraint.name}", name_colour)
+    text, colour = _verdict(shown, constraint_id)
+    paint_label(painter, top.translated(0, 18), text, colour, 11)
+
+
+def constraint_hit(shown: Shown, row: QRect, constraint_id: str, point: QPointF) -> Hit:
+    """The nearest handle within reach, else the bar, else nothing of it."""
+    constraint = shown.project.constraints[constraint_id]
+    near = {
+        part: place
+        for part, place in handle_points(shown, row, constraint).items()
+        if within(point, place.x(), place.y(), HANDLE_REACH)
+    }
+    if near:
+        return Hit("constraints", constraint_id, _nearest(near, point))
+    inside = _curve_path(shown, row, constraint).contains(point)
+    return Hit("constraints", constraint_id, Part.BODY if inside else Part.EMPTY)
+
+
+def _nearest(near: dict[Part, QPointF], point: QPointF) -> Part:
+    """Where handles lie on one another, the one that the mouse comes from: earlier ones from the left."""
+    return min(
+        near,
+        key=lambda part: (
+            round((near[part] - point).manhattanLength()),
+            HANDLES.index(part) * (1 if point.x() <= near[part].x() else -1),
+        ),
+    )
+
+
+def _curve_path(shown: Shown, row: QRect, constraint: Constraint) -> QPainterPath:
+    """The activation over the visible pixels, closed along the baseline."""
+    curve, axis = constraint.activation, shown.axis
+    corners = (curve.start, curve.full, curve.full_end, curve.end)
+    corner_xs = [shown.x_of_motion_time(time) for time in corners]
+    left, right = max(corner_xs[0], axis.left - 20), min(corner_xs[-1], axis.right + 20)
+    path = QPainterPath()
+    if left > right:
+        return path
+    inner = [x for x in corner_xs[1:-1] if left < x < right]
+    xs = np.unique([left, *np.arange(np.ceil(left), right, 2.0), *inner, right])
+    times = axis.start + (xs - axis.left) / axis.scale - shown.subject.offset
+    low = baseline(row) + 0.5
+    ys = low - CURVE * curve.at(times)
+    outline = [QPointF(left, low), *map(QPointF, xs.tolist(), ys.tolist()), QPointF(right, low)]
+    path.addPolygon(QPolygonF(outline))
+    path.closeSubpath()
+    return path
+
+
+def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+    top = baseline(row) + 1 + BETWEEN
+    for place, body in enumerate(shown.subject.bodies):
+        strip = shown.strip(constraint_id, body.performer_id)
+        if strip is not None:
+            paint_strip(painter, shown, strip, top + PITCH * place, body.colour)
+
+
+def strip_body(shown: Shown, row: QRect, y: float) -> str | None:
+    """The performer whose strip lies at a height, or None."""
+    place = int((y - baseline(row) - 1 - BETWEEN) // PITCH)
+    return shown.subject.bodies[place].performer_id if 0 <= place < len(shown.subject.bodies) else None
+
+
+def _verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
+    """``Child 42 mm at 23`` in the state's colour, or that all hold it."""
+    if not shown.project.constraints[constraint_id].enabled:
+        return "off", colours.TEXT_THIRD
+    strips = [(body, shown.strip(constraint_id, body.performer_id)) for body in shown.subject.bodies]
+    if not any(strip for _, strip in strips):
+        return "", colours.TEXT_THIRD
+    worst = [(strip.worst, body.name, strip) for body, strip in strips if strip and strip.worst]
+    if not worst:
+        return "held by all" if len(strips) > 1 else "held", colours.TEXT_THIRD
+    (frame, error), name, strip = max(worst, key=lambda each: each[0][1])
+    text = f"{name} {millimetres(error)} at {frame}"
+    reached = strip.state_at(frame) != "not reached"
+    return text, colours.PARTLY if reached else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
+
+
+def row_ground(selected: bool) -> QColor:
+    """The grey behind a label."""
+    return QColor(colours.SELECTED_ROW if selected else colours.PANEL)

@@ -1,0 +1,178 @@
+"""The plot: foot speed or error of every body, drawn by pyqtgraph into the tracks' picture."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from PySide6.QtCore import QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter
+
+from studio.core.canonical import BodyLayout
+from studio.core.solver.request import AdaptedMotion
+from studio.document import colours
+from studio.timeline.shown import LABEL_WIDTH, Shown, label_area
+from studio.timeline.tracks.brush import font, paint_label, translucent
+
+LEAST_HEIGHT, MOST_HEIGHT = 54, 120
+HEADROOM = 1.12
+
+
+class Quantity(StrEnum):
+    """What may be plotted."""
+
+    FOOT_SPEED = "Foot speed"
+    LEFT_FOOT_SPEED = "Left foot speed"
+    RIGHT_FOOT_SPEED = "Right foot speed"
+    ERROR = "Error"
+
+    @property
+    def unit(self) -> str:
+        """The unit of the values drawn."""
+        return "mm" if self is Quantity.ERROR else "m/s"
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One body's values over stage times, both (F,)."""
+
+    name: str
+    colour: str
+    times: NDArray[np.float64]
+    values: NDArray[np.float64]
+
+    def at(self, seconds: float) -> float:
+        """The value of the frame nearest to a time."""
+        return float(self.values[np.argmin(np.abs(self.times - seconds))])
+
+
+def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> NDArray[np.float64]:
+    """(F,) metres a second of the ball of the faster of the feet, by central differences."""
+    layout = BodyLayout(len(adapted.morphology.spine))
+    if adapted.frame_count < 2:
+        return np.zeros(adapted.frame_count)
+    balls = adapted.positions[:, [layout.toe(side) for side in sides]]
+    velocity = np.gradient(balls, axis=0) * adapted.frame_rate
+    speed: NDArray[np.float64] = np.linalg.norm(velocity, axis=-1).max(axis=-1)
+    return speed
+
+
+def curves_of(shown: Shown, quantity: Quantity) -> list[Curve]:
+    """A curve for each body that has a result."""
+    curves = []
+    for body in shown.subject.bodies:
+        adapted = shown.result(body.performer_id)
+        values = None if adapted is None else _values(shown, quantity, body.performer_id, adapted)
+        if adapted is not None and values is not None:
+            frames = adapted.first_frame + np.arange(adapted.frame_count)
+            times = frames / shown.subject.frame_rate + shown.subject.offset
+            curves.append(Curve(body.name, body.colour, times, values))
+    return curves
+
+
+def _values(
+    shown: Shown, quantity: Quantity, performer_id: str, adapted: AdaptedMotion
+) -> NDArray[np.float64] | None:
+    match quantity:
+        case Quantity.FOOT_SPEED:
+            return foot_speed(adapted)
+        case Quantity.LEFT_FOOT_SPEED:
+            return foot_speed(adapted, (0,))
+        case Quantity.RIGHT_FOOT_SPEED:
+            return foot_speed(adapted, (1,))
+    constraint_id = plotted_constraint(shown)
+    strip = shown.strip(constraint_id, performer_id) if constraint_id else None
+    return None if strip is None else np.nan_to_num(strip.errors) * 1000.0
+
+
+def plotted_constraint(shown: Shown) -> str | None:
+    """The selected constraint, else the first one."""
+    own = shown.project.constraints_of(shown.subject.motion_id)
+    selected = [key for key in shown.document.selection.of("constraints") if key in own]
+    return next(iter((*reversed(selected), *own)), None)
+
+
+class PlotPicture:
+    """A pyqtgraph plot that is never a window of its own: it is drawn where the tracks want it."""
+
+    def __init__(self) -> None:
+        self.quantity = Quantity.FOOT_SPEED
+        self.curves: list[Curve] = []
+        self.top = 1.0
+        self._widget = pg.PlotWidget(background=None)
+        item = self._widget.getPlotItem()
+        item.hideAxis("left")
+        item.hideAxis("bottom")
+        item.hideButtons()
+        item.layout.setContentsMargins(0, 0, 0, 0)
+        item.getViewBox().setDefaultPadding(0.0)
+        item.getViewBox().setBorder(None)
+        self._item = item
+
+    def fetch(self, shown: Shown) -> None:
+        """Take the newest results."""
+        self.curves = curves_of(shown, self.quantity)
+        values = [float(curve.values.max()) for curve in self.curves if len(curve.values)]
+        self.top = max([*values, 0.0]) or 1.0
+        self._item.clear()
+        for curve in reversed(self.curves):
+            pen = pg.mkPen(QColor(curve.colour), width=1.5)
+            self._item.plot(curve.times, curve.values, pen=pen, antialias=True)
+
+    def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
+        """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
+        area = row.adjusted(LABEL_WIDTH, 4, 0, -3)
+        axis = shown.axis
+        if self._widget.size() != area.size():
+            self._widget.resize(area.size())
+            self._widget.resizeEvent(None)  # Qt keeps it back from a widget that is not on the screen
+        self._item.setXRange(axis.time_at(area.left()), axis.time_at(area.left() + area.width()), padding=0)
+        self._item.setYRange(-0.04 * self.top, self.top * HEADROOM, padding=0)
+        low, high = self.y_of(row, 0.0), self.y_of(row, self.top)
+        for y in (low, high):
+            painter.fillRect(area.left(), round(y), area.width(), 1, translucent(colours.EDGE, 0.7))
+        scene = self._widget.scene()
+        scene.prepareForPaint()
+        scene.render(painter, QRectF(area), QRectF(0, 0, area.width(), area.height()))
+
+    def y_of(self, row: QRect, value: float) -> float:
+        """Pixel of a value."""
+        area = QRectF(row.adjusted(0, 4, 0, -3))
+        span = self.top * (HEADROOM + 0.04)
+        return area.bottom() - (value + 0.04 * self.top) / span * area.height()
+
+    def paint_label(self, painter: QPainter, row: QRect, shown: Shown) -> None:
+        """What is plotted, its unit and its greatest value, at the height where that lies."""
+        area = label_area(row)
+        paint_label(painter, QRect(0, row.top() + 4, LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
+        count = len(self.curves)
+        note = f"{self.quantity.unit} · {count} {'body' if count == 1 else 'bodies'}"
+        paint_label(painter, QRect(0, row.top() + 22, LABEL_WIDTH, 18), note, colours.TEXT_THIRD, 11)
+        painter.setFont(font(10))
+        painter.setPen(QColor(colours.TEXT_THIRD))
+        for value in (0.0, self.top) if self.curves else ():
+            place = QRect(area.right() - 60, round(self.y_of(row, value)) - 8, 54, 16)
+            painter.drawText(
+                place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(value)
+            )
+
+    def title(self, shown: Shown) -> str:
+        """``Foot speed`` or ``Error: Kick target``."""
+        constraint_id = plotted_constraint(shown) if self.quantity is Quantity.ERROR else None
+        name = f": {shown.project.constraints[constraint_id].name}" if constraint_id else ""
+        return self.quantity.value + name
+
+    def nearest(self, row: QRect, seconds: float, y: float) -> tuple[Curve, float] | None:
+        """The curve that passes nearest to a height at a time, with its value there."""
+        values = [(curve, curve.at(seconds)) for curve in self.curves]
+        return min(values, key=lambda pair: abs(self.y_of(row, pair[1]) - y), default=None)
+
+    def close(self) -> None:
+        """Let go of the plot."""
+        self._widget.close()
+        self._widget.deleteLater()
+
+
+def _figure(value: float) -> str:
+    return "0" if value == 0.0 else f"{value:.3g}"

@@ -1,0 +1,68 @@
+"""The ruler: frame numbers, ticks as dense as the eye can tell apart, and the range that plays."""
+
+from collections.abc import Iterator
+from itertools import count
+from math import ceil, floor
+
+from PySide6.QtCore import QRect, Qt
+from PySide6.QtGui import QColor, QPainter
+
+from studio.document import colours
+from studio.document.playhead import Playhead
+from studio.timeline.axis import TimeAxis
+from studio.timeline.shown import LABEL_WIDTH
+from studio.timeline.tracks.brush import font, translucent
+
+HEIGHT = 24
+MAJOR_SPACING = 64
+MINOR_SPACING = 7
+
+
+def major_step(axis: TimeAxis) -> int:
+    """Frames between two numbers: 1, 2 or 5 times a power of ten."""
+    return _step(axis, MAJOR_SPACING)
+
+
+def major_frames(axis: TimeAxis) -> range:
+    """The frames that carry a number, over the visible stretch."""
+    return _multiples(axis, major_step(axis))
+
+
+def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhead) -> None:
+    """Numbers stand right over their ticks; outside the range that plays the ruler is dim."""
+    painter.fillRect(area, QColor(colours.BAR))
+    painter.save()
+    painter.setClipRect(area.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
+    for x in _ticks(axis, _multiples(axis, _step(axis, MINOR_SPACING))):
+        painter.fillRect(x, area.bottom() - 3, 1, 4, translucent(colours.TEXT_THIRD, 0.45))
+    painter.setFont(font(11))
+    for frame in major_frames(axis):
+        x = round(axis.x_of_frame(frame))
+        painter.fillRect(x, area.bottom() - 6, 1, 7, QColor(colours.TEXT_THIRD))
+        painter.setPen(QColor(colours.TEXT_SECOND))
+        number = QRect(x - 30, area.top(), 61, area.height() - 7)
+        painter.drawText(number, Qt.AlignmentFlag.AlignCenter, str(frame))
+    _paint_range(painter, area, axis, playhead)
+    painter.restore()
+
+
+def _paint_range(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhead) -> None:
+    first, last = round(axis.x_of_frame(playhead.first)), round(axis.x_of_frame(playhead.last))
+    shade = translucent(colours.WINDOW, 0.55)
+    painter.fillRect(LABEL_WIDTH, area.top(), max(first - LABEL_WIDTH, 0), area.height(), shade)
+    painter.fillRect(last + 1, area.top(), max(area.right() - last, 0), area.height(), shade)
+
+
+def _ticks(axis: TimeAxis, frames: range) -> Iterator[int]:
+    return (round(axis.x_of_frame(frame)) for frame in frames)
+
+
+def _step(axis: TimeAxis, spacing: int) -> int:
+    least = spacing / axis.pixels_per_frame
+    return next(digit * 10**power for power in count() for digit in (1, 2, 5) if digit * 10**power >= least)
+
+
+def _multiples(axis: TimeAxis, step: int) -> range:
+    begin = max(axis.frame_at(axis.left), axis.begin * axis.frame_rate)
+    end = min(axis.frame_at(axis.right), axis.end * axis.frame_rate)
+    return range(ceil(begin / step - 1e-6) * step, floor(end + 1e-6) + 1, step)

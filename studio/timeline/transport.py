@@ -1,0 +1,174 @@
+"""The transport row: play, step, loop, speed, where the playhead stands, and the range that plays."""
+
+from collections.abc import Callable
+
+import qtawesome
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
+from PySide6.QtGui import QIcon
+from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QSpinBox, QToolButton, QWidget
+
+from studio.document import colours
+from studio.document.document import Document
+from studio.timeline.figures import rate
+from studio.timeline.shown import LABEL_WIDTH
+
+HEIGHT = 32
+SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+LAST_FRAME = 9_999_999
+
+
+class Transport(QWidget):
+    """Shows and moves the document's playhead."""
+
+    def __init__(self, document: Document, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.playhead = document.playhead
+        self.setFixedHeight(HEIGHT)
+        self.setObjectName("transport")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setStyleSheet(_STYLE)
+        self._make_buttons()
+        self._make_fields()
+        self._lay_out()
+        self.playhead.changed.connect(self._show_time)
+        self.playhead.playing_changed.connect(self._show_playing)
+        self.playhead.range_changed.connect(self._show_range)
+        self._show_playing()
+        self._show_range()
+
+    def _make_buttons(self) -> None:
+        playhead = self.playhead
+        self.to_start = _button("mdi6.skip-previous", "To start", lambda: playhead.set_frame(playhead.first))
+        self.previous = _button("mdi6.step-backward", "Previous frame", lambda: playhead.step(-1))
+        self.play = _button("mdi6.play", "Play", playhead.toggle)
+        self.next = _button("mdi6.step-forward", "Next frame", lambda: playhead.step(1))
+        self.to_end = _button("mdi6.skip-next", "To end", lambda: playhead.set_frame(playhead.last))
+        self.loop = _button("mdi6.repeat", "Loop", self._set_loop)
+        self.loop.setCheckable(True)
+        self.loop.setChecked(playhead.loop)
+
+    def _make_fields(self) -> None:
+        playhead = self.playhead
+        self.frame = _frame_field("Frame", playhead.set_frame)
+        self.seconds = QDoubleSpinBox(decimals=3, minimum=0.0, maximum=1e6, suffix=" s")
+        _dress(self.seconds, "Time in seconds", 70)
+        self.seconds.valueChanged.connect(playhead.set_time)
+        self.rate = QLabel()
+        self.speed = QComboBox()
+        self.speed.setAccessibleName("Playback speed")
+        self.speed.setToolTip("Playback speed")
+        for speed in SPEEDS:
+            self.speed.addItem(f"{speed:g}×", speed)
+        self.speed.setCurrentIndex(SPEEDS.index(1.0))
+        self.speed.currentIndexChanged.connect(self._set_speed)
+        self.first = _frame_field("First frame of the range", lambda frame: self._set_range())
+        self.last = _frame_field("Last frame of the range", lambda frame: self._set_range())
+
+    def _lay_out(self) -> None:
+        buttons = QWidget(self)
+        buttons.setFixedWidth(LABEL_WIDTH)
+        inner = QHBoxLayout(buttons)
+        inner.setContentsMargins(8, 0, 0, 0)
+        inner.setSpacing(2)
+        for button in (self.to_start, self.previous, self.play, self.next, self.to_end, self.loop):
+            inner.addWidget(button)
+        inner.addStretch()
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 12, 0)
+        row.setSpacing(6)
+        row.addWidget(buttons)
+        row.addSpacing(10)
+        _add(row, _caption("Frame"), self.frame, self.seconds, self.rate)
+        row.addSpacing(12)
+        _add(row, _caption("Speed"), self.speed)
+        row.addStretch()
+        _add(row, _caption("Range"), self.first, _caption("–"), self.last)
+
+    def _show_time(self) -> None:
+        with QSignalBlocker(self.frame), QSignalBlocker(self.seconds):
+            self.frame.setValue(self.playhead.frame)
+            self.seconds.setValue(self.playhead.time)
+
+    def _show_playing(self) -> None:
+        playing = self.playhead.playing
+        self.play.setIcon(_icon("mdi6.pause" if playing else "mdi6.play"))
+        self.play.setToolTip("Pause" if playing else "Play")
+        self.play.setAccessibleName(self.play.toolTip())
+
+    def _show_range(self) -> None:
+        playhead = self.playhead
+        self.rate.setText(rate(playhead.frame_rate))
+        with QSignalBlocker(self.first), QSignalBlocker(self.last), QSignalBlocker(self.seconds):
+            self.first.setMaximum(playhead.last)
+            self.last.setMinimum(playhead.first)
+            self.first.setValue(playhead.first)
+            self.last.setValue(playhead.last)
+            self.seconds.setSingleStep(1.0 / playhead.frame_rate)
+        self._show_time()
+
+    def _set_range(self) -> None:
+        self.playhead.set_range(self.first.value(), self.last.value())
+
+    def _set_speed(self) -> None:
+        self.playhead.speed = self.speed.currentData()
+
+    def _set_loop(self) -> None:
+        self.playhead.loop = self.loop.isChecked()
+
+
+def _add(row: QHBoxLayout, *widgets: QWidget) -> None:
+    for widget in widgets:
+        row.addWidget(widget)
+
+
+def _icon(name: str) -> QIcon:
+    return qtawesome.icon(name, color=colours.TEXT, color_on=colours.SELECTED_HANDLE)
+
+
+def _button(icon: str, text: str, action: Callable[[], object]) -> QToolButton:
+    button = QToolButton()
+    button.setAutoRaise(True)
+    button.setToolTip(text)
+    button.setAccessibleName(text)
+    button.setIcon(_icon(icon))
+    button.setIconSize(QSize(18, 18))
+    button.setFixedSize(26, 24)
+    button.clicked.connect(lambda: action())
+    return button
+
+
+def _frame_field(text: str, action: Callable[[int], None]) -> QSpinBox:
+    field = QSpinBox(maximum=LAST_FRAME)
+    _dress(field, text, 52)
+    field.valueChanged.connect(action)
+    return field
+
+
+def _dress(field: QSpinBox | QDoubleSpinBox, text: str, width: int) -> None:
+    field.setButtonSymbols(QSpinBox.ButtonSymbols.NoButtons)
+    field.setAlignment(Qt.AlignmentFlag.AlignRight)
+    field.setKeyboardTracking(False)  # a half-typed number is no frame to go to
+    field.setFixedSize(width, 22)
+    field.setAccessibleName(text)
+    field.setToolTip(text)
+
+
+def _caption(text: str) -> QLabel:
+    label = QLabel(text)
+    label.setObjectName("caption")
+    return label
+
+
+_STYLE = f"""
+#transport {{ background: {colours.BAR}; }}
+#transport QWidget {{ font-size: 12px; color: {colours.TEXT}; }}
+#transport QLabel {{ color: {colours.TEXT_THIRD}; }}
+#transport QAbstractSpinBox, #transport QComboBox {{
+    background: {colours.WELL}; border: 1px solid {colours.EDGE}; border-radius: 4px; padding: 0 4px;
+    selection-background-color: {colours.SELECTED_CONTROL}; }}
+#transport QAbstractSpinBox:focus, #transport QComboBox:focus {{ border-color: {colours.SELECTED_CONTROL}; }}
+#transport QToolButton {{ border: none; border-radius: 4px; }}
+#transport QToolButton:hover {{ background: {colours.CONTROL}; }}
+#transport QToolButton:checked {{ background: {colours.SELECTED_ROW}; }}
+#transport QToolButton:focus {{ border: 1px solid {colours.SELECTED_CONTROL}; }}
+"""
