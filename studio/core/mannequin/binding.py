@@ -4,10 +4,10 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
 
 from studio.core.canonical import BodyPart
 from studio.core.mannequin.form import Form
+from studio.core.mannequin.surface import vertex_links
 from studio.core.morphology import FloatArray
 from studio.core.skin import INFLUENCES
 
@@ -98,10 +98,7 @@ def _left_steps(form: Form, vertices: FloatArray) -> dict[str, FloatArray]:
 
 def diffused(weights: FloatArray, triangles: NDArray[np.int64], rounds: int) -> FloatArray:
     """Weights evened out over the surface, so that no influence ends at once or jumps a gap."""
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    ones = np.ones(len(edges))
-    links = csr_matrix((ones, (edges[:, 0], edges[:, 1])), shape=(len(weights), len(weights)))
-    links = links.multiply(1 / links.sum(axis=1)).tocsr()
+    links = vertex_links(triangles, len(weights))
     for _ in range(rounds):
         weights = 0.5 * weights + 0.5 * (links @ weights)
     return weights

@@ -46,8 +46,33 @@ class Form:
         torso, neck, skull, arm, leg = self.regions(points)
         h = self.physique.stature
         head = smooth_union(neck, skull, 0.030 * h)
-        body = smooth_union(smooth_union(torso, head, 0.035 * h), arm, 0.040 * h)
-        return smooth_union(body, leg, 0.040 * h)
+        body = smooth_union(smooth_union(torso, head, 0.045 * h), arm, 0.090 * h)
+        return smooth_union(body, leg, 0.050 * h)
+
+    def edge_lengths(self, points: FloatArray) -> FloatArray:
+        """(N,) how long the mesh's edges are to be: short on hands, face and feet and where a limb bends."""
+        h = self.physique.stature
+        half = points * [1, 1, 1]
+        half[:, 1] = np.abs(half[:, 1])
+        lengths = np.full(len(points), 0.0145)
+        for centre, radius, length in self._details:
+            distance = np.linalg.norm(half - centre, axis=1) / h
+            lengths = np.minimum(lengths, length + 0.15 * np.maximum(distance - radius, 0))
+        return lengths * h
+
+    @cached_property
+    def _details(self) -> list[tuple[FloatArray, float, float]]:
+        """Places that want small triangles: centre, radius and edge length as fractions of stature."""
+        p = self.physique
+        hand = (self.point("wrist") + self.point("hand end")) / 2
+        return [
+            (hand, 0.45 * p.hand, 0.0058 * p.hand / 0.106),
+            (self.point("toe") * [1, 1, 0], 0.45 * p.foot_length, 0.0090),
+            (self.point("head joint") + [0.02 * p.stature, 0, 0], 0.7 * p.head, 0.0080 * p.head / 0.088),
+            (self.point("elbow"), 0.03, 0.0095),
+            (self.point("knee"), 0.04, 0.0115),
+            (self.point("shoulder"), 0.03, 0.0120),
+        ]
 
     def regions(self, points: FloatArray) -> tuple[FloatArray, ...]:
         """Signed distances of torso, neck, skull, arm and leg apart; the nearer of left and right."""
@@ -66,20 +91,23 @@ class Form:
         hip, top = self.point("hip")[2] / h, self.point("neck base")[2] / h
         wide = p.shoulder_width / 0.218
         rows = [
-            (-0.10, 0.000, 0.046, 0.056 * p.hips),
-            (0.01, -0.002, 0.061 * p.seat, 0.091 * p.hips),
-            (0.14, 0.000, 0.059, 0.086 * p.hips),
-            (0.30, 0.003, 0.054 * p.waist, 0.074 * p.waist),
-            (0.46, 0.004, 0.058 * (p.waist + p.chest_depth) / 2, 0.079 * (p.waist + p.chest) / 2),
-            (0.62, 0.001, 0.065 * p.chest_depth, 0.089 * p.chest),
-            (0.77, -0.006, 0.062 * p.chest_depth, 0.092 * p.chest),
-            (0.88, -0.013, 0.047 * p.chest_depth, 0.076 * wide),
-            (0.97, -0.016, 0.034, 0.040 * wide),
+            (-0.13, -0.002, 0.024, 0.022 * p.hips),
+            (-0.06, -0.002, 0.043 * p.seat, 0.050 * p.hips),
+            (0.03, -0.002, 0.056 * p.seat, 0.074 * p.hips),
+            (0.14, 0.000, 0.056 * (p.seat + p.waist) / 2, 0.078 * (p.hips + p.waist) / 2),
+            (0.35, 0.003, 0.054 * p.waist, 0.075 * p.waist),
+            (0.48, 0.003, 0.058 * (p.waist + p.chest_depth) / 2, 0.081 * (p.waist + p.chest) / 2),
+            (0.62, 0.000, 0.062 * p.chest_depth, 0.092 * p.chest),
+            (0.73, -0.004, 0.060 * p.chest_depth, 0.101 * (p.chest + wide) / 2),
+            (0.81, -0.009, 0.052 * p.chest_depth, 0.096 * wide),
+            (0.89, -0.016, 0.041 * p.chest_depth, 0.078 * wide),
+            (0.96, -0.021, 0.031 * p.neck_girth, 0.048 * wide),
+            (1.02, -0.021, 0.026 * p.neck_girth, 0.032 * p.neck_girth),
         ]
         stations = (
             np.array([(hip + (top - hip) * t, x, 0, depth, breadth) for t, x, depth, breadth in rows]) * h
         )
-        trunk = Loft(np.zeros(3), np.eye(3), stations, power=2.25, caps=(0.03 * h, 0.02 * h))
+        trunk = Loft(np.zeros(3), np.eye(3), stations, power=2.25, caps=(0.012 * h, 0.02 * h))
 
         def blob(
             t: float, x: float, y: float, radii: tuple[float, float, float], fillet: float
@@ -89,25 +117,22 @@ class Form:
 
         parts: _Parts = [(trunk, 0.0)]
         seat = 0.046 * p.seat
-        parts.append(blob(0.01, -0.030 * p.seat, 0.040 * p.hips, (seat, 0.042 * p.hips, 0.050), 0.05))
+        parts.append(blob(0.00, -0.028 * p.seat, 0.041 * p.hips, (seat, 0.043 * p.hips, 0.052), 0.06))
         if p.pectorals:
-            parts.append(
-                blob(
-                    0.69,
-                    0.040 * p.chest_depth,
-                    0.042 * wide,
-                    (0.026 * p.pectorals, 0.046 * wide, 0.034),
-                    0.05,
-                )
-            )
+            swell = (0.024 * p.pectorals, 0.050 * wide, 0.034)
+            parts.append(blob(0.69, 0.034 * p.chest_depth, 0.042 * wide, swell, 0.07))
         if p.bust:
-            parts.append(blob(0.60, 0.050, 0.043, (0.036 * p.bust, 0.036 * p.bust, 0.036 * p.bust), 0.035))
+            swell = (0.036 * p.bust, 0.036 * p.bust, 0.035 * p.bust)
+            parts.append(blob(0.60, 0.042 * p.chest_depth, 0.042, swell, 0.055))
         if p.belly:
             parts.append(
                 blob(0.27, 0.010 + 0.02 * p.belly, 0.0, (0.062 * p.belly, 0.080 * p.belly, 0.085), 0.08)
             )
         shoulder, neck = self.point("shoulder"), self.point("neck base")
-        inner, outer = neck + [0.004 * h, 0.012 * h, 0.020 * h], shoulder + [-0.004 * h, -0.02 * h, 0.010 * h]
+        inner, outer = (
+            neck + [0.002 * h, 0.010 * h, 0.012 * h],
+            shoulder + [-0.004 * h, -0.012 * h, 0.006 * h],
+        )
         parts.append((_cone(inner, outer, 0.022 * h * p.neck_girth, 0.024 * h * p.shoulders), 0.05 * h))
         return parts
 
@@ -136,7 +161,7 @@ class Form:
             (blob((0.011, 0, 0.034), (0.056 * s, 0.045 * s, 0.054)), 0.0),
             (blob((0.030, 0, 0.002), (0.034, 0.034 * s, 0.049), 0.15), 0.045 * u),
             (blob((0.044, 0, -0.026), (0.018, 0.020, 0.016)), 0.03 * u),
-            (blob((0.066, 0, 0.004), (0.009, 0.008, 0.017), -0.35), 0.02 * u),
+            (blob((0.065, 0, 0.005), (0.009, 0.009, 0.020), -0.30), 0.030 * u),
             (blob((0.008, 0.043 * s, 0.008), (0.010, 0.006, 0.017), -0.2), 0.012 * u),
         ]
 
@@ -163,24 +188,24 @@ class Form:
         lower = _limb(elbow, self.frame(BodyPart.LEFT_FOREARM), lower_rows, p.forearm * h, h)
         radii = np.array([0.034, 0.030, 0.036]) * h * p.shoulders
         deltoid = Ellipsoid(shoulder + np.array([-0.002, 0.004, -0.002]) * h, radii, np.eye(3))
-        return [(deltoid, 0.0), (upper, 0.04 * h), (lower, 0.02 * h), *self._hand(wrist)]
+        return [(deltoid, 0.0), (upper, 0.04 * h), (lower, 0.004 * h), *self._hand(wrist)]
 
     def _hand(self, wrist: FloatArray) -> _Parts:
         p = self.physique
         u, g = p.stature * p.hand, p.hand_girth
         frame = self.frame(BodyPart.LEFT_HAND)
         palm_rows = [
-            (-0.06, 0.000, 0.000, 0.115 * g, 0.150 * g),
-            (0.18, 0.000, -0.010, 0.112 * g, 0.185 * g),
-            (0.48, -0.005, 0.005, 0.100 * g, 0.205 * g),
-            (0.72, 0.025, 0.010, 0.082 * g, 0.185 * g),
-            (0.94, 0.100, 0.012, 0.062 * g, 0.135 * g),
+            (-0.06, 0.000, 0.000, 0.118 * g, 0.150 * g),
+            (0.18, 0.000, -0.012, 0.115 * g, 0.190 * g),
+            (0.46, 0.000, 0.000, 0.104 * g, 0.210 * g),
+            (0.68, 0.030, 0.004, 0.084 * g, 0.185 * g),
+            (0.86, 0.080, 0.004, 0.070 * g, 0.140 * g),
         ]
-        palm = Loft(wrist, frame, np.array(palm_rows) * u, power=2.4, caps=(0.05 * u, 0.07 * u))
+        palm = Loft(wrist, frame, np.array(palm_rows) * u, power=2.2, caps=(0.05 * u, 0.14 * u))
         root, knuckle, tip = ((0.02, -0.11, 0.14), (0.08, -0.24, 0.34), (0.12, -0.285, 0.56))
         bones = [wrist + frame @ (np.array(place) * u) for place in (root, knuckle, tip)]
-        base = _cone(bones[0], bones[1], 0.095 * u * g, 0.078 * u * g)
-        thumb = _cone(bones[1], bones[2], 0.078 * u * g, 0.058 * u * g)
+        base = _cone(bones[0], bones[1], 0.105 * u * g, 0.086 * u * g)
+        thumb = _cone(bones[1], bones[2], 0.086 * u * g, 0.066 * u * g)
         return [(palm, 0.10 * u), (base, 0.12 * u), (thumb, 0.03 * u)]
 
     @cached_property
@@ -189,28 +214,23 @@ class Form:
         t, c = p.thighs, p.calves
         knee = (t + c) / 2
         leg = (p.hip_height - p.ankle_height) * h
-        inward = 0.0015
-        thigh_rows = [
-            (-0.08, inward, 0.000, 0.042 * t, 0.050 * t),
-            (0.08, inward, 0.000, 0.0485 * t, 0.056 * t),
-            (0.30, 0.001, 0.003, 0.0455 * t, 0.052 * t),
-            (0.60, 0.000, 0.004, 0.0375 * t, 0.0425 * t),
-            (0.88, 0.000, 0.002, 0.0300 * knee, 0.0330 * knee),
-            (1.00, 0.000, 0.002, 0.0285 * knee, 0.0320 * knee),
+        k = p.thigh_share
+        rows = [
+            (-0.16, -0.010, -0.002, 0.034 * t, 0.040 * t),
+            (-0.07, -0.001, -0.002, 0.0445 * t, 0.0515 * t),
+            (0.03, 0.003, 0.000, 0.0500 * t, 0.056 * t),
+            (0.30 * k, 0.002, 0.003, 0.0460 * t, 0.053 * t),
+            (0.62 * k, 0.000, 0.004, 0.0375 * t, 0.0430 * t),
+            (0.88 * k, 0.000, 0.003, 0.0305 * knee, 0.0340 * knee),
+            (1.02 * k, 0.000, 0.003, 0.0285 * knee, 0.0315 * knee),
+            (1.12 * k, 0.000, -0.001, 0.0280 * knee, 0.0310 * knee),
+            (k + 0.30 * (1 - k), 0.001, -0.008, 0.0310 * c, 0.0335 * c),
+            (k + 0.60 * (1 - k), 0.000, -0.007, 0.0230 * c, 0.0250 * c),
+            (k + 0.85 * (1 - k), 0.000, -0.005, 0.0165 * c, 0.0190 * c),
+            (1.00, 0.000, -0.006, 0.0170 * c, 0.0195 * c),
         ]
-        shank_rows = [
-            (0.00, 0.000, 0.002, 0.0285 * knee, 0.0320 * knee),
-            (0.12, 0.000, -0.002, 0.0275 * knee, 0.0305 * knee),
-            (0.30, 0.001, -0.008, 0.0310 * c, 0.0335 * c),
-            (0.60, 0.000, -0.006, 0.0225 * c, 0.0245 * c),
-            (0.85, 0.000, -0.005, 0.0165 * c, 0.0190 * c),
-            (1.00, 0.000, -0.006, 0.0175 * c, 0.0195 * c),
-        ]
-        thigh = _limb(self.point("hip"), self.frame(BodyPart.LEFT_THIGH), thigh_rows, leg * p.thigh_share, h)
-        shank = _limb(
-            self.point("knee"), self.frame(BodyPart.LEFT_SHANK), shank_rows, leg * (1 - p.thigh_share), h
-        )
-        return [(thigh, 0.0), (shank, 0.02 * h), (self._foot(), 0.035 * h)]
+        limb = _limb(self.point("hip"), self.frame(BodyPart.LEFT_THIGH), rows, leg, h)
+        return [(limb, 0.0), (self._foot(), 0.035 * h)]
 
     def _foot(self) -> Solid:
         p = self.physique
@@ -219,14 +239,14 @@ class Form:
             (-0.18, 0.000, 0.105, 0.100 * g, 0.105),
             (-0.08, 0.000, 0.125, 0.118 * g, 0.125),
             (0.08, 0.000, 0.125, 0.118 * g, 0.125),
-            (0.24, 0.004, 0.095, 0.138 * g, 0.095),
-            (0.46, 0.012, 0.062, 0.172 * g, 0.062),
-            (0.60, 0.006, 0.050, 0.158 * g, 0.050),
-            (0.70, -0.008, 0.042, 0.120 * g, 0.042),
+            (0.24, 0.004, 0.098, 0.138 * g, 0.098),
+            (0.46, 0.012, 0.068, 0.172 * g, 0.068),
+            (0.60, 0.006, 0.058, 0.160 * g, 0.058),
+            (0.68, -0.006, 0.052, 0.130 * g, 0.052),
         ]
         frame = np.stack([_LEFT, _UP, _FORWARD], axis=1)
         return Loft(
-            self.point("ankle") * [1, 1, 0], frame, np.array(rows) * u, power=2.5, caps=(0.06 * u, 0.06 * u)
+            self.point("ankle") * [1, 1, 0], frame, np.array(rows) * u, power=2.5, caps=(0.06 * u, 0.07 * u)
         )
 
 

@@ -28,6 +28,8 @@ class Physique:
     head: float = 0.088
     shoulder_width: float = 0.218
     """Between the shoulder joints."""
+    shoulder_drop: float = 0.056
+    """From the neck base down to where the clavicles begin."""
     hip_width: float = 0.102
     """Between the hip joints."""
     upper_arm: float = 0.172
@@ -61,7 +63,7 @@ class Physique:
         foot = h * self.foot_length
         ankle, ball = h * self.ankle_height, 0.115 * foot
         mirror = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
-        collar = np.array([0.028, 0.016, -0.020]) * h
+        collar = np.array([0.026, 0.016, -self.shoulder_drop]) * h
         clavicle_outward = 0.9796  # the y part of the resting clavicle's direction
         return Morphology(
             spine=np.stack([SPINE_SWAY * h, np.zeros(4), SPINE_SHARES * trunk], axis=1),

@@ -2,13 +2,16 @@
 
 import numpy as np
 
-from studio.core.mannequin import binding, surface
+from studio.core.mannequin import binding, remesh, surface
 from studio.core.mannequin.form import Form
 from studio.core.mannequin.physique import Physique
 from studio.core.skin import SkinnedMesh
 
-CELL = 0.0115
+CELL = 0.0058
 """Grid cell of the first surface, as a fraction of stature."""
+
+ROUNDS = 7
+SOFTENINGS = 3
 
 
 def make_mannequin(physique: Physique) -> SkinnedMesh:
@@ -18,14 +21,20 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
     low = np.array([-0.16, 0.0, -0.03]) * h
     high = np.array([0.20, points[:, 1].max() / h + 0.05, 1.04]) * h
     half, half_triangles = surface.left_half_surface(form.distance, low, high, CELL * h)
-    half = surface.project(form.distance, half, CELL * h)
+    half, half_triangles = remesh.remeshed(
+        half,
+        half_triangles,
+        form.edge_lengths,
+        lambda points: surface.project(form.distance, points, CELL * h, 2),
+        ROUNDS,
+    )
     vertices, triangles = surface.mirrored(half, half_triangles)
-    slope = surface.gradient(form.distance, vertices)
+    vertices = surface.softened(vertices, triangles, SOFTENINGS)
     weights = binding.diffused(binding.segment_weights(form, vertices), triangles, 4)
     segments, chosen = binding.strongest(weights)
     return SkinnedMesh(
         vertices=vertices,
-        normals=slope / np.linalg.norm(slope, axis=1, keepdims=True),
+        normals=surface.vertex_normals(vertices, triangles),
         centres=binding.rotation_centres(vertices, triangles, segments, chosen),
         triangles=triangles,
         segments=segments,

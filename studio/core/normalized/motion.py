@@ -5,22 +5,34 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.kernels import layout
+
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class NormalizedMotion:
-    """A motion free of any body's measures (METHOD: 89 + 7 K numbers a frame; ``kernels.layout`` has the columns).
+    """A motion free of any body's measures: angles, and lengths as parts of the body's own.
 
-    ``channels`` (F, 89 + 7 K); ``ankle_height`` and ``toe_height`` (2,) are the actor's, as parts of the leg length.
+    ``channels`` (F, 89 + 4 K) are laid out in ``kernels.layout``; ``spine_places`` (K,) says where along the trunk
+    each of the K spine segments begins, 0 the pelvis to 1 the thorax. The motion's space has its origin on the
+    ground under the root of the first frame.
     """
 
     name: str
     frame_rate: float
-    spine_count: int
     channels: FloatArray
-    ankle_height: FloatArray
-    toe_height: FloatArray
+    spine_places: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("channels", "spine_places"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.channels.ndim != 2 or self.channels.shape[1] != layout.SPINE + 4 * (len(self.spine_places) - 1):
+            raise ValueError(
+                f"Channels of shape {self.channels.shape} do not fit {len(self.spine_places)} spine segments."
+            )
 
     @property
     def frame_count(self) -> int:

@@ -1,0 +1,232 @@
+"""Feet that stand: soles locked level, ankles and toes kept at one place through each contact.
+
+States of a foot at a frame: bit 1 the heel stands, bit 2 the toe stands.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from studio.core.kernels.rotation import matrix_to_rotation_vector, rotation_vector_to_matrix, multiply
+
+HEEL = 1
+TOE = 2
+FLAT = 3
+
+
+@njit(cache=True, nogil=True)
+def smoothstep(t):
+    """Quintic ease 6t^5 - 15t^4 + 10t^3 of t in [0, 1]: level, without velocity or acceleration at both ends."""
+    return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
+
+
+@njit(cache=True, nogil=True)
+def fill_gaps(values, known):
+    """Values (F, 3) where not ``known`` (F,): eased from the known before to the known after, held at the ends."""
+    count = known.shape[0]
+    last = -1
+    for frame in range(count):
+        if not known[frame]:
+            continue
+        for gap in range(last + 1, frame):
+            share = 1.0 if last < 0 else smoothstep((gap - last) / (frame - last))
+            for axis in range(3):
+                begin = values[last, axis] if last >= 0 else values[frame, axis]
+                values[gap, axis] = begin + share * (values[frame, axis] - begin)
+        last = frame
+    for gap in range(last + 1, count):
+        for axis in range(3):
+            values[gap, axis] = values[last, axis] if last >= 0 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def level_soles(rotations, states, out_rotations):
+    """Foot rotations (F, 3, 3), level and of one heading through each stretch of frames that stands flat.
+
+    The heading is the mean of the stretch; the correction eases from one stretch to the next (METHOD 4).
+    """
+    count = states.shape[0]
+    corrections = np.zeros((count, 3))
+    known = states == FLAT
+    level, turn = np.zeros((3, 3)), np.empty((3, 3))
+    level[2, 2] = 1.0
+    frame = 0
+    while frame < count:
+        if not known[frame]:
+            frame += 1
+            continue
+        end, along, across = frame, 0.0, 0.0
+        while end < count and known[end]:
+            along += rotations[end, 0, 0]
+            across += rotations[end, 1, 0]
+            end += 1
+        set_heading(level, along, across)
+        for standing in range(frame, end):
+            multiply(level, rotations[standing].T, turn)
+            matrix_to_rotation_vector(turn, corrections[standing])
+        frame = end
+    fill_gaps(corrections, known)
+    for frame in range(count):
+        rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
+        multiply(turn, rotations[frame], out_rotations[frame])
+    keep_pitch_on_ground(out_rotations, states)
+
+
+@njit(cache=True, nogil=True)
+def keep_pitch_on_ground(rotations, states):
+    """Foot rotations (F, 3, 3), in place: no toe below the level in a stand on the heel, no heel in one on the toe."""
+    count = states.shape[0]
+    corrections = np.zeros((count, 3))
+    turn, turned = np.empty((3, 3)), np.empty((3, 3))
+    for frame in range(count):
+        rise = rotations[frame, 2, 0]
+        if (states[frame] == HEEL and rise < 0.0) or (states[frame] == TOE and rise > 0.0):
+            x, y = rotations[frame, 0, 0], rotations[frame, 1, 0]
+            level = math.sqrt(x * x + y * y)
+            pitch = math.atan2(rise, max(level, 1e-9))
+            corrections[frame, 0] = pitch * -y / max(level, 1e-9)
+            corrections[frame, 1] = pitch * x / max(level, 1e-9)
+    fill_gaps(corrections, states != 0)
+    for frame in range(count):
+        rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
+        multiply(turn, rotations[frame], turned)
+        rotations[frame] = turned
+
+
+@njit(cache=True, nogil=True)
+def set_heading(matrix, along, across):
+    """Write the level rotation (3, 3) whose x axis points (along, across) on the ground."""
+    length = math.sqrt(along * along + across * across)
+    c, s = (along / length, across / length) if length > 1e-9 else (1.0, 0.0)
+    matrix[0, 0], matrix[0, 1] = c, -s
+    matrix[1, 0], matrix[1, 1] = s, c
+
+
+@njit(cache=True, nogil=True)
+def level_toes(feet, toes, states, out_toes):
+    """Toe rotations (F, 3, 3) lying level while the toe stands, heading as the foot; eased in between.
+
+    ``feet`` (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; out in the world.
+    """
+    count = states.shape[0]
+    corrections = np.zeros((count, 3))
+    known = (states & TOE) != 0
+    level, turn, local = np.zeros((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    level[2, 2] = 1.0
+    for frame in range(count):
+        if known[frame]:
+            set_heading(level, feet[frame, 0, 0], feet[frame, 1, 0])
+            multiply(feet[frame].T, level, local)
+            multiply(local, toes[frame].T, turn)
+            matrix_to_rotation_vector(turn, corrections[frame])
+    fill_gaps(corrections, known)
+    for frame in range(count):
+        rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
+        multiply(turn, toes[frame], local)
+        multiply(feet[frame], local, out_toes[frame])
+
+
+@njit(cache=True, nogil=True)
+def plant_ankles(ankles, feet, states, foot, ankle_height, heel_length, ground, out_ankles):
+    """Ankle targets (F, 3): anchored through every contact, displaced by an eased amount in between (METHOD 4).
+
+    ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``foot`` (3,) ankle to toe joint in foot axes;
+    ``ground`` (F,) height under the foot. One anchor an episode of contact: the ankle's median place in its
+    longest stretch on the heel (the toe's, if no heel stands); every other pivot is where the foot is when the
+    contact passes from heel to toe or back, so nothing jumps.
+    """
+    count = states.shape[0]
+    shift = np.zeros((count, 3))
+    known = states != 0
+    begin = 0
+    while begin < count:
+        if not known[begin]:
+            begin += 1
+            continue
+        end = begin
+        while end < count and known[end]:
+            end += 1
+        plant_episode(ankles, feet, states, foot, ankle_height, heel_length, ground, begin, end, out_ankles)
+        for frame in range(begin, end):
+            for axis in range(3):
+                shift[frame, axis] = out_ankles[frame, axis] - ankles[frame, axis]
+        begin = end
+    fill_gaps(shift, known)
+    for frame in range(count):
+        for axis in range(3):
+            out_ankles[frame, axis] = ankles[frame, axis] + shift[frame, axis]
+
+
+@njit(cache=True, nogil=True)
+def plant_episode(ankles, feet, states, foot, ankle_height, heel_length, ground, begin, end, out_ankles):
+    """Ankle targets of one unbroken contact, frames begin to end (excluded), spread from its seed both ways."""
+    first, last = longest_stretch(states, HEEL, begin, end)
+    heel = last > first
+    if not heel:
+        first, last = longest_stretch(states, TOE, begin, end)
+    reach = np.zeros((last - first, 3))
+    for frame in range(first, last):
+        if not heel:
+            to_toe(feet[frame], foot, reach[frame - first])
+        for axis in range(3):
+            reach[frame - first, axis] += ankles[frame, axis]
+    anchor = np.array([np.median(reach[:, 0]), np.median(reach[:, 1])])
+    pivots = np.zeros((2, 2))
+    offset = np.zeros(3)
+    for way in range(2):
+        previous = HEEL if heel else TOE
+        pivots[0 if heel else 1] = anchor
+        frame = first
+        while begin <= frame < end:
+            to_toe(feet[frame], foot, offset)
+            stand(states[frame], previous, pivots, offset)
+            out_ankles[frame, 0], out_ankles[frame, 1] = pivots[0, 0], pivots[0, 1]
+            height = sole_height(feet[frame], offset[2], foot[2], ankle_height, heel_length)
+            out_ankles[frame, 2] = ground[frame] + height
+            previous = states[frame]
+            frame += 1 if way == 0 else -1
+
+
+@njit(cache=True, nogil=True)
+def longest_stretch(states, bit, begin, end):
+    """Frames (first, last excluded) of the longest run within [begin, end) whose states have ``bit``; equal if none."""
+    best_first, best_last, first = begin, begin, begin
+    for frame in range(begin, end):
+        if states[frame] & bit:
+            if frame + 1 - first > best_last - best_first:
+                best_first, best_last = first, frame + 1
+        else:
+            first = frame + 1
+    return best_first, best_last
+
+
+@njit(cache=True, nogil=True)
+def to_toe(rotation, foot, out_offset):
+    """Vector (3,) from ankle to toe joint in the world."""
+    for axis in range(3):
+        out_offset[axis] = (
+            rotation[axis, 0] * foot[0] + rotation[axis, 1] * foot[1] + rotation[axis, 2] * foot[2]
+        )
+
+
+@njit(cache=True, nogil=True)
+def stand(state, previous, pivots, offset):
+    """Move the pivots (ankle, toe) (2, 2) of the neighbouring frame on to this one: what stands stays where it is."""
+    if state & HEEL and previous & HEEL:
+        for axis in range(2):
+            pivots[1, axis] = pivots[0, axis] + offset[axis]
+    else:
+        for axis in range(2):
+            pivots[0, axis] = pivots[1, axis] - offset[axis]
+
+
+@njit(cache=True, nogil=True)
+def sole_height(rotation, toe_drop, foot_z, ankle_height, heel_length):
+    """Height of the ankle at which the lowest of heel and ball touches the ground.
+
+    ``toe_drop`` z of the vector ankle to toe in the world, ``foot_z`` the same of the level foot.
+    """
+    heel = rotation[2, 0] * heel_length + rotation[2, 2] * ankle_height
+    ball = ankle_height + foot_z - toe_drop
+    return max(heel, ball)

@@ -1,0 +1,40 @@
+"""Where each number stands in the arrays that kernels take: one column number a field, said once.
+
+Channels of a normalised motion (``core.normalized.motion``): 93 + 4 (K - 1) numbers a frame, spine last.
+Measures of a body (``Morphology.packed``): 48 + 3 K numbers, spine last.
+"""
+
+# --- channels -------------------------------------------------------------------------------------------------
+ROOT = 0  # 3   root above the ankles' plane, parts of the leg length
+YAW = 3  # 1   low-passed heading of the pelvis
+PELVIS = 4  # 4   pelvis relative to the heading
+NECK = 8  # 4   relative to the thorax
+HEAD = 12  # 4   relative to the neck
+CLAVICLE = 16  # 2 x 4 relative to the thorax
+LIMB_FRAME = 24  # 4 x 4 relative to clavicle or pelvis: z from limb root to extremity, x the hinge axis
+LIMB_SLACK = 40  # 4   1 - |extremity - root| / limb length (slack, not reach: float32 keeps straight limbs exact)
+LIMB_OFF_PLANE = 44  # 4   x of elbow or knee in the limb frame, parts of the limb length
+LIMB_BEND = 48  # 4   sign of its y
+LIMB_TWIST = 52  # 4 x 2 of both segments about their bone
+HAND = 60  # 2 x 4 relative to the forearm
+FOOT = 68  # 2 x 4 relative to the pelvis
+TOE = 76  # 2 x 4 relative to the foot
+HIP_PLAY = 84  # 2 x 3 how far the hips stray from their place in the pelvis, parts of the leg length
+HEAD_PLAY = 90  # 3   how far the head joint strays from the end of the neck, parts of the neck length
+SPINE = 93  # (K-1) x 4 spine segments 1.. relative to the pelvis
+
+# --- measures -------------------------------------------------------------------------------------------------
+M_NECK = 0
+M_HEAD = 1
+M_COLLAR_BASE = 2
+M_CLAVICLE = 8
+M_ARM = 10
+M_HAND = 14
+M_HIP_OFFSET = 20
+M_LEG = 26
+M_FOOT = 30
+M_TOE = 36
+M_ANKLE_HEIGHT = 42
+M_TOE_HEIGHT = 44
+M_HEEL_LENGTH = 46
+M_SPINE = 48

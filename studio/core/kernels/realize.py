@@ -1,0 +1,196 @@
+"""From channels to a posed body: the morphology-independent motion takes the measures of one body."""
+
+import math
+
+from numba import njit
+
+from studio.core.kernels import layout as at
+from studio.core.kernels.limb import place_limb
+from studio.core.kernels.rotation import add_rotated, multiply, quaternion_to_matrix
+
+
+@njit(cache=True, nogil=True)
+def realize_frames(channels, measures, spine_from, spine_share, play, out_positions, out_rotations):
+    """Pose a body at every frame (METHOD 3; eq. 2 of K05).
+
+    ``channels`` (F, 89 + 4 K_motion); ``measures`` (F or 1, 48 + 3 K); ``spine_from`` (K,) and ``spine_share``
+    (K,) say between which of the motion's spine segments each segment of the body lies; ``play`` 1 keeps the
+    actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
+    """
+    scratch = out_rotations[0, 0].copy()
+    work = scratch.copy()
+    for frame in range(channels.shape[0]):
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        realize_trunk(
+            channels[frame], row, spine_from, spine_share, play, scratch, work, out_positions[frame], out_rotations[frame]
+        )
+        for limb in range(4):
+            realize_limb(channels[frame], row, limb, play, scratch, work, out_positions[frame], out_rotations[frame])
+
+
+@njit(cache=True, nogil=True)
+def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, work, out_positions, out_rotations):
+    """Root, spine, neck, head and clavicles of one frame (METHOD 3.1 to 3.3)."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
+    ankle = 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1])
+    for axis in range(3):
+        out_positions[0, axis] = channels[at.ROOT + axis] * leg
+    out_positions[0, 2] += ankle
+    quaternion_to_matrix(channels[at.PELVIS : at.PELVIS + 4], scratch)
+    c, s = math.cos(channels[at.YAW]), math.sin(channels[at.YAW])
+    for column in range(3):
+        out_rotations[0, 0, column] = c * scratch[0, column] - s * scratch[1, column]
+        out_rotations[0, 1, column] = s * scratch[0, column] + c * scratch[1, column]
+        out_rotations[0, 2, column] = scratch[2, column]
+    for k in range(spine_count):
+        if k > 0:
+            spine_rotation(channels, spine_from[k], spine_share[k], scratch)
+            multiply(out_rotations[0], scratch, out_rotations[k])
+        m = at.M_SPINE + 3 * k
+        add_rotated(
+            out_positions[k], out_rotations[k], measures[m], measures[m + 1], measures[m + 2], out_positions[k + 1]
+        )
+    thorax, neck = spine_count - 1, spine_count
+    quaternion_to_matrix(channels[at.NECK : at.NECK + 4], scratch)
+    multiply(out_rotations[thorax], scratch, out_rotations[neck])
+    length = measures[at.M_NECK]
+    stray = play * length
+    add_rotated(
+        out_positions[neck],
+        out_rotations[neck],
+        stray * channels[at.HEAD_PLAY],
+        stray * channels[at.HEAD_PLAY + 1],
+        length + stray * channels[at.HEAD_PLAY + 2],
+        out_positions[neck + 1],
+    )
+    quaternion_to_matrix(channels[at.HEAD : at.HEAD + 4], scratch)
+    multiply(out_rotations[neck], scratch, out_rotations[neck + 1])
+    add_rotated(
+        out_positions[neck + 1], out_rotations[neck + 1], 0.0, 0.0, measures[at.M_HEAD], out_positions[neck + 2]
+    )
+    for side in range(2):
+        point, segment, m = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side, at.M_COLLAR_BASE + 3 * side
+        add_rotated(
+            out_positions[neck],
+            out_rotations[thorax],
+            measures[m],
+            measures[m + 1],
+            measures[m + 2],
+            out_positions[point],
+        )
+        q = at.CLAVICLE + 4 * side
+        quaternion_to_matrix(channels[q : q + 4], scratch)
+        multiply(out_rotations[thorax], scratch, out_rotations[segment])
+        add_rotated(
+            out_positions[point],
+            out_rotations[segment],
+            0.0,
+            0.0,
+            measures[at.M_CLAVICLE + side],
+            out_positions[point + 1],
+        )
+
+
+@njit(cache=True, nogil=True)
+def spine_rotation(channels, index, share, out_matrix):
+    """Orientation of a spine segment relative to the pelvis: normalised blend of two neighbours' quaternions."""
+    a = at.SPINE + 4 * (index - 1)
+    ax, ay, az, aw = 0.0, 0.0, 0.0, 1.0
+    if index > 0:
+        ax, ay, az, aw = channels[a], channels[a + 1], channels[a + 2], channels[a + 3]
+    if share > 0.0:
+        b = a + 4
+        bx, by, bz, bw = channels[b], channels[b + 1], channels[b + 2], channels[b + 3]
+        flip = -1.0 if ax * bx + ay * by + az * bz + aw * bw < 0.0 else 1.0
+        keep, take = 1.0 - share, flip * share
+        ax, ay, az, aw = keep * ax + take * bx, keep * ay + take * by, keep * az + take * bz, keep * aw + take * bw
+    scale = 1.0 / math.sqrt(ax * ax + ay * ay + az * az + aw * aw)
+    quaternion_to_matrix((ax * scale, ay * scale, az * scale, aw * scale), out_matrix)
+
+
+@njit(cache=True, nogil=True)
+def realize_limb(channels, measures, limb, play, scratch, work, out_positions, out_rotations):
+    """One arm (limb 0, 1) or leg (2, 3) of one frame with its hand or foot (METHOD 3.3 to 3.5)."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    side, is_leg = limb % 2, limb >= 2
+    if is_leg:
+        point, segment, carrier, m = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, 0, at.M_LEG + 2 * side
+        place_hip(channels, measures, side, play, out_positions[0], out_rotations[0], out_positions[point])
+    else:
+        point, segment, m = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side, at.M_ARM + 2 * side
+        carrier = segment - 1
+    upper, lower = measures[m], measures[m + 1]
+    q, t = at.LIMB_FRAME + 4 * limb, at.LIMB_TWIST + 2 * limb
+    quaternion_to_matrix(channels[q : q + 4], scratch)
+    multiply(out_rotations[carrier], scratch, work)
+    place_limb(
+        out_positions[point],
+        work,
+        (1.0 - channels[at.LIMB_SLACK + limb]) * (upper + lower),
+        upper,
+        lower,
+        channels[at.LIMB_OFF_PLANE + limb] * (upper + lower),
+        channels[at.LIMB_BEND + limb],
+        channels[t : t + 2],
+        scratch,
+        out_positions[point + 1 : point + 3],
+        out_rotations[segment],
+        out_rotations[segment + 1],
+    )
+    q = (at.FOOT if is_leg else at.HAND) + 4 * side
+    quaternion_to_matrix(channels[q : q + 4], scratch)
+    multiply(out_rotations[0 if is_leg else segment + 1], scratch, out_rotations[segment + 2])
+    if is_leg:
+        q = at.TOE + 4 * side
+        quaternion_to_matrix(channels[q : q + 4], scratch)
+        multiply(out_rotations[segment + 2], scratch, out_rotations[segment + 3])
+        place_toes(measures, side, point + 2, segment + 2, out_positions, out_rotations)
+    else:
+        m = at.M_HAND + 3 * side
+        add_rotated(
+            out_positions[point + 2],
+            out_rotations[segment + 2],
+            measures[m],
+            measures[m + 1],
+            measures[m + 2],
+            out_positions[point + 3],
+        )
+
+
+@njit(cache=True, nogil=True)
+def place_hip(channels, measures, side, play, root, pelvis, out_hip):
+    """Hip joint (3,): its place in the pelvis and, for the actor, its stray from there."""
+    leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
+    m, c, stray = at.M_HIP_OFFSET + 3 * side, at.HIP_PLAY + 3 * side, play * leg
+    add_rotated(
+        root,
+        pelvis,
+        measures[m] + stray * channels[c],
+        measures[m + 1] + stray * channels[c + 1],
+        measures[m + 2] + stray * channels[c + 2],
+        out_hip,
+    )
+
+
+@njit(cache=True, nogil=True)
+def place_toes(measures, side, ankle, foot, out_positions, out_rotations):
+    """Toe joint and toe end from the ankle and the rotations of foot and toe, written into one frame's arrays."""
+    m = at.M_FOOT + 3 * side
+    add_rotated(
+        out_positions[ankle],
+        out_rotations[foot],
+        measures[m],
+        measures[m + 1],
+        measures[m + 2],
+        out_positions[ankle + 1],
+    )
+    m = at.M_TOE + 3 * side
+    add_rotated(
+        out_positions[ankle + 1],
+        out_rotations[foot + 1],
+        measures[m],
+        measures[m + 1],
+        measures[m + 2],
+        out_positions[ankle + 2],
+    )

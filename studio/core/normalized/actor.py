@@ -1,0 +1,30 @@
+"""The actor of a capture: its measures, and how its own joints correspond to the canonical segments."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.morphology import Morphology
+from studio.core.pose import PoseSequence
+from studio.core.skeleton import Skeleton
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Actor:
+    """All of a capture that is not motion: with it the capture can be had back from its normalised motion.
+
+    ``segment_joints`` (S,) the source joint whose rotation moves each canonical segment, -1 where the capture has
+    none and the segment goes with the one that carries it; ``alignments`` (S, 3, 3) with R_canonical = R_joint A;
+    ``origin`` (3,) where the motion's space lies in the capture's; ``pass_through`` the source's local poses, of
+    which only joints that play no segment (fingers, eyes, twist bones) are used.
+    """
+
+    skeleton: Skeleton
+    morphology: Morphology
+    segment_joints: NDArray[np.int64]
+    alignments: FloatArray
+    origin: FloatArray
+    pass_through: PoseSequence

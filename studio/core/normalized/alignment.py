@@ -1,0 +1,96 @@
+"""How a capture's joint axes lie against the canonical segment axes: one constant rotation a segment.
+
+Pelvis, trunk, head and feet take theirs from the reference pose; limbs take theirs from bones and from the axis
+about which elbow and knee are seen to bend, because reference poses bend the wrong way as often as not.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.normalized.landmarks import Landmarks
+from studio.core.rotations import normalized, shortest_arc
+
+FloatArray = NDArray[np.float64]
+
+BENT = np.sin(np.deg2rad(15.0))
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def find_alignments(marks: Landmarks) -> FloatArray:
+    """A (S, 3, 3) for every segment, such that R_canonical = R_joint A (METHOD 0 and 1)."""
+    layout, reference = marks.layout, marks.reference
+    desired = np.empty((layout.segment_count, 3, 3))
+    body = anatomical_frame(reference[layout.hip(0)] - reference[layout.hip(1)])
+    proximal, distal = layout.proximal_points(), layout.distal_points()
+    bones = normalized(reference[list(distal)] - reference[list(proximal)])
+    desired[: layout.spine_count] = body
+    desired[layout.neck_base] = frame_along(bones[layout.neck_base], body[:, 0])
+    desired[layout.head_joint] = body
+    for limb in range(4):
+        side, is_leg = limb % 2, limb >= 2
+        upper = layout.spine_count + (10 if is_leg else 3) + 4 * side
+        hinge = limb_hinge(marks, upper, is_leg, body)
+        desired[upper] = frame_along(bones[upper], hinge)
+        carried = shortest_arc(bones[upper], bones[upper + 1]) @ hinge
+        desired[upper + 1] = frame_along(bones[upper + 1], carried)
+        if is_leg:
+            desired[upper + 2] = foot_frame(bones[upper + 2], body)
+            desired[upper + 3] = desired[upper + 2]
+        else:
+            desired[upper - 1] = frame_along(bones[upper - 1], body[:, 0])
+            desired[upper + 2] = desired[upper + 1]
+    return np.einsum("sji,sjk->sik", marks.reference_rotations, desired)
+
+
+def anatomical_frame(leftward: FloatArray) -> FloatArray:
+    """Axes (columns) x forward, y left, z up of an upright body whose left lies ``leftward`` (3,)."""
+    y = normalized(leftward - leftward @ UP * UP)
+    return np.stack([np.cross(y, UP), y, UP], axis=1)
+
+
+def frame_along(z: FloatArray, x_hint: FloatArray) -> FloatArray:
+    """Axes (columns) with z as given (unit) and x as near to ``x_hint`` as that allows."""
+    x = x_hint - x_hint @ z * z
+    if np.linalg.norm(x) < 1e-6:
+        x = np.array([z[1], -z[0], 0.0]) if abs(z[2]) < 0.9 else np.array([0.0, z[2], -z[1]])
+    x = normalized(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def foot_frame(bone: FloatArray, body: FloatArray) -> FloatArray:
+    """Axes of a foot whose sole is level: z up, x horizontally along the foot (forward if it points down)."""
+    along = bone - bone @ UP * UP
+    x = body[:, 0] if np.linalg.norm(along) < 0.2 else normalized(along)
+    return np.stack([x, np.cross(UP, x), UP], axis=1)
+
+
+def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> FloatArray:
+    """The axis about which a limb bends, (3,) in the world of the reference pose.
+
+    The normalised sum of u x f over frames bent by more than 15 degrees, in the upper segment's axes; its natural
+    sign is right, so samples are not turned towards a guess. Anatomy decides where no frame is bent.
+    """
+    root = marks.layout.proximal_points()[upper]
+    u = normalized(marks.points[:, root + 1] - marks.points[:, root])
+    f = normalized(marks.points[:, root + 2] - marks.points[:, root + 1])
+    bend = np.einsum("fji,fj->fi", marks.rotations[:, upper], np.cross(u, f))
+    total = bend[np.linalg.norm(bend, axis=1) > BENT].sum(axis=0)
+    if np.linalg.norm(total) > BENT:
+        return normalized(marks.reference_rotations[upper] @ total)
+    reference = normalized(marks.reference[root + 1] - marks.reference[root])
+    return body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
+
+
+def level_feet(
+    alignments: FloatArray, rotations: FloatArray, segment: int, flat_frames: NDArray[np.bool_]
+) -> None:
+    """Turn a foot's (or toe's) alignment in place so that its sole is level, on average, in ``flat_frames`` (F,).
+
+    The reference pose of many files stands on tiptoe or heel; the frames in which the foot rests do not.
+    ``rotations`` (F, 3, 3) are the canonical rotations before. Needs 5 frames and a tilt below 45 degrees.
+    """
+    if np.count_nonzero(flat_frames) < 5:
+        return
+    up = normalized(rotations[flat_frames][:, 2, :].mean(axis=0))
+    if up[2] > np.cos(np.deg2rad(45.0)):
+        alignments[segment] = alignments[segment] @ shortest_arc(UP, up)

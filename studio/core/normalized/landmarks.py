@@ -1,0 +1,162 @@
+"""Where the canonical points lie in a capture's own skeleton, in its reference pose and in every frame."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout, BodyPart
+from studio.core.capture import Capture
+from studio.core.humanoid import BodyMap
+from studio.core.kinematics import joint_world, rest_poses
+from studio.core.skeleton import Skeleton
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_SIDES = ("left", "right")
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """Canonical points and the joints that stand for the segments, of one capture.
+
+    ``points`` (F, P, 3) metres in capture space, ``reference`` (P, 3) the same in the reference pose;
+    ``segment_joints`` (S,) as in ``Actor``; ``rotations`` (F, S, 3, 3) and ``reference_rotations`` (S, 3, 3) of
+    those joints in the world (of the carrying segment's joint where there is none).
+    """
+
+    layout: BodyLayout
+    segment_joints: IntArray
+    points: FloatArray
+    reference: FloatArray
+    rotations: FloatArray
+    reference_rotations: FloatArray
+
+
+def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
+    """Read all canonical points of a mapped capture; what a skeleton lacks is placed by its neighbours."""
+    layout = BodyLayout(len(body_map.spine))
+    joints = _segment_joints(layout, body_map)
+    positions, rotations = joint_world(capture.skeleton, capture.poses)
+    ref_positions, ref_rotations = joint_world(
+        capture.skeleton, rest_poses(capture.skeleton, capture.reference_rotations)
+    )
+    moving = _carried(layout, joints)
+    return Landmarks(
+        layout,
+        joints,
+        _points(layout, capture.skeleton, body_map, joints, positions, rotations),
+        _points(layout, capture.skeleton, body_map, joints, ref_positions, ref_rotations)[0],
+        rotations[:, moving],
+        ref_rotations[0, moving],
+    )
+
+
+def _segment_joints(layout: BodyLayout, body_map: BodyMap) -> IntArray:
+    joints = np.full(layout.segment_count, -1, dtype=np.int64)
+    joints[: layout.spine_count] = body_map.spine
+    for segment in range(layout.spine_count, layout.segment_count):
+        joints[segment] = body_map.parts.get(layout.part(segment), -1)
+    return joints
+
+
+def _carried(layout: BodyLayout, joints: IntArray) -> IntArray:
+    """For each segment the joint that moves it, its own or its carrier's."""
+    moving = joints.copy()
+    for segment, parent in enumerate(layout.parent_segments()):
+        if moving[segment] < 0:
+            moving[segment] = moving[parent]
+    return moving
+
+
+def _points(
+    layout: BodyLayout,
+    skeleton: Skeleton,
+    body_map: BodyMap,
+    joints: IntArray,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> FloatArray:
+    points = np.empty((len(positions), layout.point_count, 3))
+    for segment, point in enumerate(layout.proximal_points()):
+        if joints[segment] >= 0:
+            points[:, point] = positions[:, joints[segment]]
+    _place_neck(layout, skeleton, body_map, positions, points)
+    for side, name in enumerate(_SIDES):
+        _place_arm_ends(layout, skeleton, body_map, side, name, positions, points)
+        _place_foot_end(layout, skeleton, body_map, side, name, positions, points)
+    return points
+
+
+def _place_neck(
+    layout: BodyLayout, skeleton: Skeleton, body_map: BodyMap, positions: FloatArray, points: FloatArray
+) -> None:
+    head = body_map.parts.get(BodyPart.HEAD)
+    neck = body_map.parts.get(BodyPart.NECK)
+    if neck is None:
+        shoulders = [positions[:, body_map.parts[BodyPart(f"{side}_upper_arm")]] for side in _SIDES]
+        points[:, layout.neck_base] = 0.5 * (shoulders[0] + shoulders[1])
+    if head is None:
+        carrier = neck if neck is not None else body_map.spine[-1]
+        end = _far_child(skeleton, carrier)
+        points[:, layout.head_joint] = positions[:, carrier if end is None else end]
+        points[:, layout.head_end] = points[:, layout.head_joint]
+    else:
+        end = _far_child(skeleton, head)
+        points[:, layout.head_end] = positions[:, head if end is None else end]
+
+
+def _place_arm_ends(
+    layout: BodyLayout,
+    skeleton: Skeleton,
+    body_map: BodyMap,
+    side: int,
+    name: str,
+    positions: FloatArray,
+    points: FloatArray,
+) -> None:
+    if BodyPart(f"{name}_clavicle") not in body_map.parts:
+        shoulder = points[:, layout.collar(side) + 1]
+        points[:, layout.collar(side)] = points[:, layout.neck_base] + 0.2 * (
+            shoulder - points[:, layout.neck_base]
+        )
+    wrist, forearm = body_map.parts.get(BodyPart(f"{name}_hand")), body_map.parts[BodyPart(f"{name}_forearm")]
+    if wrist is None:
+        end = _far_child(skeleton, forearm)
+        points[:, layout.wrist(side)] = positions[:, forearm if end is None else end]
+    ends = () if wrist is None else skeleton.children[wrist]
+    along = points[:, layout.wrist(side)] - positions[:, forearm]
+    finger = positions[:, list(ends)].mean(axis=1) if ends else points[:, layout.wrist(side)]
+    short = np.linalg.norm(finger - points[:, layout.wrist(side)], axis=1) < 0.01
+    finger[short] = points[short, layout.wrist(side)] + 0.4 * along[short]
+    points[:, layout.wrist(side) + 1] = finger
+
+
+def _place_foot_end(
+    layout: BodyLayout,
+    skeleton: Skeleton,
+    body_map: BodyMap,
+    side: int,
+    name: str,
+    positions: FloatArray,
+    points: FloatArray,
+) -> None:
+    foot, toe = body_map.parts[BodyPart(f"{name}_foot")], body_map.parts.get(BodyPart(f"{name}_toe"))
+    if toe is None:
+        end = _far_child(skeleton, foot)
+        points[:, layout.toe(side)] = positions[:, foot if end is None else end]
+    end = None if toe is None else _far_child(skeleton, toe)
+    tip = points[:, layout.toe(side)] if end is None else positions[:, end]
+    along = points[:, layout.toe(side)] - positions[:, foot]
+    short = np.linalg.norm(tip - points[:, layout.toe(side)], axis=1) < 0.01
+    points[:, layout.toe(side) + 1] = np.where(short[:, None], points[:, layout.toe(side)] + 0.35 * along, tip)
+
+
+def _far_child(skeleton: Skeleton, joint: int) -> int | None:
+    """The child that lies farthest from ``joint``: the end of its bone."""
+    children = skeleton.children[joint]
+    if not children:
+        return None
+    lengths = np.linalg.norm(skeleton.offsets[list(children)], axis=1)
+    return children[int(np.argmax(lengths))] if lengths.max() > 1e-6 else None

@@ -1,0 +1,86 @@
+"""The actor's measures, read off the landmarks of a capture."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.contacts import FootPoint, contact_mask
+from studio.core.morphology import Morphology
+from studio.core.normalized.landmarks import Landmarks
+
+FloatArray = NDArray[np.float64]
+
+SHORTEST_BONE = 1e-3
+"""Metres given to a bone that a capture draws without length, so that it keeps a direction."""
+USUAL_ANKLE = 0.045
+"""Ankle joint above the sole, as a part of stature's half below the hip, where no contact tells it."""
+
+
+def measure_actor(
+    marks: Landmarks,
+    rotations: FloatArray,
+    points: FloatArray,
+    contacts: dict[FootPoint, list[tuple[int, int]]],
+    first_frame: int,
+) -> Morphology:
+    """Medians over the motion of all bones, in canonical axes; sole heights from the frames in which feet stand.
+
+    ``rotations`` (F, S, 3, 3) canonical; ``points`` (F, P, 3) in the motion's space (ground at z = 0).
+    """
+    layout = marks.layout
+    thorax = layout.spine_count - 1
+    moving = slice(first_frame, None)
+
+    def vector(segment: int, start: int, end: int) -> FloatArray:
+        bones = points[moving, end] - points[moving, start]
+        return np.asarray(np.median(np.einsum("fji,fj->fi", rotations[moving, segment], bones), axis=0))
+
+    def length(start: int, end: int) -> float:
+        bones = np.linalg.norm(points[moving, end] - points[moving, start], axis=1)
+        return max(float(np.median(bones)), SHORTEST_BONE)
+
+    arms, legs = [layout.collar(side) for side in (0, 1)], [layout.hip(side) for side in (0, 1)]
+    feet = np.array([vector(layout.spine_count + 12 + 4 * side, legs[side] + 2, legs[side] + 3) for side in (0, 1)])
+    leg = np.array([[length(hip, hip + 1), length(hip + 1, hip + 2)] for hip in legs])
+    ankle = _ankle_heights(points, contacts, layout.ankle(0), layout.ankle(1), float(leg.sum() / 2))
+    return Morphology(
+        spine=np.array([vector(k, k, k + 1) for k in range(layout.spine_count)]),
+        neck=length(layout.neck_base, layout.head_joint),
+        head=_head_length(marks, points, first_frame),
+        collar_base=np.array([vector(thorax, layout.neck_base, collar) for collar in arms]),
+        clavicle=np.array([length(collar, collar + 1) for collar in arms]),
+        arm=np.array([[length(c + 1, c + 2), length(c + 2, c + 3)] for c in arms]),
+        hand=np.array([vector(layout.spine_count + 5 + 4 * s, arms[s] + 3, arms[s] + 4) for s in (0, 1)]),
+        hip_offset=np.array([vector(0, 0, hip) for hip in legs]),
+        leg=leg,
+        foot=feet,
+        toe=np.array([vector(layout.spine_count + 13 + 4 * s, legs[s] + 3, legs[s] + 4) for s in (0, 1)]),
+        ankle_height=ankle,
+        toe_height=np.maximum(ankle + feet[:, 2], 0.0),
+        heel_length=0.3 * np.linalg.norm(feet[:, :2], axis=1),
+    )
+
+
+def _head_length(marks: Landmarks, points: FloatArray, first_frame: int) -> float:
+    """From the head joint up to the crown; captures end at the eyes as often, so never less than a usual head."""
+    layout = marks.layout
+    bones = points[first_frame:, layout.head_end] - points[first_frame:, layout.head_joint]
+    trunk = np.linalg.norm(marks.reference[layout.neck_base] - marks.reference[0])
+    return max(float(np.median(np.linalg.norm(bones, axis=1))), 0.3 * float(trunk))
+
+
+def _ankle_heights(
+    points: FloatArray,
+    contacts: dict[FootPoint, list[tuple[int, int]]],
+    left_ankle: int,
+    right_ankle: int,
+    leg_length: float,
+) -> FloatArray:
+    """Median height of each ankle while its heel stands; both alike where only one does, a usual one else."""
+    heights: list[float] = []
+    for name, ankle in (("left", left_ankle), ("right", right_ankle)):
+        standing = contact_mask(contacts[FootPoint(f"{name}_heel")], len(points))
+        heights.append(float(np.median(points[standing, ankle, 2])) if standing.any() else np.nan)
+    usual = 2.0 * USUAL_ANKLE * leg_length
+    known = np.clip(np.array(heights), 0.25 * usual, 2.5 * usual)
+    both = np.nanmean(known) if np.isfinite(known).any() else usual
+    return np.asarray(np.where(np.isfinite(known), known, both))

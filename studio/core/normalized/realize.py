@@ -1,0 +1,72 @@
+"""From a morphology-independent motion to a body, and back to the capture it was taken from."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.kernels import realize as kernel
+from studio.core.morphology import Morphology
+from studio.core.normalized.actor import Actor
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.pose import PoseSequence
+from studio.core.rotations import from_matrix, to_matrix
+
+FloatArray = NDArray[np.float64]
+
+
+def realize(
+    motion: NormalizedMotion, morphology: Morphology, *, play: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Positions (F, K + 23, 3) and rotations (F, K + 18, 3, 3) of ``motion`` on a body, in the motion's space.
+
+    ``play`` keeps the actor's own stray of hips and head (as far as the capture's extra joints moved them); a
+    character with rigid bones drops it.
+    """
+    layout = morphology.layout
+    positions = np.empty((motion.frame_count, layout.point_count, 3))
+    rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
+    start, share = spine_sampling(motion.spine_places, morphology.spine)
+    kernel.realize_frames(
+        motion.channels, morphology.packed[None], start, share, float(play), positions, rotations
+    )
+    return positions, rotations
+
+
+def spine_sampling(places: FloatArray, spine: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
+    """For each of a body's K spine segments: after which of the motion's it lies, and how far to the next (0..1).
+
+    The pelvis takes the pelvis and the thorax the thorax; what lies between is sampled by its place along the
+    trunk, so arms hang the same however many vertebrae a body has.
+    """
+    own = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
+    own /= own[-1]
+    start = np.clip(np.searchsorted(places, own + 1e-9, side="right") - 1, 0, len(places) - 1)
+    span = np.append(np.diff(places), 1.0)[start]
+    share = np.clip((own - places[start]) / np.where(span > 0.0, span, 1.0), 0.0, 1.0)
+    share[share < 1e-6] = 0.0
+    return start.astype(np.int64), share
+
+
+def restore(motion: NormalizedMotion, actor: Actor) -> PoseSequence:
+    """The capture's own poses out of its normalised motion: the way back, within rounding."""
+    positions, rotations = realize(motion, actor.morphology, play=True)
+    skeleton, original = actor.skeleton, actor.pass_through
+    world = np.empty((motion.frame_count, skeleton.joint_count, 3, 3))
+    local = to_matrix(original.local_rotations)
+    translations = np.array(original.local_translations)
+    segment_of = {int(joint): segment for segment, joint in enumerate(actor.segment_joints) if joint >= 0}
+    root = int(actor.segment_joints[0])
+    places = np.empty((motion.frame_count, skeleton.joint_count, 3))
+    for joint, parent in enumerate(skeleton.parents.tolist()):
+        carrier = world[:, parent] if parent >= 0 else np.broadcast_to(np.eye(3), local[:, joint].shape)
+        from_origin = places[:, parent] if parent >= 0 else np.zeros((motion.frame_count, 3))
+        if joint in segment_of:
+            segment = segment_of[joint]
+            world[:, joint] = rotations[:, segment] @ actor.alignments[segment].T
+            local[:, joint] = np.swapaxes(carrier, 1, 2) @ world[:, joint]
+        else:
+            world[:, joint] = carrier @ local[:, joint]
+        if joint == root:
+            offset = positions[:, 0] + actor.origin - from_origin
+            translations[:, joint] = np.einsum("fji,fj->fi", carrier, offset)
+        places[:, joint] = from_origin + np.einsum("fij,fj->fi", carrier, translations[:, joint])
+    return PoseSequence(from_matrix(local), translations)

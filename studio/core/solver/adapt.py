@@ -1,0 +1,130 @@
+"""Adaptation: scale the motion to a body, set it on the ground, solve its constraints, in one call a clip."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout, BodyPart
+from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.kernels.adapt import place_frames, solve_frames
+from studio.core.kernels.feet import smoothstep
+from studio.core.normalized.realize import realize
+from studio.core.solver.footing import Footing, find_footing
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+FREED_AFTER = 0.15
+"""Seconds after a foot has left the ground (or before it lands) in which a constraint on that leg takes hold."""
+
+
+def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
+    """The motion on the body of ``request``, frames ``first`` to ``last`` (both included, all by default).
+
+    Every frame is solved from its own pose alone, so any window gives the same poses as the whole clip.
+    """
+    motion, body = request.motion, request.morphology
+    window = slice(first, motion.frame_count if last is None else last + 1)
+    positions, rotations = realize(motion, body)
+    footing = find_footing(motion, body, request.contacts, request.ground, positions, rotations)
+    positions, rotations = positions[window], rotations[window]
+    positions[:, :, 2] += request.ground.height
+    channels, measures = motion.channels[window], body.packed[None]
+    stance = (
+        np.ascontiguousarray(footing.ankles[:, window]),
+        np.ascontiguousarray(footing.feet[:, window]),
+        np.ascontiguousarray(footing.toes[:, window]),
+    )
+    place_frames(channels, measures, footing.drops[window], *stance, positions, rotations)
+    residuals = np.full((len(request.constraints), len(positions)), np.nan)
+    if request.constraints:
+        times = np.arange(motion.frame_count) / motion.frame_rate
+        activations = constraint_activations(request.constraints, footing, times)[:, window]
+        solve_frames(
+            *pack_constraints(request.constraints, body.layout),
+            np.ascontiguousarray(activations),
+            np.ascontiguousarray(footing.states[:, window]),
+            channels,
+            measures,
+            *stance,
+            positions,
+            rotations,
+            residuals,
+        )
+    return AdaptedMotion(body, motion.frame_rate, first, positions, rotations, residuals)
+
+
+def constraint_activations(
+    constraints: Sequence[Constraint], footing: Footing, times: FloatArray
+) -> FloatArray:
+    """(C, F) in [0, 1]; a constraint on a leg yields to that leg's contacts, which stand above all."""
+    rate = 1.0 / (times[1] - times[0]) if len(times) > 1 else 1.0
+    rows = []
+    for constraint in constraints:
+        activation = constraint.activation.at(times)
+        limb = limb_of(constraint.point.part)
+        if limb >= 2:
+            activation = activation * _freedom(footing.states[limb - 2] != 0, rate)
+        rows.append(activation)
+    return np.array(rows)
+
+
+def _freedom(planted: NDArray[np.bool_], frame_rate: float) -> FloatArray:
+    """0 while planted, eased to 1 within ``FREED_AFTER`` of the nearest planted frame."""
+    frames = np.arange(len(planted))
+    standing = frames[planted]
+    if not len(standing):
+        return np.ones(len(planted))
+    after = np.searchsorted(standing, frames)
+    gap = np.minimum(
+        np.abs(standing[np.minimum(after, len(standing) - 1)] - frames),
+        np.abs(frames - standing[np.maximum(after - 1, 0)]),
+    )
+    shares = np.minimum(gap / (FREED_AFTER * frame_rate), 1.0)
+    return np.array([smoothstep(share) for share in shares])
+
+
+def pack_constraints(
+    constraints: Sequence[Constraint], layout: BodyLayout
+) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    """Codes (C, 3), offsets (C, 3), chains (C, 5) and targets (C, 3) for the kernel.
+
+    Raises TypeError for a kind that the solver does not know.
+    """
+    codes = np.empty((len(constraints), 3), dtype=np.int64)
+    offsets, targets = np.empty((len(constraints), 3)), np.empty((len(constraints), 3))
+    chains = np.empty((len(constraints), 5))
+    for row, constraint in enumerate(constraints):
+        if not isinstance(constraint, PositionConstraint):
+            raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
+        point, chain = constraint.point, constraint.chain
+        codes[row] = *point_indices(point, layout), limb_of(point.part)
+        offsets[row], targets[row] = point.offset, constraint.target
+        chains[row] = chain.limb, chain.end_segment, chain.clavicle, chain.trunk, chain.root
+    return codes, offsets, chains, targets
+
+
+def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
+    """(index of the point an offset counts from, index of the segment in whose axes it stands)."""
+    segment = layout.segment(point.part)
+    ends = layout.distal_points() if point.at_end else layout.proximal_points()
+    return ends[segment], segment
+
+
+def limb_of(part: BodyPart) -> int:
+    """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
+    side, _, bone = part.value.partition("_")
+    if bone in ("upper_arm", "forearm", "hand"):
+        return 0 if side == "left" else 1
+    if bone in ("thigh", "shank", "foot", "toe"):
+        return 2 if side == "left" else 3
+    return -1
+
+
+def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
+    """Where a body point is at every frame of an adapted motion, (F, 3) metres in the motion's space."""
+    origin, segment = point_indices(point, adapted.morphology.layout)
+    return np.asarray(adapted.positions[:, origin] + adapted.rotations[:, segment] @ np.array(point.offset))
