@@ -1,0 +1,94 @@
+"""The bodies on the stage: a performer's skin or bones, and the grey ghost of the source."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout
+from studio.core.character import Character
+from studio.core.skin import skin_vertices
+from studio.viewport.figure import BoneFigure
+from studio.viewport.live_mesh import LiveMesh
+from studio.viewport.performance import Placement, Posed
+
+GHOST_COLOUR = "#8b95a1"
+
+
+def make_actor(mesh: LiveMesh, colour: str) -> Any:
+    """An actor that draws ``mesh`` in one colour."""
+    actor = pv.Actor(mapper=pv.DataSetMapper(mesh.polydata))
+    actor.mapper.scalar_visibility = False
+    actor.prop.color = colour
+    return actor
+
+
+def place(actor: Any, placement: Placement) -> None:
+    """Put what an actor draws in motion space onto the stage."""
+    actor.SetPosition(placement.position[0], placement.position[1], 0.0)
+    actor.SetOrientation(0.0, 0.0, math.degrees(placement.heading))
+
+
+class BodyVisual:
+    """A character as skin and as bones; only one of the two is posed and seen at a time."""
+
+    def __init__(self, character: Character) -> None:
+        self._character = character
+        self._skin = LiveMesh(len(character.skin.vertices), character.skin.triangles)
+        self._bones: BoneFigure | None = None
+        self.skin_actor = make_actor(self._skin, character.colour)
+        self.bones_actor: Any = None
+
+    def belongs_to(self, character: Character) -> bool:
+        """Whether this mesh can show ``character``: proportions and colour may differ, the skin may not."""
+        return character.skin is self._character.skin and character.build is self._character.build
+
+    def take(self, character: Character) -> None:
+        """Show another state of the same character."""
+        if character.colour != self._character.colour:
+            for actor in self.actors:
+                actor.prop.color = character.colour
+        self._character = character
+
+    @property
+    def actors(self) -> list[Any]:
+        return [actor for actor in (self.skin_actor, self.bones_actor) if actor is not None]
+
+    def make_bones(self, layout: BodyLayout) -> Any:
+        """The bones' actor, made when first asked for."""
+        self._bones = BoneFigure(layout)
+        self.bones_actor = make_actor(self._bones.mesh, self._character.colour)
+        return self.bones_actor
+
+    def pose(self, posed: Posed, bones: bool) -> None:
+        """Take a pose at its place of the stage."""
+        motion, row = posed.motion, posed.row
+        self.skin_actor.SetVisibility(not bones)
+        if self.bones_actor is not None:
+            self.bones_actor.SetVisibility(bones)
+        if bones and self._bones is not None:
+            self._bones.pose(motion.positions[row])
+            place(self.bones_actor, posed.placement)
+            return
+        skin_vertices(
+            self._character.skin, self._character.build, motion.morphology,
+            motion.positions[row], motion.rotations[row], self._skin.points, self._skin.normals,
+        )  # fmt: skip
+        self._skin.touch()
+        place(self.skin_actor, posed.placement)
+
+
+class GhostVisual:
+    """The capture on its actor's own body, as slender grey bones."""
+
+    def __init__(self, layout: BodyLayout) -> None:
+        self.layout = layout
+        self._figure = BoneFigure(layout, slenderness=0.6)
+        self.actor = make_actor(self._figure.mesh, GHOST_COLOUR)
+
+    def pose(self, positions: NDArray[np.float64], placement: Placement) -> None:
+        """Put the ghost at ``positions`` (N, 3), motion space."""
+        self._figure.pose(positions)
+        place(self.actor, placement)

@@ -1,0 +1,117 @@
+"""The camera as a value: where it looks from, and how stage and picture points turn into each other."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+VIEW_ANGLE = math.radians(30.0)
+STEEPEST = math.pi / 2
+CLOSEST, FARTHEST = 0.15, 150.0
+VIEWS: dict[str, tuple[float, float]] = {
+    "perspective": (math.radians(-52.0), math.radians(13.0)),
+    "front": (0.0, 0.0),
+    "side": (-math.pi / 2, 0.0),
+    "top": (-math.pi / 2, math.pi / 2),
+}
+"""Azimuth and elevation (radians) of the named views: performers face X, so the side view shows them facing right."""
+
+
+@dataclass(frozen=True)
+class OrbitCamera:
+    """Looks at ``target`` (stage, metres) from ``distance``, at ``azimuth`` about Z and ``elevation`` above level."""
+
+    target: tuple[float, float, float] = (0.0, 0.0, 0.9)
+    distance: float = 6.0
+    azimuth: float = VIEWS["perspective"][0]
+    elevation: float = VIEWS["perspective"][1]
+    parallel: bool = False
+
+    @cached_property
+    def axes(self) -> FloatArray:
+        """(3, 3) rows: right, up and towards the viewer, in stage space."""
+        ca, sa = math.cos(self.azimuth), math.sin(self.azimuth)
+        ce, se = math.cos(self.elevation), math.sin(self.elevation)
+        return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
+
+    @property
+    def eye(self) -> FloatArray:
+        """(3,) where the camera stands, stage space."""
+        return np.asarray(self.target) + self.distance * self.axes[2]
+
+    def orbited(self, azimuth: float, elevation: float) -> Self:
+        """Turned about its target by angles in radians; it never rolls over the top."""
+        steep = min(max(self.elevation + elevation, -0.12), STEEPEST)
+        return replace(self, azimuth=self.azimuth + azimuth, elevation=steep)
+
+    def panned(self, right: float, up: float) -> Self:
+        """Moved sideways by metres at the depth of its target."""
+        moved = np.asarray(self.target) + right * self.axes[0] + up * self.axes[1]
+        return replace(self, target=tuple(moved.tolist()))
+
+    def zoomed(self, factor: float) -> Self:
+        """Brought ``factor`` times nearer to its target."""
+        return replace(self, distance=min(max(self.distance / factor, CLOSEST), FARTHEST))
+
+    def metres_per_pixel(self, height: float, depth: float | None = None) -> float:
+        """How long one pixel is at ``depth`` metres before the eye, in a picture ``height`` pixels high."""
+        reach = self.distance if depth is None or self.parallel else max(depth, 1e-6)
+        return 2.0 * reach * math.tan(VIEW_ANGLE / 2) / height
+
+    def project(self, points: ArrayLike, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+        """Pixels (N, 2), y down, and depths (N,) in metres before the eye of stage ``points`` (N, 3).
+
+        ``size`` is the picture's width and height; a point behind the eye has a depth of zero or less.
+        """
+        local = (np.asarray(points, dtype=np.float64).reshape(-1, 3) - self.eye) @ self.axes.T
+        depth = -local[:, 2]
+        reach = np.full_like(depth, self.distance) if self.parallel else np.maximum(depth, 1e-6)
+        scale = size[1] / (2.0 * math.tan(VIEW_ANGLE / 2) * reach)
+        return np.stack([size[0] / 2 + local[:, 0] * scale, size[1] / 2 - local[:, 1] * scale], axis=1), depth
+
+    def ray(self, x: float, y: float, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+        """Origin and unit direction (stage space) of the ray of sight through pixel (x, y)."""
+        step = 2.0 * math.tan(VIEW_ANGLE / 2) / size[1]
+        right, up = (x - size[0] / 2) * step, (size[1] / 2 - y) * step
+        if self.parallel:
+            return self.eye + self.distance * (right * self.axes[0] + up * self.axes[1]), -self.axes[2]
+        sight = right * self.axes[0] + up * self.axes[1] - self.axes[2]
+        return self.eye, sight / np.linalg.norm(sight)
+
+    def framing(self, points: ArrayLike, size: tuple[float, float], margin: float = 1.25) -> Self:
+        """The same direction of sight, moved so that all stage ``points`` (N, 3) are seen with a margin."""
+        places = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        local = places @ self.axes.T
+        tangent = math.tan(VIEW_ANGLE / 2) / margin
+        spread = np.array([tangent * size[0] / max(size[1], 1.0), tangent])
+        # Each side's sight line must pass outside every point: the eye's depth and place follow from the extremes.
+        towards = 0.0 if self.parallel else local[:, 2:]
+        high, low = (
+            (local[:, :2] + spread * towards).max(axis=0),
+            (local[:, :2] - spread * towards).min(axis=0),
+        )
+        centre = (high + low) / 2
+        eye_depth = float(((high - low) / (2 * spread)).max())
+        middle = float((local[:, 2].max() + local[:, 2].min()) / 2)
+        distance = eye_depth if self.parallel else eye_depth - middle
+        target = np.array([centre[0], centre[1], middle]) @ self.axes
+        return replace(
+            self, target=tuple(target.tolist()), distance=min(max(distance, 4 * CLOSEST), FARTHEST)
+        )
+
+    def towards(self, other: "OrbitCamera", share: float) -> "OrbitCamera":
+        """The camera ``share`` (0 to 1) of the way to ``other``, turning the short way round."""
+        turn = (other.azimuth - self.azimuth + math.pi) % (2 * math.pi) - math.pi
+        target = np.asarray(self.target) * (1 - share) + np.asarray(other.target) * share
+        return replace(
+            other,
+            target=tuple(target.tolist()),
+            distance=self.distance ** (1 - share) * other.distance**share,
+            azimuth=self.azimuth + share * turn,
+            elevation=self.elevation + share * (other.elevation - self.elevation),
+        )

@@ -1,0 +1,187 @@
+"""The canvas: a plain widget that paints what VTK drew off screen, at most one picture per event-loop turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QSize, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QCloseEvent,
+    QColor,
+    QImage,
+    QLinearGradient,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QShowEvent,
+)
+from PySide6.QtWidgets import QWidget
+
+from studio.document import colours
+from studio.viewport.camera import OrbitCamera
+
+if TYPE_CHECKING:
+    from studio.viewport.scene import Pixels, StageScene
+    from studio.viewport.stills import Still
+
+REST_MILLISECONDS = 160
+"""When nothing has moved for so long, the picture is made smooth."""
+
+
+class Canvas(QWidget):
+    """Draws a scene with a camera. VTK is loaded and started only after the widget has been shown."""
+
+    started = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.camera = OrbitCamera()
+        self._scene: StageScene | None = None
+        self._still: Still | None = None
+        self._image = QImage()
+        self._pixels: Pixels | None = None
+        self._stale = True
+        self._frame_timer = self._single_shot(0, self._draw)
+        self._rest_timer = self._single_shot(REST_MILLISECONDS, self._refine)
+        self.setMinimumSize(240, 160)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+
+    @property
+    def view_size(self) -> tuple[float, float]:
+        """Width and height in logical pixels."""
+        return float(max(self.width(), 1)), float(max(self.height(), 1))
+
+    @property
+    def moving(self) -> bool:
+        """Whether the next picture will soon be another one, so that smoothing this one is of no use."""
+        return False
+
+    def start(self) -> None:
+        """Start VTK, if it is not running, and draw."""
+        if self._scene is None:
+            from studio.viewport.scene import StageScene  # heavy: the window is shown before it
+
+            self._scene = StageScene()
+            self._draw()
+            self.started.emit()
+
+    def stop(self) -> None:
+        """Free VTK; the widget shows nothing from now on. May be called twice."""
+        self._frame_timer.stop()
+        self._rest_timer.stop()
+        self._still = None
+        if self._scene is not None:
+            self._scene.close()
+            self._scene = None
+
+    def show_again(self, *_: object) -> None:
+        """Bring scene and picture up to date, once in this turn of the event loop."""
+        self._stale = True
+        self._frame_timer.start()
+
+    def set_camera(self, camera: OrbitCamera) -> None:
+        """Look from another place."""
+        if camera != self.camera:
+            self.camera = camera
+            self._frame_timer.start()
+
+    def grab_image(self) -> QImage:
+        """The stage alone as a smooth picture, without handles and chips."""
+        self.start()
+        self._draw()
+        while self._still is None or not self._still.complete:
+            self._smooth()
+        self._take(self._still.pixels)
+        return self._image.copy()
+
+    def bring_up_to_date(self, scene: StageScene) -> None:
+        """Put into the scene what is to be seen; for the subclass."""
+
+    def paint_over(self, painter: QPainter) -> None:
+        """Paint over the picture in logical pixels; for the subclass."""
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """The widget comes first, VTK as soon as the event loop is free."""
+        super().showEvent(event)
+        QTimer.singleShot(0, self, self.start)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Closed for good."""
+        self.stop()
+        super().closeEvent(event)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """The picture follows the widget."""
+        super().resizeEvent(event)
+        self._frame_timer.start()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """The picture and what is painted over it."""
+        painter = QPainter(self)
+        if self._image.isNull():
+            self._paint_waiting(painter)
+        else:
+            painter.drawImage(self.rect(), self._image)
+            self.paint_over(painter)
+        painter.end()
+
+    def sizeHint(self) -> QSize:
+        """A view is worth having from about this size."""
+        return QSize(960, 600)
+
+    def _paint_waiting(self, painter: QPainter) -> None:
+        ground = QLinearGradient(0, 0, 0, self.height())
+        ground.setColorAt(0, QColor(colours.VIEWPORT_TOP))
+        ground.setColorAt(1, QColor(colours.VIEWPORT_BOTTOM))
+        painter.fillRect(self.rect(), ground)
+        painter.setPen(QColor(colours.TEXT_THIRD))
+        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "Starting 3D …")
+
+    def _single_shot(self, milliseconds: int, slot: Callable[[], None]) -> QTimer:
+        timer = QTimer(self)
+        timer.setSingleShot(True)
+        timer.setInterval(milliseconds)
+        timer.timeout.connect(slot)
+        return timer
+
+    def _device_size(self) -> tuple[int, int]:
+        ratio = self.devicePixelRatioF()
+        return max(round(self.width() * ratio), 1), max(round(self.height() * ratio), 1)
+
+    def _draw(self) -> None:
+        if self._scene is None:
+            return
+        if self._stale:
+            self._stale = False
+            self.bring_up_to_date(self._scene)
+        self._still = None
+        self._take(self._scene.render(self.camera, self._device_size()))
+        self._rest_timer.start(REST_MILLISECONDS)
+
+    def _take(self, pixels: Pixels) -> None:
+        # The image reads these very bytes, so they are kept.
+        self._pixels = np.ascontiguousarray(pixels)
+        height, width = self._pixels.shape[:2]
+        self._image = QImage(self._pixels.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)
+        self.update()
+
+    def _refine(self) -> None:
+        """One more sample of a smooth still per turn of the event loop, as long as nothing moves."""
+        if self._scene is None or self.moving:
+            return
+        self._smooth()
+        if self._still is not None and self._still.complete:
+            self._take(self._still.pixels)
+        else:
+            self._rest_timer.start(0)
+
+    def _smooth(self) -> None:
+        from studio.viewport.stills import Still
+
+        assert self._scene is not None
+        if self._still is None:
+            self._still = Still(self._scene, self.camera, self._device_size())
+        else:
+            self._still.refine()

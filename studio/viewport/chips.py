@@ -1,0 +1,102 @@
+"""Chips: small words over the picture that tell a state; those that can be clicked are buttons."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
+
+from studio.document import colours
+
+_SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
+_BUTTON = f"""
+QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE} }}
+QPushButton:checked {{ color: {colours.TEXT}; }}
+QPushButton:hover {{ background: {colours.CONTROL}; color: {colours.TEXT}; }}
+QPushButton:focus {{ border: 1px solid {colours.SELECTED_CONTROL}; }}
+"""
+_WARNING = f"QPushButton {{ color: {colours.PARTLY}; }} QPushButton:hover {{ color: {colours.PARTLY}; }}"
+_CALL = f"QPushButton {{ background: {colours.SELECTED_CONTROL}; color: #ffffff; }}"
+
+
+class Chip(QPushButton):
+    """A word to click."""
+
+    def __init__(
+        self, text: str, name: str, clicked: Callable[[], None], parent: QWidget, extra: str = ""
+    ) -> None:
+        super().__init__(text, parent)
+        self.setObjectName(name.replace(" ", "_").lower())
+        self.setAccessibleName(name)
+        self.setToolTip(name)
+        self.setStyleSheet(_BUTTON + extra)
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setAutoDefault(False)
+        self.clicked.connect(lambda: clicked())
+
+    def say(self, text: str) -> None:
+        """Show other words; nothing happens when they are the same."""
+        if text != self.text():
+            self.setText(text)
+            self.adjustSize()
+
+
+class ToggleChip(Chip):
+    """A word that is on or off; off it is struck dim and says so to a screen reader."""
+
+    def __init__(self, text: str, name: str, on: bool, toggled: Callable[[], None], parent: QWidget) -> None:
+        super().__init__(
+            text, name, toggled, parent, "QPushButton:!checked { text-decoration: line-through; }"
+        )
+        self.setCheckable(True)
+        self.setChecked(on)
+
+
+class Chips:
+    """The chips of a viewport: what is seen at the top left, work at the top right, trouble at the bottom left."""
+
+    def __init__(
+        self, parent: QWidget, view: Callable[[], None], shading: Callable[[], None], toggled: Callable[[], None],
+        problem: Callable[[], None], constrain: Callable[[], None],
+    ) -> None:  # fmt: skip
+        self.view = Chip("Perspective", "Perspective or parallel view", view, parent)
+        self.view.setProperty("on", True)
+        self.shading = Chip("Skin", "Skin or bones", shading, parent)
+        self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, toggled, parent)
+        self.trails = ToggleChip("Trails", "Trails of the constrained point", True, toggled, parent)
+        self.work = QLabel(parent)
+        self.work.setAccessibleName("Solve time and bodies")
+        self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
+        self.problem = Chip("", "Most important problem", problem, parent, _WARNING)
+        self.constrain = Chip("", "Constrain the picked joint", constrain, parent, _CALL)
+        self._arrange(parent)
+        for hidden in (self.problem, self.constrain, self.work):
+            hidden.hide()
+
+    def _arrange(self, parent: QWidget) -> None:
+        grid = QGridLayout(parent)
+        grid.setContentsMargins(12, 12, 12, 12)
+        top, bottom = QHBoxLayout(), QHBoxLayout()
+        top.setSpacing(8)
+        for chip in (self.view, self.shading, self.ghost, self.trails):
+            top.addWidget(chip)
+        top.addStretch(1)
+        top.addWidget(self.work)
+        bottom.addWidget(self.problem)
+        bottom.addStretch(1)
+        grid.addLayout(top, 0, 0)
+        grid.setRowStretch(1, 1)
+        grid.addLayout(bottom, 2, 0)
+
+    def tell_work(self, milliseconds: float, bodies: int) -> None:
+        """Show how long the last solve took and how many bodies are seen."""
+        word = "body" if bodies == 1 else "bodies"
+        text = f"solve {milliseconds:.1f} ms · {bodies} {word}"
+        if text != self.work.text():
+            self.work.setText(text)
+        self.work.setVisible(bodies > 0)
+
+    def tell_problem(self, sentence: str | None) -> None:
+        """Show the most important problem, or nothing."""
+        self.problem.say(sentence or "")
+        self.problem.setVisible(sentence is not None)

@@ -1,0 +1,54 @@
+"""A figure of bones: one slender octahedron a segment, for the ghost of the source and the bones shading."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout
+from studio.viewport.live_mesh import LiveMesh
+
+THICKEST_AT = 0.18
+THICKNESS = 0.085
+_WAIST = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+_FACETS = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1], [5, 2, 1], [5, 3, 2], [5, 4, 3], [5, 1, 4]])
+
+
+@lru_cache
+def bone_pairs(layout: BodyLayout) -> NDArray[np.intp]:
+    """(B, 2) proximal and distal point of every bone, with those that join collars and hips to the spine."""
+    segments = list(zip(layout.proximal_points(), layout.distal_points(), strict=True))
+    joins = [(layout.neck_base, layout.collar(side)) for side in (0, 1)]
+    joins += [(0, layout.hip(side)) for side in (0, 1)]
+    return np.array(segments + joins)
+
+
+class BoneFigure:
+    """A live mesh of octahedra between the points of a body."""
+
+    def __init__(self, layout: BodyLayout, slenderness: float = 1.0) -> None:
+        self._pairs = bone_pairs(layout)
+        self._thickness = THICKNESS * slenderness
+        corners = 24 * len(self._pairs)
+        # Every facet has its own corners, so that facets are flat.
+        self.mesh = LiveMesh(corners, np.arange(corners).reshape(-1, 3))
+
+    def pose(self, positions: NDArray[np.float64]) -> None:
+        """Put the bones between ``positions`` (N, 3)."""
+        begin, end = positions[self._pairs[:, 0]], positions[self._pairs[:, 1]]
+        along = end - begin
+        length = np.linalg.norm(along, axis=1, keepdims=True)
+        direction = along / np.maximum(length, 1e-9)
+        side = np.cross(direction, np.where(np.abs(direction[:, :1]) < 0.8, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+        side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
+        across = np.stack([side, np.cross(direction, side)], axis=1)
+        radius = np.clip(self._thickness * length, 0.006, 0.05)[:, :, None]
+        waist = begin[:, None] + THICKEST_AT * along[:, None] + radius * (_WAIST @ across)
+        corners = np.concatenate([begin[:, None], waist, end[:, None]], axis=1)[:, _FACETS]
+        normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+        outward = corners.mean(axis=2) - (begin + THICKEST_AT * along)[:, None]
+        normals *= np.where((normals * outward).sum(axis=2, keepdims=True) < 0, -1.0, 1.0)
+        normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
+        self.mesh.points[:] = corners.reshape(-1, 3)
+        self.mesh.normals[:] = np.repeat(normals.reshape(-1, 3), 3, axis=0)
+        self.mesh.touch()

@@ -1,0 +1,143 @@
+"""The floor: a plane that fades into the distance, metre lines, the axes' first metre, and soft shadows."""
+
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from studio.core.morphology import Morphology
+from studio.viewport.live_mesh import flat_actor
+
+FLOOR = np.array([0x20, 0x24, 0x2A], dtype=np.float64)
+LINE = np.array([0x3A, 0x42, 0x4B], dtype=np.float64)
+X_AXIS, Y_AXIS = (
+    np.array([0x8A, 0x46, 0x48], dtype=np.float64),
+    np.array([0x4C, 0x7A, 0x52], dtype=np.float64),
+)
+ZENITH = np.array([0x2F, 0x36, 0x3F], dtype=np.float64)
+HORIZON = np.array([0x27, 0x2C, 0x33], dtype=np.float64)
+GRID_REACH = 14
+"""Metre lines run this far from the middle."""
+SHADOW_CELLS, SHADOW_REACH = 384, 9.0
+SHADOW_LIFT, LINE_LIFT = 0.0015, 0.003
+"""The shadow picture has this many cells a side and reaches this many metres from its middle."""
+
+
+def make_plane() -> Any:
+    """A round floor of 120 m, its colour fading to the horizon's."""
+    radii = np.array([0.0, 12.0, 30.0, 60.0, 120.0])
+    angles = np.linspace(0, 2 * np.pi, 49)[:-1]
+    points = [np.zeros(3)]
+    for radius in radii[1:]:
+        points += [np.array([radius * np.cos(a), radius * np.sin(a), 0.0]) for a in angles]
+    count, faces = len(angles), []
+    for k in range(count):
+        following = (k + 1) % count
+        faces.append([3, 0, 1 + k, 1 + following])
+        for ring in range(len(radii) - 2):
+            inner, outer = 1 + ring * count, 1 + (ring + 1) * count
+            faces.append([3, inner + k, outer + k, outer + following])
+            faces.append([3, inner + k, outer + following, inner + following])
+    plane = pv.PolyData(np.array(points, dtype=np.float32), np.ravel(faces))
+    share = np.clip((np.linalg.norm(plane.points[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
+    plane.point_data["colour"] = _bytes(FLOOR * (1 - share) + HORIZON * share)
+    return plane
+
+
+def make_sky() -> Any:
+    """A sphere of 150 m seen from within: the floor's far colour at the horizon, lighter above."""
+    sky = pv.Sphere(radius=150.0, theta_resolution=24, phi_resolution=24)
+    height = np.clip(sky.points[:, 2] / 150.0 / 0.35, 0, 1)[:, None]
+    sky.point_data.clear()
+    sky.point_data["colour"] = _bytes(HORIZON * (1 - height) + ZENITH * height)
+    return sky
+
+
+def make_lines() -> Any:
+    """Metre lines in pieces of a metre, fading out towards the rim; X and Y tinted along the axes."""
+    reach = np.arange(-GRID_REACH, GRID_REACH + 1)
+    pieces, tints = [], []
+    for place in reach:
+        for begin in reach[:-1]:
+            pieces += [[[begin, place], [begin + 1, place]], [[place, begin], [place, begin + 1]]]
+            tints += [
+                X_AXIS if place == 0 and begin >= 0 else LINE,
+                Y_AXIS if place == 0 and begin >= 0 else LINE,
+            ]
+    ends = np.array(pieces, dtype=np.float64).reshape(-1, 2)
+    lines = pv.PolyData()
+    lines.points = np.column_stack([ends, np.full(len(ends), LINE_LIFT)]).astype(np.float32)
+    pairs = np.arange(len(ends)).reshape(-1, 2)
+    lines.lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
+    fade = np.clip(1.15 - np.linalg.norm(ends, axis=1) / GRID_REACH, 0, 1)[:, None] ** 1.2
+    lines.point_data["colour"] = _bytes(FLOOR * (1 - fade) + np.repeat(tints, 2, axis=0) * fade)
+    return lines
+
+
+class SoftShadows:
+    """A picture on the floor, darkened under what stands close above it."""
+
+    def __init__(self) -> None:
+        self._dark = np.zeros((SHADOW_CELLS, SHADOW_CELLS), dtype=np.float32)
+        picture = pv.ImageData(dimensions=(SHADOW_CELLS, SHADOW_CELLS, 1))
+        picture.point_data["colour"] = np.tile(_bytes(FLOOR), (SHADOW_CELLS**2, 1))
+        self._picture = picture
+        texture = pv.Texture(picture)
+        texture.InterpolateOn()
+        texture.EdgeClampOn()
+        reach = 2 * SHADOW_REACH
+        quad = pv.Plane(i_size=reach, j_size=reach, i_resolution=1, j_resolution=1)
+        self.actor = pv.Actor(mapper=pv.DataSetMapper(quad))
+        self.actor.mapper.scalar_visibility = False
+        self.actor.prop.lighting = False
+        self.actor.prop.culling = "back"
+        self.actor.prop.color = "white"
+        self.actor.texture = texture
+
+    def cast(self, bodies: list[tuple[NDArray[np.float64], Morphology]], ground: float) -> None:
+        """Darken the floor at height ``ground`` under each body: its stage points (N, 3) and its measures."""
+        cell = 2 * SHADOW_REACH / SHADOW_CELLS
+        middle = np.mean([points[0, :2] for points, _ in bodies], axis=0) if bodies else np.zeros(2)
+        centre = np.round(middle / cell) * cell
+        self._dark[:] = 0
+        for points, morphology in bodies:
+            for place, radius, strength in _spots(points, morphology, ground):
+                self._darken((place - centre + SHADOW_REACH) / cell, radius / cell, strength)
+        shade = (1.0 - self._dark).reshape(-1, 1)
+        self._picture.point_data["colour"][:] = shade * FLOOR.astype(np.float32)
+        self._picture.GetPointData().GetScalars().Modified()
+        self._picture.Modified()
+        self.actor.SetOrigin(0.0, 0.0, 0.0)
+        self.actor.SetPosition(centre[0], centre[1], ground + SHADOW_LIFT)
+
+    def _darken(self, place: NDArray[np.float64], radius: float, strength: float) -> None:
+        reach = 2.2 * radius
+        first = np.maximum(np.floor(place - reach).astype(int), 0)
+        last = np.minimum(np.ceil(place + reach).astype(int) + 1, SHADOW_CELLS)
+        if (first >= last).any():
+            return
+        across, along = (np.exp(-(((np.arange(first[k], last[k]) - place[k]) / radius) ** 2)) for k in (0, 1))
+        window = self._dark[first[1] : last[1], first[0] : last[0]]
+        window += (strength * along[:, None] * across[None, :] * (1 - window)).astype(np.float32)
+
+
+def _spots(
+    points: NDArray[np.float64], morphology: Morphology, ground: float
+) -> list[tuple[NDArray[np.float64], float, float]]:
+    """Place, radius and strength of the soft spots of a body: feet sharp and near, trunk wide and faint."""
+    layout, size = morphology.layout, morphology.leg_length
+    parts = [(points[layout.ankle(side) + k], 0.13, 0.62) for side in (0, 1) for k in (0, 1)]
+    parts += [(points[layout.wrist(side)], 0.12, 0.30) for side in (0, 1)]
+    parts += [(points[0], 0.42, 0.42), (points[layout.neck_base], 0.34, 0.20)]
+    spots = []
+    for point, radius, strength in parts:
+        height = max(float(point[2]) - ground, 0.0)
+        far = height / size
+        spread = radius * size * (1 + 0.5 * far)
+        spots.append((point[:2], spread, strength / (1 + (2.2 * far if radius < 0.2 else 0.25 * far) ** 2)))
+    return spots
+
+
+def _bytes(colours: NDArray[np.float64]) -> NDArray[np.uint8]:
+    return np.round(colours).astype(np.uint8)

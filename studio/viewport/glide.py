@@ -1,0 +1,42 @@
+"""A short glide of the camera from one view to another."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QEasingCurve, QObject, QVariantAnimation
+
+from studio.viewport.camera import OrbitCamera
+
+MILLISECONDS = 120
+
+
+class Glide(QObject):
+    """Moves a camera in 120 ms; a new glide takes the place of one under way."""
+
+    def __init__(self, show: Callable[[OrbitCamera], None], parent: QObject) -> None:
+        super().__init__(parent)
+        self._show = show
+        self._begin = self._end = OrbitCamera()
+        self._animation = QVariantAnimation(self)
+        self._animation.setDuration(MILLISECONDS)
+        self._animation.setEasingCurve(QEasingCurve.Type.OutCubic)
+        self._animation.setStartValue(0.0)
+        self._animation.setEndValue(1.0)
+        self._animation.valueChanged.connect(self._step)
+
+    def start(self, begin: OrbitCamera, end: OrbitCamera) -> None:
+        """Glide from ``begin`` to ``end``."""
+        self._animation.stop()
+        self._begin, self._end = begin, end
+        self._animation.start()
+
+    def stop(self) -> None:
+        """Stay where the camera is."""
+        self._animation.stop()
+
+    @property
+    def moving(self) -> bool:
+        """Whether a glide is under way."""
+        return self._animation.state() == QVariantAnimation.State.Running
+
+    def _step(self, share: float) -> None:
+        self._show(self._end if share >= 1.0 else self._begin.towards(self._end, share))

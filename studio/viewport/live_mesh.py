@@ -1,0 +1,72 @@
+"""A mesh whose points and normals are numpy arrays that VTK reads in place."""
+
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+from vtkmodules.util.numpy_support import numpy_to_vtk
+
+FloatBuffer = NDArray[np.float32]
+Path = NDArray[np.float64]
+
+
+class LiveMesh:
+    """A polydata over ``points`` and ``normals`` (V, 3): write into them, then call ``touch``."""
+
+    def __init__(self, vertex_count: int, triangles: NDArray[np.integer[Any]]) -> None:
+        self.points: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
+        self.normals: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
+        self.polydata = pv.PolyData()
+        self._vtk_points = pv.vtk_points(self.points, deep=False)
+        self._vtk_normals = numpy_to_vtk(self.normals, deep=False)
+        self.polydata.SetPoints(self._vtk_points)
+        self.polydata.GetPointData().SetNormals(self._vtk_normals)
+        count = len(triangles)
+        self.polydata.faces = np.column_stack([np.full(count, 3), triangles]).ravel()
+
+    def touch(self) -> None:
+        """Tell VTK that the buffers hold new numbers."""
+        self._vtk_points.GetData().Modified()
+        self._vtk_normals.Modified()
+        self._vtk_points.Modified()
+        self.polydata.Modified()
+
+
+class LiveLines:
+    """Coloured paths, as many as each ``show_paths`` is given, in one polydata."""
+
+    def __init__(self, width: float = 2.0) -> None:
+        self._polydata = pv.PolyData()
+        self.actor = flat_actor(self._polydata)
+        self.actor.prop.line_width = width
+
+    def show_paths(self, paths: list[Path], hues: list[tuple[str, NDArray[np.float64]]]) -> None:
+        """Draw each path (N, 3); its hue is a colour and, for each point, how far it is from fading away (N,)."""
+        self.actor.SetVisibility(bool(paths))
+        if not paths:
+            return
+        ends = np.cumsum([len(path) for path in paths])
+        first = np.concatenate(
+            [np.arange(end - len(path), end - 1) for path, end in zip(paths, ends, strict=True)]
+        )
+        self._polydata.points = np.concatenate(paths).astype(np.float32)
+        self._polydata.lines = np.column_stack([np.full(len(first), 2), first, first + 1]).ravel()
+        tints = [_faded(colour, strength) for colour, strength in hues]
+        self._polydata.point_data["colour"] = np.concatenate(tints)
+        self._polydata.point_data.active_scalars_name = "colour"
+
+
+def flat_actor(polydata: pv.PolyData) -> Any:
+    """An actor that draws a polydata in the colours of its points, untouched by light."""
+    mapper = pv.DataSetMapper(polydata)
+    mapper.SetColorModeToDirectScalars()
+    mapper.scalar_visibility = True
+    actor = pv.Actor(mapper=mapper)
+    actor.prop.lighting = False
+    return actor
+
+
+def _faded(colour: str, strength: NDArray[np.float64]) -> NDArray[np.uint8]:
+    full, away = (np.array(pv.Color(hue).int_rgb, dtype=np.float64) for hue in (colour, "#22272d"))
+    return np.round(away + np.clip(strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)

@@ -1,0 +1,53 @@
+"""How surfaces take the light: one lamp by the camera, and in the shader a sky, a floor bounce and a soft rim."""
+
+from typing import Any
+
+import pyvista as pv
+
+_SHADED = """//VTK::Light::Impl
+  float skyward = dot(normalVCVSOutput, skyVC);
+  float rim = pow(1.0 - clamp(normalVCVSOutput.z, 0.0, 1.0), 3.0);
+  fragOutput0.rgb *= 0.80 + 0.20 * skyward;
+  fragOutput0.rgb += diffuseColor * (0.10 + 0.10 * skyward) + rim * (0.10 + 0.10 * skyward) * vec3(0.80, 0.90, 1.0);
+"""
+
+
+def light_like_a_studio(plotter: pv.Plotter) -> None:
+    """One lamp that goes with the camera, above and to the left of it."""
+    plotter.remove_all_lights()
+    lamp = pv.Light(
+        light_type="camera light", position=(-0.45, 0.75, 1.0), focal_point=(0, 0, 0), intensity=0.95
+    )
+    plotter.add_light(lamp)
+
+
+class SkyShading:
+    """Gives actors the material; ``turn`` tells their shaders which way is up for the present camera."""
+
+    def __init__(self) -> None:
+        self._actors: dict[int, Any] = {}
+
+    def give(self, actor: Any) -> None:
+        """Smooth, slightly shiny."""
+        surface = actor.GetProperty()
+        surface.SetAmbient(0.16)
+        surface.SetDiffuse(0.80)
+        surface.SetSpecular(0.20)
+        surface.SetSpecularPower(28.0)
+        surface.SetInterpolationToPhong()
+        shader = actor.GetShaderProperty()
+        shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _SHADED, False)
+        self._actors[id(actor)] = actor
+
+    def take(self, actor: Any) -> None:
+        """Forget an actor."""
+        self._actors.pop(id(actor), None)
+
+    def clear(self) -> None:
+        """Forget all actors."""
+        self._actors.clear()
+
+    def turn(self, up: tuple[float, float, float]) -> None:
+        """``up`` is the stage's up in view coordinates (right, up, towards the viewer)."""
+        for actor in self._actors.values():
+            actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniform3f("skyVC", up)

@@ -1,0 +1,92 @@
+"""What the mouse means: which gesture a press begins, what it selects, what lies under it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QMouseEvent
+
+from studio.document.document import Document
+from studio.viewport import picking
+from studio.viewport.gestures import CameraDrag, GizmoDrag
+from studio.viewport.live import Live
+
+if TYPE_CHECKING:
+    from studio.viewport.widget import Viewport
+
+HANDLE_REACH = 11.0
+_CAMERA = {
+    Qt.MouseButton.LeftButton: "orbit",
+    Qt.MouseButton.MiddleButton: "pan",
+    Qt.MouseButton.RightButton: "zoom",
+}
+
+
+def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
+    """Alt with any button, or the middle one alone, moves the camera; the left one drags, picks or selects."""
+    x, y = event.position().x(), event.position().y()
+    alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
+    kind = _CAMERA.get(event.button())
+    if kind and (alt or kind == "pan") and viewport.gesture is None:
+        viewport.gesture = CameraDrag(kind, viewport.camera, viewport.view_size[1], x, y, viewport.set_camera)
+    elif kind == "orbit" and viewport.gesture is None and not _grab_gizmo(viewport, document, live, x, y):
+        _select(viewport, document, x, y)
+
+
+def move(viewport: Viewport, event: QMouseEvent) -> None:
+    """Feed the gesture, or show what could be grabbed."""
+    x, y = event.position().x(), event.position().y()
+    keys = event.modifiers()
+    if viewport.gesture is not None:
+        fine = bool(keys & Qt.KeyboardModifier.ShiftModifier)
+        viewport.gesture.update(x, y, fine, bool(keys & Qt.KeyboardModifier.ControlModifier))
+    else:
+        _hover(viewport, x, y)
+
+
+def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y: float) -> bool:
+    gizmo, movable = viewport.gizmo(), viewport.movable()
+    part = gizmo.part_at(x, y) if gizmo is not None else None
+    if gizmo is None or movable is None or part is None:
+        return False
+    viewport.gizmo_part_hovered = part
+    viewport.gesture = GizmoDrag(document, live, movable, gizmo, part, x, y)
+    return True
+
+
+def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
+    """A target before a joint before a body before a prop; a click on nothing lets go of everything."""
+    where = (viewport.camera, viewport.view_size, x, y)
+    handles = {f"{one.performer_id} {one.constraint_id}": one for one in viewport.handles()}
+    near = picking.nearest_place([(key, one.target) for key, one in handles.items()], *where, HANDLE_REACH)
+    joint = None if near else picking.joint_at(viewport.posed, *where)
+    if near:
+        viewport.pick(None)
+        handle = handles[near]
+        document.selection.set(("performers", handle.performer_id), ("constraints", handle.constraint_id))
+    elif joint:
+        viewport.pick(joint)
+    else:
+        viewport.pick(None)
+        _select_body_or_prop(viewport, document, where)
+
+
+def _select_body_or_prop(viewport: Viewport, document: Document, where: tuple) -> None:
+    performer_id = picking.body_at(viewport.posed, *where)
+    prop_id = None if performer_id else picking.prop_at(document.project, *where)
+    if performer_id:
+        document.selection.set(("performers", performer_id))
+    elif prop_id:
+        document.selection.set(("props", prop_id))
+    else:
+        document.selection.clear()
+
+
+def _hover(viewport: Viewport, x: float, y: float) -> None:
+    gizmo = viewport.gizmo()
+    part = gizmo.part_at(x, y) if gizmo is not None else None
+    joint = None if part else picking.joint_at(viewport.posed, viewport.camera, viewport.view_size, x, y)
+    if (part, joint) != (viewport.gizmo_part_hovered, viewport.joint_hovered):
+        viewport.gizmo_part_hovered, viewport.joint_hovered = part, joint
+        viewport.update()

@@ -1,0 +1,42 @@
+"""Where the camera stands at first: three-quarter, low, with every performer in sight and apart from the others."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from studio.viewport.camera import FloatArray, OrbitCamera
+from studio.viewport.performance import Posed
+
+AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, -40, -30, -64))
+"""To choose from; the first is the most pleasant of those that show the bodies equally well apart."""
+ENOUGH_APART = 0.8
+"""Metres between two bodies, as seen, beyond which more makes nothing clearer."""
+ROWS = 24
+
+
+def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
+    """(N, 3) stage points that the performers reach over their whole motions, thinned out."""
+    paths = []
+    for pose in posed.values():
+        rows = np.linspace(0, pose.motion.frame_count - 1, ROWS).round().astype(int)
+        paths.append(pose.placement.to_stage(pose.motion.positions[rows]).reshape(-1, 3))
+    return np.concatenate(paths) if paths else np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.8]])
+
+
+def opening_camera(
+    posed: Mapping[str, Posed], size: tuple[float, float], parallel: bool = False
+) -> OrbitCamera:
+    """The first camera for these performers."""
+    places = np.array([pose.points[0] for pose in posed.values()]).reshape(-1, 3)
+    cameras = [replace(OrbitCamera(), azimuth=azimuth, parallel=parallel) for azimuth in AZIMUTHS]
+    best = max(cameras, key=lambda camera: round(_apart(camera, places), 1))
+    return best.framing(performed_points(posed), size)
+
+
+def _apart(camera: OrbitCamera, places: FloatArray) -> float:
+    if len(places) < 2:
+        return 0.0
+    across = np.sort(places @ camera.axes[0])
+    return float(np.minimum(np.diff(across), ENOUGH_APART).mean())

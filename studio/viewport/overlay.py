@@ -1,0 +1,110 @@
+"""What is painted over the picture: constraint handles, the picked joint and the gizmo."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
+
+from studio.document import colours
+from studio.viewport.camera import FloatArray, OrbitCamera
+from studio.viewport.gizmo import AXES, BALL, PLANES, Gizmo
+from studio.viewport.handles import Handle
+
+AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
+HOVERED = "#ffe08a"
+SHADOW = QColor(12, 14, 17, 170)
+ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
+
+
+class Overlay:
+    """Paints stage things with one painter and one camera; sizes in logical pixels."""
+
+    def __init__(self, painter: QPainter, camera: OrbitCamera, size: tuple[float, float]) -> None:
+        self._painter, self._camera, self._size = painter, camera, size
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+
+    def handles(self, handles: Iterable[Handle], selected: set[str]) -> None:
+        """Targets in their kind's colour; lines to what misses them."""
+        for handle in handles:
+            (target, point), depth = self._camera.project(np.stack([handle.target, handle.point]), self._size)
+            if (depth <= 0).any():
+                continue
+            colour = QColor(colours.kind_colour(handle.kind))
+            if handle.missed:
+                self._line(point, target, colours.NOT_REACHED, 2.0 if handle.main else 1.2)
+            if not handle.main:
+                colour.setAlpha(220 if handle.activation > 0 else 90)
+                self._disc(target, 3.5, colour)
+                continue
+            colour.setAlpha(255 if handle.activation > 0 else 130)
+            self._target(target, colour, handle.constraint_id in selected)
+
+    def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
+        """A ring round a joint: strong for the picked one, thin for the one under the mouse."""
+        pixels, depth = self._camera.project(place, self._size)
+        if depth[0] <= 0:
+            return
+        centre = QPointF(*pixels[0])
+        self._painter.setBrush(Qt.BrushStyle.NoBrush)
+        for width, hue in ((4.0, SHADOW), (2.0, QColor(colour))) if strong else ((1.4, QColor(colour)),):
+            self._painter.setPen(QPen(hue, width))
+            self._painter.drawEllipse(centre, 8.0 if strong else 6.0, 8.0 if strong else 6.0)
+        if strong:
+            self._disc(pixels[0], 2.5, QColor(colour))
+
+    def gizmo(self, gizmo: Gizmo, hot: str | None) -> None:
+        """Arrows, planes and ball; the hot part stands out."""
+        if not gizmo.in_sight:
+            return
+        for name, across in PLANES.items():
+            if gizmo.usable(name):
+                self._square(gizmo.squares[name], AXIS_COLOURS[AXES[across]], name == hot)
+        order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
+        for index in order:
+            axis = AXES[index]
+            if gizmo.usable(axis):
+                self._arrow(gizmo.centre, gizmo.tips[index], HOVERED if axis == hot else AXIS_COLOURS[axis])
+        self._disc(gizmo.centre, 6.0, QColor(HOVERED if hot == BALL else "#f4f7fb"))
+
+    def _target(self, place: FloatArray, colour: QColor, selected: bool) -> None:
+        self._disc(place, 6.0, colour)
+        x, y = place
+        self._painter.setPen(QPen(QColor(255, 255, 255, 200), 1.2))
+        self._painter.drawLine(QPointF(x - 3, y), QPointF(x + 3, y))
+        self._painter.drawLine(QPointF(x, y - 3), QPointF(x, y + 3))
+        if selected:
+            self._painter.setBrush(Qt.BrushStyle.NoBrush)
+            self._painter.setPen(QPen(QColor("#ffffff"), 2.0))
+            self._painter.drawEllipse(QPointF(x, y), 10.0, 10.0)
+
+    def _disc(self, place: FloatArray, radius: float, colour: QColor) -> None:
+        self._painter.setPen(QPen(SHADOW, 1.5))
+        self._painter.setBrush(QBrush(colour))
+        self._painter.drawEllipse(QPointF(*place), radius, radius)
+
+    def _line(self, begin: FloatArray, end: FloatArray, colour: str, width: float) -> None:
+        for hue, extent in ((SHADOW, width + 1.5), (QColor(colour), width)):
+            self._painter.setPen(QPen(hue, extent, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            self._painter.drawLine(QPointF(*begin), QPointF(*end))
+
+    def _arrow(self, begin: FloatArray, tip: FloatArray, colour: str) -> None:
+        way = tip - begin
+        length = float(np.hypot(*way))
+        if length < 1.0:
+            return
+        way = way / length
+        across = np.array([-way[1], way[0]])
+        base = tip - way * min(ARROW_LENGTH, length)
+        self._line(begin + way * min(9.0, length), base, colour, 2.6)
+        self._painter.setPen(QPen(SHADOW, 1.0))
+        self._painter.setBrush(QBrush(QColor(colour)))
+        corners = (tip, base + ARROW_WIDTH * across, base - ARROW_WIDTH * across)
+        self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
+
+    def _square(self, corners: FloatArray, colour: str, hot: bool) -> None:
+        fill = QColor(HOVERED if hot else colour)
+        fill.setAlpha(190 if hot else 80)
+        self._painter.setPen(QPen(QColor(HOVERED if hot else colour), 1.2))
+        self._painter.setBrush(QBrush(fill))
+        self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))

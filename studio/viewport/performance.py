@@ -1,0 +1,103 @@
+"""What a performer does at a moment of the stage: its clip's frame, its pose, its place."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.project import Clip, Performer, Project
+from studio.core.solver.request import AdaptedMotion
+
+FloatArray = NDArray[np.float64]
+Results = Callable[[str], AdaptedMotion | None]
+"""The newest adapted motion by id, or None while there is none."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where motion space stands on the stage: turned by ``heading`` about Z, then moved by ``position``."""
+
+    position: tuple[float, float] = (0.0, 0.0)
+    heading: float = 0.0
+
+    @classmethod
+    def of(cls, performer: Performer) -> "Placement":
+        """The place of a performer."""
+        return cls(performer.position, performer.heading)
+
+    @property
+    def rotation(self) -> FloatArray:
+        """(3, 3) motion space to stage."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def to_stage(self, points: ArrayLike) -> FloatArray:
+        """Stage points of motion space ``points`` (..., 3)."""
+        return np.asarray(points, dtype=np.float64) @ self.rotation.T + np.array([*self.position, 0.0])
+
+    def to_motion(self, points: ArrayLike) -> FloatArray:
+        """Motion space points of stage ``points`` (..., 3)."""
+        return (np.asarray(points, dtype=np.float64) - np.array([*self.position, 0.0])) @ self.rotation
+
+
+def motion_time(clip: Clip, frame_rate: float, time: float) -> float:
+    """Seconds of the clip's motion that play at stage ``time``, held at the clip's ends."""
+    return min(
+        max(time - clip.start + clip.first / frame_rate, clip.first / frame_rate), clip.last / frame_rate
+    )
+
+
+def stage_time(clip: Clip, frame_rate: float, time: float) -> float:
+    """Stage time at which second ``time`` of the clip's motion plays."""
+    return time + clip.start - clip.first / frame_rate
+
+
+def row_at(motion: AdaptedMotion, clip: Clip | None, time: float) -> int:
+    """Row of ``motion`` shown at stage ``time``: the nearest frame."""
+    seconds = time if clip is None else motion_time(clip, motion.frame_rate, time)
+    frame = round(seconds * motion.frame_rate) - motion.first_frame
+    return min(max(frame, 0), motion.frame_count - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A performer at a moment: its motion, which row of it, and where it stands."""
+
+    performer: Performer
+    motion: AdaptedMotion
+    row: int
+    placement: Placement
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """(K+23, 3) the canonical points on the stage."""
+        return self.placement.to_stage(self.motion.positions[self.row])
+
+    @property
+    def seconds(self) -> float:
+        """The time of its motion that it shows."""
+        return (self.row + self.motion.first_frame) / self.motion.frame_rate
+
+    @property
+    def motion_id(self) -> str | None:
+        """The motion of its first clip."""
+        return self.performer.clips[0].motion_id if self.performer.clips else None
+
+
+def pose_of(performer: Performer, motion: AdaptedMotion, time: float) -> Posed:
+    """``performer`` playing ``motion`` at stage ``time``."""
+    clip = performer.clips[0] if performer.clips else None
+    return Posed(performer, motion, row_at(motion, clip, time), Placement.of(performer))
+
+
+def posed_performers(project: Project, result_of: Results, time: float) -> dict[str, Posed]:
+    """Every visible performer that has an adapted motion, at stage ``time``."""
+    found = {
+        key: (one, result_of(key))
+        for key, one in project.performers.items()
+        if one.visible and one.character_id in project.characters
+    }
+    return {key: pose_of(one, motion, time) for key, (one, motion) in found.items() if motion is not None}

@@ -1,0 +1,96 @@
+"""What lies under the mouse: the nearest joint or bone of a body, or a prop."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from studio.core.project import Project
+from studio.viewport.body_points import BodyJoint, body_joints
+from studio.viewport.camera import FloatArray, OrbitCamera
+from studio.viewport.figure import bone_pairs
+from studio.viewport.performance import Placement, Posed
+
+JOINT_REACH = 14.0
+"""A joint is hit within so many pixels."""
+BODY_REACH = 0.09
+"""A body is hit within so many metres of a bone."""
+PIXELS_PER_METRE_BEHIND = 4.0
+
+Size = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class PickedJoint:
+    """A joint of a performer."""
+
+    performer_id: str
+    joint: BodyJoint
+
+
+def joint_at(
+    posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float
+) -> PickedJoint | None:
+    """The joint nearest to pixel (x, y) and in reach of it; of two as near, the one in front."""
+    best, found = JOINT_REACH, None
+    for performer_id, pose in posed.items():
+        joints = body_joints(pose.motion.morphology.layout)
+        pixels, depth = camera.project(pose.points[[joint.index for joint in joints]], size)
+        away = np.hypot(*(pixels - (x, y)).T)
+        away = np.where((away <= JOINT_REACH) & (depth > 0), away, np.inf)
+        cost = away + PIXELS_PER_METRE_BEHIND * (depth - camera.distance)
+        nearest = int(np.argmin(cost))
+        if np.isfinite(cost[nearest]) and (found is None or cost[nearest] < best):
+            best, found = float(cost[nearest]), PickedJoint(performer_id, joints[nearest])
+    return found
+
+
+def body_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
+    """The performer whose body is under pixel (x, y), judged by its bones; the front one of several."""
+    found: list[tuple[float, str]] = []
+    for performer_id, pose in posed.items():
+        pairs = bone_pairs(pose.motion.morphology.layout)
+        pixels, depth = camera.project(pose.points, size)
+        begin, along = pixels[pairs[:, 0]], pixels[pairs[:, 1]] - pixels[pairs[:, 0]]
+        share = ((np.array([x, y]) - begin) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-9)
+        away = np.hypot(*(begin + np.clip(share, 0, 1)[:, None] * along - (x, y)).T)
+        near = depth[pairs].mean(axis=1)
+        metres = away * np.array([camera.metres_per_pixel(size[1], float(one)) for one in near])
+        hit = (metres < BODY_REACH) & (near > 0)
+        if hit.any():
+            found.append((float(near[hit].min()), performer_id))
+    return min(found)[1] if found else None
+
+
+def prop_at(project: Project, camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
+    """The prop whose box the ray of sight through pixel (x, y) meets first (slab test in the box's axes)."""
+    origin, sight = camera.ray(x, y, size)
+    found: list[tuple[float, str]] = []
+    for prop_id, prop in project.props.items():
+        turn = Placement(heading=prop.heading).rotation
+        begin, way = (origin - np.array(prop.position)) @ turn, sight @ turn
+        way = np.where(np.abs(way) < 1e-12, 1e-12, way)
+        half = np.array(prop.size) / 2
+        walls = np.sort(np.stack([(-half - begin) / way, (half - begin) / way]), axis=0)
+        enter, leave = float(walls[0].max()), float(walls[1].min())
+        if enter <= leave and leave > 0:
+            found.append((enter, prop_id))
+    return min(found)[1] if found else None
+
+
+def nearest_place(
+    places: Iterable[tuple[str, FloatArray]],
+    camera: OrbitCamera,
+    size: Size,
+    x: float,
+    y: float,
+    reach: float,
+) -> str | None:
+    """The key of the stage place (3,) nearest to pixel (x, y) within ``reach`` pixels."""
+    best, found = reach, None
+    for key, place in places:
+        pixels, depth = camera.project(place, size)
+        away = float(np.hypot(*(pixels[0] - (x, y))))
+        if depth[0] > 0 and away <= best:
+            best, found = away, key
+    return found

@@ -1,0 +1,171 @@
+"""The stage in VTK: floor, bodies, ghost, trails and props, drawn off screen into an array of pixels."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+from studio.core.character import Character
+from studio.core.constraints.base import BodyPoint
+from studio.core.project import Project
+from studio.viewport.bodies import BodyVisual, GhostVisual
+from studio.viewport.body_points import point_path
+from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
+from studio.viewport.floor import SoftShadows, make_lines, make_plane, make_sky
+from studio.viewport.live_mesh import LiveLines, flat_actor
+from studio.viewport.material import SkyShading, light_like_a_studio
+from studio.viewport.performance import Posed
+
+Pixels = NDArray[np.uint8]
+TRAIL_SECONDS = 0.8
+PROP_COLOUR = "#8a8f96"
+
+
+class StageScene:
+    """Everything VTK holds. ``sync`` brings it to a project and a time, ``render`` draws it, ``close`` frees it."""
+
+    def __init__(self) -> None:
+        self.plotter = pv.Plotter(off_screen=True, lighting="none")
+        self.plotter.render_window.SetMultiSamples(0)
+        light_like_a_studio(self.plotter)
+        self._shading = SkyShading()
+        self._bodies: dict[str, BodyVisual] = {}
+        self._ghost: GhostVisual | None = None
+        self._props: dict[str, Any] = {}
+        self._shadows = SoftShadows()
+        self._plane, self._grid = flat_actor(make_plane()), flat_actor(make_lines())
+        self._plane.prop.culling = "back"
+        self._sky = flat_actor(make_sky())
+        self._lines = LiveLines()
+        self._add(self._lines.actor)
+        self._pixels = vtkUnsignedCharArray()
+
+    def sync(
+        self,
+        project: Project,
+        posed: Mapping[str, Posed],
+        bones: bool = False,
+        ghost: Posed | None = None,
+        trail: BodyPoint | None = None,
+    ) -> None:
+        """Show the ``posed`` performers as skins or bones, a ghost of the source, the paths of one point, the props."""
+        self._drop_bodies(project, posed)
+        for performer_id, pose in posed.items():
+            body = self._body(performer_id, project.characters[pose.performer.character_id])
+            if bones and body.bones_actor is None:
+                self._add_shaded(body.make_bones(pose.motion.morphology.layout))
+            body.pose(pose, bones)
+        self._show_ghost(ghost)
+        self._draw_trails(project, posed if trail is not None else {}, trail)
+        self._shadows.cast(
+            [(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground.height
+        )
+        self._sync_props(project)
+        for actor in (self._plane, self._grid):
+            actor.SetPosition(0.0, 0.0, project.ground.height)
+
+    def render(
+        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)
+    ) -> Pixels:
+        """The picture (height, width, 4) RGBA of ``size`` pixels; ``offset`` shifts it by parts of a pixel."""
+        window, lens = self.plotter.render_window, self.plotter.renderer.GetActiveCamera()
+        if tuple(window.GetSize()) != size:
+            window.SetSize(*size)
+        lens.SetPosition(*camera.eye)
+        lens.SetFocalPoint(*camera.target)
+        lens.SetViewUp(*camera.axes[1])
+        lens.SetViewAngle(math.degrees(VIEW_ANGLE))
+        lens.SetParallelProjection(camera.parallel)
+        lens.SetParallelScale(camera.distance * math.tan(VIEW_ANGLE / 2))
+        lens.SetClippingRange(max(0.03 * camera.distance, 0.02), camera.distance + 200.0)
+        lens.SetWindowCenter(2 * offset[0] / size[0], 2 * offset[1] / size[1])
+        self._sky.SetPosition(*camera.target)
+        self._shading.turn(tuple(camera.axes[:, 2].tolist()))
+        window.Render()
+        window.GetRGBACharPixelData(0, 0, size[0] - 1, size[1] - 1, 0, self._pixels)
+        return vtk_to_numpy(self._pixels).reshape(size[1], size[0], 4)[::-1]
+
+    def close(self) -> None:
+        """Free the window and everything drawn in it."""
+        self._shading.clear()
+        self._bodies.clear()
+        self._props.clear()
+        self._ghost = None
+        self.plotter.close()
+        self.plotter.deep_clean()
+
+    def _add(self, actor: Any) -> None:
+        """Draw an actor before the backdrop, which is then hidden behind it at no cost."""
+        backdrop = (self._grid, self._shadows.actor, self._plane, self._sky)
+        renderer = self.plotter.renderer
+        for behind in backdrop:
+            renderer.RemoveActor(behind)
+        for drawn in (actor, *backdrop):
+            renderer.AddActor(drawn)
+
+    def _add_shaded(self, actor: Any) -> None:
+        self._shading.give(actor)
+        self._add(actor)
+
+    def _remove(self, actor: Any) -> None:
+        self._shading.take(actor)
+        self.plotter.renderer.RemoveActor(actor)
+
+    def _drop_bodies(self, project: Project, posed: Mapping[str, Posed]) -> None:
+        for performer_id, body in list(self._bodies.items()):
+            pose = posed.get(performer_id)
+            if pose is None or not body.belongs_to(project.characters[pose.performer.character_id]):
+                for actor in body.actors:
+                    self._remove(actor)
+                del self._bodies[performer_id]
+
+    def _body(self, performer_id: str, character: Character) -> BodyVisual:
+        body = self._bodies.get(performer_id)
+        if body is None:
+            body = self._bodies[performer_id] = BodyVisual(character)
+            self._add_shaded(body.skin_actor)
+        body.take(character)
+        return body
+
+    def _show_ghost(self, ghost: Posed | None) -> None:
+        if ghost is not None and (
+            self._ghost is None or self._ghost.layout != ghost.motion.morphology.layout
+        ):
+            if self._ghost is not None:
+                self._remove(self._ghost.actor)
+            self._ghost = GhostVisual(ghost.motion.morphology.layout)
+            self._add_shaded(self._ghost.actor)
+        if self._ghost is not None:
+            self._ghost.actor.SetVisibility(ghost is not None)
+            if ghost is not None:
+                self._ghost.pose(ghost.motion.positions[ghost.row], ghost.placement)
+
+    def _draw_trails(self, project: Project, posed: Mapping[str, Posed], point: BodyPoint | None) -> None:
+        paths, hues = [], []
+        for pose in posed.values() if point is not None else ():
+            reach = round(TRAIL_SECONDS * pose.motion.frame_rate)
+            rows = slice(max(pose.row - reach, 0), pose.row + reach + 1)
+            path = pose.placement.to_stage(point_path(pose.motion, point, rows))
+            away = np.abs(np.arange(rows.start, rows.start + len(path)) - pose.row) / (reach + 1)
+            paths.append(path)
+            hues.append((project.characters[pose.performer.character_id].colour, 1 - away))
+        self._lines.show_paths(paths, hues)
+
+    def _sync_props(self, project: Project) -> None:
+        for prop_id in [key for key in self._props if key not in project.props]:
+            self._remove(self._props.pop(prop_id))
+        for prop_id, prop in project.props.items():
+            actor = self._props.get(prop_id)
+            if actor is None:
+                box = pv.Cube(x_length=1.0, y_length=1.0, z_length=1.0)
+                actor = self._props[prop_id] = pv.Actor(mapper=pv.DataSetMapper(box))
+                actor.prop.color = PROP_COLOUR
+                self._add_shaded(actor)
+            actor.SetScale(*prop.size)
+            actor.SetOrientation(0.0, 0.0, math.degrees(prop.heading))
+            actor.SetPosition(*prop.position)

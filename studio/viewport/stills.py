@@ -1,0 +1,40 @@
+"""Smooth stills: many pictures, each shifted by a part of a pixel, averaged while nothing moves."""
+
+import numpy as np
+
+from studio.viewport.camera import OrbitCamera
+from studio.viewport.scene import Pixels, StageScene
+
+SAMPLES = 12
+_GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
+"""Steps of the R2 sequence: points that fill a square evenly."""
+
+
+def shift(sample: int) -> tuple[float, float]:
+    """By how many pixels, within half of one, the picture of ``sample`` is shifted; 0 is not."""
+    x, y = (0.5 + _GOLDEN * sample) % 1.0 - 0.5
+    return float(x), float(y)
+
+
+class Still:
+    """A picture that gets smoother with each ``refine``."""
+
+    def __init__(self, scene: StageScene, camera: OrbitCamera, size: tuple[int, int]) -> None:
+        self._scene, self._camera, self._size = scene, camera, size
+        self._sum = scene.render(camera, size).astype(np.uint16)
+        self.count = 1
+
+    def refine(self) -> None:
+        """Take in one more picture."""
+        self._sum += self._scene.render(self._camera, self._size, shift(self.count))
+        self.count += 1
+
+    @property
+    def complete(self) -> bool:
+        """Whether more would not be seen."""
+        return self.count >= SAMPLES
+
+    @property
+    def pixels(self) -> Pixels:
+        """(height, width, 4) RGBA so far."""
+        return ((self._sum + self.count // 2) // self.count).astype(np.uint8)

@@ -1,0 +1,353 @@
+"""The 3D viewport: the document's performers as the engine adapts them; picked, constrained and dragged here."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QWheelEvent
+from PySide6.QtWidgets import QWidget
+
+from studio.core.constraints.base import BodyPoint
+from studio.document import colours
+from studio.document.document import Document
+from studio.viewport import mouse
+from studio.viewport.camera import VIEWS, FloatArray
+from studio.viewport.canvas import Canvas
+from studio.viewport.chips import Chips
+from studio.viewport.constraining import constraint_here
+from studio.viewport.gestures import Gesture
+from studio.viewport.gizmo import Gizmo
+from studio.viewport.glide import Glide
+from studio.viewport.handles import Handle, constraint_handles
+from studio.viewport.live import Live
+from studio.viewport.movables import Movable, selected_movable
+from studio.viewport.opening import opening_camera
+from studio.viewport.overlay import Overlay
+from studio.viewport.performance import Placement, Posed, pose_of, posed_performers
+from studio.viewport.picking import PickedJoint
+from studio.viewport.problem import Problem, worst_problem
+
+if TYPE_CHECKING:
+    from studio.viewport.scene import StageScene
+
+WHEEL_ZOOM = 1.15
+ROOM_AROUND_TARGET = 0.6
+"""Metres shown round a framed constraint or prop."""
+
+
+class Viewport(Canvas):
+    """Shows and edits the stage of a document; see the methods for what menus and shortcuts may call."""
+
+    picked_changed = Signal()
+
+    def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._document, self._live = document, live
+        self.tool = "move"
+        self.posed: dict[str, Posed] = {}
+        self.joint_picked: PickedJoint | None = None
+        self.joint_hovered: PickedJoint | None = None
+        self.gizmo_part_hovered: str | None = None
+        self.gesture: Gesture | None = None
+        self._bones = False
+        self._framed = False
+        self._problem: Problem | None = None
+        self._glide = Glide(self.set_camera, self)
+        self._chips = Chips(
+            self, self.toggle_parallel, self.toggle_bones, self.show_again, self.go_to_problem,
+            self.add_position_constraint_at_pick,
+        )  # fmt: skip
+        self._links = self._connect()
+        self.setAccessibleName("3D viewport")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+
+    def stop(self) -> None:
+        """Let go of VTK, document and engine. May be called twice."""
+        self.cancel_gesture()
+        self._glide.stop()
+        for link in self._links:
+            link()
+        self._links = []
+        super().stop()
+
+    # What menus, shortcuts and chips call
+
+    def frame_all(self) -> None:
+        """Show all performers, as large as they fit."""
+        points = [pose.points for pose in self.posed.values()]
+        if points:
+            self._frame(np.concatenate(points))
+
+    def frame_selection(self) -> None:
+        """Show what is selected, else all performers."""
+        points = self._selected_points()
+        if points:
+            self._frame(np.concatenate(points))
+        else:
+            self.frame_all()
+
+    def set_view(self, name: str) -> None:
+        """Glide to a view by name: ``perspective``, ``front``, ``side`` or ``top``."""
+        azimuth, elevation = VIEWS[name]
+        self._glide.start(self.camera, replace(self.camera, azimuth=azimuth, elevation=elevation))
+
+    def set_tool(self, name: str) -> None:
+        """``select`` hides the gizmo, ``move`` shows it on what is selected."""
+        self.tool = name
+        self.update()
+
+    def toggle_parallel(self) -> None:
+        """Perspective or parallel."""
+        self.set_camera(replace(self.camera, parallel=not self.camera.parallel))
+        self._chips.view.say("Parallel" if self.camera.parallel else "Perspective")
+
+    def toggle_bones(self) -> None:
+        """Skin or bones."""
+        self._bones = not self._bones
+        self._chips.shading.say("Bones" if self._bones else "Skin")
+        self.show_again()
+
+    def set_ghost_shown(self, shown: bool) -> None:
+        """The ghost of the source at the active performer, on or off."""
+        self._chips.ghost.setChecked(shown)
+        self.show_again()
+
+    @property
+    def ghost_shown(self) -> bool:
+        """Whether the ghost of the source is on."""
+        return self._chips.ghost.isChecked()
+
+    def go_to_problem(self) -> None:
+        """Go to the frame of the most important problem and select who and what it is about."""
+        if self._problem is not None:
+            self._document.playhead.set_time(self._problem.time)
+            performer, constraint = self._problem.performer_id, self._problem.constraint_id
+            self._document.selection.set(("performers", performer), ("constraints", constraint))
+
+    def pick(self, picked: PickedJoint | None) -> None:
+        """Highlight a joint and select its performer; None lets go of it."""
+        if picked != self.joint_picked:
+            self.joint_picked = picked
+            self.picked_changed.emit()
+        if picked is not None:
+            self._document.selection.set(("performers", picked.performer_id))
+        self.show_again()
+
+    def add_position_constraint_at_pick(self) -> str | None:
+        """Constrain the picked joint to where it is at the playhead, and select that; returns the constraint's id."""
+        picked = self.joint_picked
+        pose = self.posed.get(picked.performer_id) if picked else None
+        if picked is None or pose is None or pose.motion_id is None:
+            return None
+        constraint = constraint_here(self._document.project, pose, picked.joint)
+        constraint_id = self._document.add("constraints", constraint, f"Constrain {picked.joint.name}")
+        self.pick(None)
+        self._document.selection.set(("performers", picked.performer_id), ("constraints", constraint_id))
+        return constraint_id
+
+    def cancel_gesture(self) -> bool:
+        """Take back the drag under way; False when there is none."""
+        gesture, self.gesture = self.gesture, None
+        if gesture is not None:
+            gesture.cancel()
+            self.show_again()
+        return gesture is not None
+
+    # Places on the widget
+
+    def widget_point(self, place: FloatArray) -> QPointF:
+        """Where a stage point (3,) is on the widget."""
+        return QPointF(*self.camera.project(place, self.view_size)[0][0])
+
+    def gizmo(self) -> Gizmo | None:
+        """The gizmo on what is selected, as seen now."""
+        movable = self.movable()
+        if movable is None or self.tool != "move":
+            return None
+        return Gizmo(
+            movable.placement.to_stage(movable.place),
+            movable.placement.rotation.T,
+            self.camera,
+            self.view_size,
+        )
+
+    def movable(self) -> Movable | None:
+        """What the gizmo moves."""
+        pose = self.posed.get(self._document.active_performer_id or "")
+        return selected_movable(self._document, pose.placement if pose else Placement())
+
+    def handles(self) -> list[Handle]:
+        """The constraint handles on show."""
+        return constraint_handles(self._document.project, self.posed, self._document.active_performer_id)
+
+    # Drawing
+
+    @property
+    def moving(self) -> bool:
+        """While something moves, pictures are not smoothed."""
+        return self._document.playhead.playing or self.gesture is not None or self._glide.moving
+
+    def bring_up_to_date(self, scene: "StageScene") -> None:
+        """Pose every visible performer at the playhead."""
+        project, time = self._document.project, self._document.playhead.time
+        self.posed = posed_performers(project, self._live.result, time)
+        if self.posed and not self._framed:
+            self._framed = True
+            self.camera = opening_camera(self.posed, self.view_size, self.camera.parallel)
+        scene.sync(project, self.posed, self._bones, self._ghost(), self._trail_point())
+        self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
+        self._chips.tell_problem(self._problem.sentence if self._problem else None)
+
+    def paint_over(self, painter: QPainter) -> None:
+        """Handles, joints and gizmo."""
+        overlay = Overlay(painter, self.camera, self.view_size)
+        overlay.handles(self.handles(), set(self._document.selection.of("constraints")))
+        for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
+            pose = self.posed.get(picked.performer_id) if picked else None
+            if picked is not None and pose is not None:
+                overlay.joint(pose.points[picked.joint.index], colours.SELECTED_HANDLE, strong)
+        gizmo = self.gizmo()
+        if gizmo is not None:
+            overlay.gizmo(gizmo, self.gizmo_part_hovered)
+        self._place_constrain_chip()
+
+    def _place_constrain_chip(self) -> None:
+        picked, chip = self.joint_picked, self._chips.constrain
+        pose = self.posed.get(picked.performer_id) if picked else None
+        chip.setVisible(pose is not None and self.gesture is None)
+        if picked is not None and pose is not None:
+            chip.say(f"Constrain {picked.joint.name}  (C)")
+            place = self.widget_point(pose.points[picked.joint.index]).toPoint()
+            room = self.rect().adjusted(8, 8, -8 - chip.width(), -8 - chip.height())
+            chip.move(
+                min(max(place.x() + 16, room.left()), room.right()),
+                min(max(place.y() - 34, room.top()), room.bottom()),
+            )
+
+    def _ghost(self) -> Posed | None:
+        pose = self.posed.get(self._document.active_performer_id or "")
+        if not self.ghost_shown or pose is None or pose.motion_id is None:
+            return None
+        source = self._live.source(pose.motion_id)
+        return pose_of(pose.performer, source, self._document.playhead.time) if source else None
+
+    def _trail_point(self) -> BodyPoint | None:
+        """The point whose paths are drawn: the selected constraint's, else the picked joint's."""
+        if not self._chips.trails.isChecked():
+            return None
+        selected = self._document.selection.of("constraints")
+        constraint = self._document.project.constraints.get(selected[-1]) if selected else None
+        if constraint is not None:
+            return constraint.point
+        return self.joint_picked.joint.point if self.joint_picked else None
+
+    def _selected_points(self) -> list[FloatArray]:
+        around = ROOM_AROUND_TARGET * np.concatenate([np.eye(3), -np.eye(3)])
+        selection = self._document.selection
+        points = [self.posed[key].points for key in selection.of("performers") if key in self.posed]
+        targets = [
+            one.target
+            for one in self.handles()
+            if one.main and one.constraint_id in selection.of("constraints")
+        ]
+        props = self._document.project.props
+        targets += [np.array(props[key].position) for key in selection.of("props") if key in props]
+        return [target + around for target in targets] or points
+
+    def _frame(self, points: FloatArray) -> None:
+        self._glide.start(self.camera, self.camera.framing(points, self.view_size))
+
+    # What changes elsewhere
+
+    def _connect(self) -> list[Callable[[], object]]:
+        document = self._document
+        links = (
+            (document.entity_changed, self.show_again),
+            (document.project_opened, self._project_opened),
+            (document.selection.changed, self._selection_changed),
+            (document.playhead.changed, self.show_again),
+            (self._live.adapted, self._adapted),
+        )
+        for signal, slot in links:
+            signal.connect(slot)
+        return [partial(signal.disconnect, slot) for signal, slot in links]
+
+    def _project_opened(self) -> None:
+        self._framed = False
+        self._problem = None
+        self.cancel_gesture()
+        self.pick(None)
+
+    def _selection_changed(self) -> None:
+        picked = self.joint_picked
+        if picked is not None and ("performers", picked.performer_id) not in self._document.selection:
+            self.pick(None)
+        self.show_again()
+
+    def _adapted(self, _performer_id: str) -> None:
+        self._problem = worst_problem(self._document.project, self._live.result)
+        self.show_again()
+
+    # Mouse and keys
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin a gesture, or select."""
+        self.setFocus(Qt.FocusReason.MouseFocusReason)
+        self._glide.stop()
+        mouse.press(self, self._document, self._live, event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Follow the mouse."""
+        mouse.move(self, event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """The gesture is done."""
+        gesture, self.gesture = self.gesture, None
+        if gesture is not None:
+            gesture.finish()
+            self.show_again()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Constrain the joint under the mouse."""
+        self.mousePressEvent(event)
+        if self.gesture is None and self.joint_picked is not None:
+            self.add_position_constraint_at_pick()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Nothing is under the mouse any more."""
+        self.joint_hovered = self.gizmo_part_hovered = None
+        self.update()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom towards the middle of the view."""
+        self._glide.stop()
+        self.set_camera(self.camera.zoomed(WHEEL_ZOOM ** (event.angleDelta().y() / 120.0)))
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc takes back a drag or lets go of the picked joint; the view's own keys."""
+        key = Qt.Key(event.key())
+        if key == Qt.Key.Key_Escape and (self.cancel_gesture() or self.joint_picked is not None):
+            self.pick(None)
+        elif key in self._keys and not event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
+            self._keys[key]()
+        else:
+            super().keyPressEvent(event)
+
+    @property
+    def _keys(self) -> dict[Qt.Key, Callable[[], object]]:
+        return {
+            Qt.Key.Key_F: self.frame_selection,
+            Qt.Key.Key_A: self.frame_all,
+            Qt.Key.Key_C: self.add_position_constraint_at_pick,
+            Qt.Key.Key_Q: partial(self.set_tool, "select"),
+            Qt.Key.Key_W: partial(self.set_tool, "move"),
+            Qt.Key.Key_1: partial(self.set_view, "front"),
+            Qt.Key.Key_3: partial(self.set_view, "side"),
+            Qt.Key.Key_7: partial(self.set_view, "top"),
+            Qt.Key.Key_0: partial(self.set_view, "perspective"),
+        }
