@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,10 +74,10 @@ class BodySearch:
 
     def _limbs(self, candidates: Candidates, limb: str) -> Iterator[_Limb]:
         for joints in product(*(candidates.get(part, ())[:6] for part in LIMBS[limb])):
-            ways = [self.skeleton.path(a, b) for a, b in zip(joints, joints[1:], strict=False)]
+            ways = [self.skeleton.path(a, b) for a, b in pairwise(joints)]
             if any(len(way) < 2 for way in ways):
                 continue
-            bones = [self._bone(a, b) for a, b in zip(joints, joints[1:], strict=False)]
+            bones = [self._bone(a, b) for a, b in pairwise(joints)]
             lengths = np.array([length for length, _ in bones])
             variation = max(share for _, share in bones)
             if lengths.min() > _SHORTEST_BONE * lengths.max() and variation < _MOST_VARIATION:

@@ -19,7 +19,7 @@ class Guess:
     """Something assumed that the user may overrule."""
 
     subject: str
-    """``unit``, ``up axis``, ``frame rate``, ``floor``, ``body map``, ``reference pose``, ``first frame``."""
+    """One of ``unit, up axis, frame rate, floor, body map, reference pose, first frame``."""
     value: str
     reason: str
 
@@ -37,7 +37,7 @@ class Capture:
     body_map: BodyMap | None
     """None where the body is no humanoid."""
     reference_rotations: FloatArray
-    """(J, 4) local rotations that stand the body upright along Z, as near to a T-, A- or N-pose as is known."""
+    """(J, 4) local rotations that stand the body upright along Z, as near to a T-, A- or N-pose as can be."""
     floor: float
     """Height of the ground in metres, world Z."""
     unit: str

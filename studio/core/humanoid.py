@@ -23,7 +23,7 @@ LIMBS: dict[str, tuple[BodyPart, BodyPart, BodyPart]] = {
 class BodyMap:
     """For each part the joint at its near end, whose rotation moves it; and the joints of the spine.
 
-    Neck, head, clavicles and toes may be absent. Raises StudioError when a part of a limb is, or the spine is short.
+    Neck, head, clavicles and toes may be absent. Raises StudioError when another is, or the spine is short.
     """
 
     parts: Mapping[BodyPart, int]
@@ -47,7 +47,7 @@ class BodyMap:
         return self.parts.get(part)
 
     def to_json(self, skeleton: Skeleton) -> dict[str, str]:
-        """Names of joints by part: ``{"pelvis": "Hips", "spine_1": "Spine", ..., "left_hand": "LeftHand"}``."""
+        """Names of joints by part: ``{"pelvis": "Hips", "spine_1": "Spine", ..., "head": "Head", ...}``."""
         names = {"pelvis": skeleton.names[self.spine[0]]}
         names |= {f"spine_{k}": skeleton.names[joint] for k, joint in enumerate(self.spine[1:], 1)}
         return names | {

@@ -67,15 +67,15 @@ def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap)
 
 
 def faults(points: FloatArray, body_map: BodyMap) -> FloatArray:
-    """How far each frame of ``points`` (F, J, 3) is from a human at ease: (F, n), each 1 at what is tolerable.
+    """How far each frame of ``points`` (F, J, 3) is from a human at ease: (F, n), 1 at what is tolerable.
 
-    Lean of trunk and head, splay and bend of legs, twist of shoulders against hips, narrow shoulders, arms unlike
-    each other, bent or raised.
+    Lean of trunk and head, splay and bend of legs, twist of shoulders against hips, narrow shoulders, arms
+    unlike each other, bent or raised.
     """
     hips, shoulders = _middle(points, body_map, "THIGH"), _middle(points, body_map, "UPPER_ARM")
     across_hips, across_shoulders = _across(points, body_map, "THIGH"), _across(points, body_map, "UPPER_ARM")
     down = np.broadcast_to(-_UP, hips.shape)
-    terms = [_angle(shoulders - hips, -down) / 25.0, _angle(across_hips, across_shoulders) / 25.0]
+    terms = [_angle(shoulders - hips, -down) / 20.0, _angle(across_hips, across_shoulders) / 25.0]
     if BodyPart.HEAD in body_map.parts:
         terms.append(_angle(points[:, body_map[BodyPart.HEAD]] - shoulders, -down) / 60.0)
     width = np.linalg.norm(across_shoulders, axis=-1) / np.linalg.norm(across_hips, axis=-1)
@@ -97,9 +97,11 @@ def faults(points: FloatArray, body_map: BodyMap) -> FloatArray:
 
 
 def _off_the_ground(points: FloatArray, body_map: BodyMap) -> FloatArray:
-    """(F, 2) height of each ankle over its usual low, 1 at 6 cm: the feet of a reference pose should be flat."""
-    heights = points[:, [body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]], 2]
-    return np.abs(heights - np.percentile(heights, 10, axis=0)) / 0.06
+    """(F, n) height of ankles and toes over their usual low, 1 at 4 cm: the feet should be flat."""
+    feet = (BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT, BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE)
+    heights = points[:, [body_map[part] for part in feet if part in body_map.parts], 2]
+    over: FloatArray = np.abs(heights - np.percentile(heights, 10, axis=0)) / 0.04
+    return over
 
 
 def _middle(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:
@@ -116,4 +118,5 @@ def _across(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:
 def _angle(first: FloatArray, second: FloatArray) -> FloatArray:
     """Degrees between vectors."""
     sine = np.linalg.norm(np.cross(first, second), axis=-1)
-    return np.degrees(np.arctan2(sine, np.sum(first * second, axis=-1)))
+    degrees: FloatArray = np.degrees(np.arctan2(sine, np.sum(first * second, axis=-1)))
+    return degrees

@@ -11,7 +11,7 @@ IDENTITY.setflags(write=False)
 
 
 def from_euler(order: str, angles: FloatArray) -> FloatArray:
-    """Quaternions (..., 4) of intrinsic ``order`` (``"ZXY"``: Z, then the turned X, Y); angles (..., n) in radians.
+    """Quaternions (..., 4) of intrinsic ``order`` (``"ZXY"``: Z, then turned X, Y); angles (..., n), radians.
 
     One to three axes; as a matrix the result is R_Z R_X R_Y.
     """
@@ -64,7 +64,8 @@ def multiply(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def inverse(quaternions: FloatArray) -> FloatArray:
     """The opposite rotations (..., 4) of unit quaternions."""
-    return np.asarray(quaternions) * np.array([-1.0, -1.0, -1.0, 1.0])
+    opposite: FloatArray = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
+    return opposite
 
 
 def rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
@@ -99,8 +100,8 @@ def angle_between(first: FloatArray, second: FloatArray) -> FloatArray:
 def shortest_arc(start: FloatArray, end: FloatArray) -> FloatArray:
     """Matrices (..., 3, 3) of the least turn that takes unit vectors ``start`` to ``end`` (METHOD 0).
 
-    c I + [v]x + v v^T / (1 + c) with v = start x end, c = start . end; opposite vectors give a half turn about
-    a fixed perpendicular.
+    c I + [v]x + v v^T / (1 + c) with v = start x end, c = start . end; opposite vectors give a half turn
+    about a fixed perpendicular.
     """
     start, end = np.broadcast_arrays(start, end)
     cosine = np.sum(start * end, axis=-1)

@@ -52,8 +52,8 @@ def find_body(
 ) -> FoundBody:
     """The body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
 
-    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search. Raises StudioError when a
-    chosen part or joint does not exist or the chosen ones do not make a body.
+    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search. Raises StudioError when
+    a chosen part or joint does not exist or the chosen ones do not make a body.
     """
     search = BodySearch(skeleton, positions)
     fixed = _fixed(skeleton, chosen or {})
@@ -65,7 +65,7 @@ def find_body(
     family, best = max(tries, key=lambda tried: (tried[1].parts, -len(tried[1].missing)))
     if best.body_map is None:
         if fixed:
-            raise _chosen_are_no_body(best, skeleton)
+            raise _chosen_are_no_body(best)
         return FoundBody(None, "", best.missing)
     return FoundBody(_overruled(best.body_map, skeleton, chosen or {}, fixed), family, ())
 
@@ -107,7 +107,7 @@ def _plain(name: str) -> str:
 
 
 def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
-    """Joints by their plain name and by what remains after a prefix (``Character1_Hips``, ``mixamorig:Hips``)."""
+    """Joints by their plain name and by what follows a prefix (``Character1_Hips``, ``mixamorig:Hips``)."""
     by_name: dict[str, list[int]] = {}
     suffixed: list[tuple[str, int]] = []
     for joint, (name, end_site) in enumerate(zip(skeleton.names, skeleton.end_sites, strict=True)):
@@ -155,8 +155,8 @@ def _overruled(
     return BodyMap(parts, spine)
 
 
-def _chosen_are_no_body(best: Match, skeleton: Skeleton) -> StudioError:
+def _chosen_are_no_body(best: Match) -> StudioError:
     return StudioError(
-        f"With the joints chosen, no {' and no '.join(best.missing)} was found in '{skeleton.names[0]}': the bones "
+        f"With the joints chosen, no {' and no '.join(best.missing)} was found: the bones "
         "must hang below each other and be alike on both sides. Choose others under Characters > Body map."
     )

@@ -212,7 +212,7 @@ def _frames(
     if incomplete or _is_cut(lines, last, header, total // width):
         dropped = incomplete or width
         row_start = total - dropped
-        if last < 0 or row_start not in ends[:last] and row_start != 0:
+        if last < 0 or (row_start and row_start not in ends[:last]):
             raise _wrong_row(name, counts, width, first_line)
         last = int(np.searchsorted(ends, row_start, side="left")) if row_start else -1
         repairs.append(f"The last row, line {first_line + last + 1}, is cut off and was dropped.")
@@ -229,7 +229,7 @@ def _frames(
 
 
 def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
-    """A file that ends in the middle of a line, short of the frames it promises, has lost digits of its last number."""
+    """A file that ends within a line, short of the frames it promises, has lost digits of its last number."""
     declared = header.frames if header.frames and header.frames.isdecimal() else "0"
     return last == len(lines) - 1 and rows < int(declared[:12])
 
@@ -237,7 +237,7 @@ def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
 def _wrong_row(name: str, counts: NDArray[np.int64], width: int, first_line: int) -> StudioError:
     row = int(np.flatnonzero((counts != width) & (counts > 0))[0])
     return StudioError(
-        f"{name}, line {first_line + row}: {counts[row]} numbers stand here where the channels declare {width}. "
+        f"{name}, line {first_line + row}: {counts[row]} numbers stand here, but {width} channels are declared. "
         "Correct that line or export the file again."
     )
 

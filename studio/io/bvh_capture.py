@@ -191,4 +191,5 @@ def _chosen_reference(
         raise StudioError(
             f"'{chosen}' is no reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
         )
-    return poses.local_rotations[int(chosen)]
+    rotations: FloatArray = poses.local_rotations[int(chosen)]
+    return rotations

@@ -12,7 +12,7 @@ _KEYWORDS = {"ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "MOTION", "{", "}"}
 
 @dataclass
 class Hierarchy:
-    """Joints in the order of the file; offsets in its units; the channels of each in the order of its numbers."""
+    """Joints in the order of the file; offsets in its units; channels in the order of its numbers."""
 
     names: list[str] = field(default_factory=list)
     parents: list[int] = field(default_factory=list)
@@ -160,7 +160,7 @@ def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) 
         channel = _CHANNELS.get(word.lower())
         if channel is None:
             raise StudioError(
-                f"{at}: '{word[:40]}' is no channel. Channels are Xposition … Zposition and Xrotation … Zrotation."
+                f"{at}: '{word[:40]}' is no channel. Channels are Xposition, Xrotation and so on for Y and Z."
             )
         if channel in channels:
             raise StudioError(f"{at}: joint '{name}' declares {channel} twice. Correct that line.")

@@ -34,9 +34,9 @@ def write_bvh(
 ) -> None:
     """Write ``poses`` so that reading back gives every joint within 0.01 mm.
 
-    ``unit_scale`` is file units a metre. ``position_channels`` are the joints that get positions; None means the root
-    and every joint whose translation leaves its offset. Joints that turn or carry others are never end sites in
-    the file. The file appears whole or not at all. Raises StudioError when it cannot be written.
+    ``unit_scale`` is file units a metre. ``position_channels`` are the joints that get positions; None means
+    the root and every joint whose translation leaves its offset. The file appears whole or not at all. Raises
+    StudioError when it cannot be written.
     """
     if position_channels is None:
         travel = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2))

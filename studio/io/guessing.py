@@ -24,13 +24,17 @@ AXES: dict[str, FloatArray] = {
     "Z": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     "X": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
 }
-"""File axes to world axes by the axis that is up; the usual front of the file (+Z, -Y, +Y) becomes +X."""
+"""File axes to world axes by the axis that is up; the file's usual front (+Z, -Y, +Y) becomes +X."""
 
 _USUAL_RATE = 30.0
 _FOOT_HEIGHT = 0.08
 """Ankle above the ground where a skeleton has nothing below it."""
-_SOLE = 0.06
-"""Metres above zero at which the lowest joints of feet on a calibrated floor still stand: they lie inside the foot."""
+_SOLE = 0.02
+"""Metres of foot usual below its lowest joint."""
+_CALIBRATED = 0.035
+"""Up to this height the lowest joints of the feet speak for a floor at zero: they lie inside the foot."""
+_LONGEST_SNAP = 0.1
+"""Seconds over which a filter may have smeared the snap out of a calibration pose."""
 
 
 class Scale(NamedTuple):
@@ -69,7 +73,7 @@ def _fits(name: str, leg: float) -> bool:
 
 
 def unit_called(text: str, leg: float | None) -> Scale:
-    """The unit the user names: one of ``UNITS``, metres a unit as a number, or ``unknown`` for a usual body."""
+    """The unit the user names: one of ``UNITS``, metres a unit as a number, or ``unknown``."""
     name = {"in": "inch", "inches": "inch"}.get(text.lower(), text.lower())
     if name in UNITS:
         return Scale(name, UNITS[name])
@@ -84,8 +88,8 @@ def unit_called(text: str, leg: float | None) -> Scale:
 def guess_up_axis(rest: FloatArray, positions: FloatArray, body_map: BodyMap) -> Guess:
     """Which file axis is up, by the rest pose (J, 3) and by how the body stands and moves (F, J, 3).
 
-    For each axis: how upright the body is on average, how still its lowest point, how near zero the ground, and, less
-    trusted, how upright the rest pose is.
+    For each axis: how upright the body is on average, how still its lowest point, how near zero the ground,
+    and, less trusted, how upright the rest pose is.
     """
     leg = leg_length(positions, body_map)
     upright = _upright(positions, body_map).mean(axis=0)
@@ -122,27 +126,26 @@ def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Gue
     if whole == rate:
         return whole, None
     if whole > 0 and abs(1.0 / whole - frame_time) <= digit:
-        return whole, Guess(
-            "frame rate", f"{whole:g} Hz", f"The frame time {frame_time:g} s is 1/{whole:g} s, rounded."
-        )
+        reason = f"The frame time {frame_time:g} s is 1/{whole:g} s, rounded."
+        return whole, Guess("frame rate", f"{whole:g} Hz", reason)
     return rate, None
 
 
 def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Guess | None]:
-    """Where the motion begins when it starts with a calibration pose and a snap; ``positions`` (F, J, 3) metres.
+    """Where the motion begins when it starts with a calibration pose and a snap; ``positions`` (F, J, 3) in m.
 
-    The snap may be smeared over some frames by a filter: the motion begins where the joints are at rest after it.
+    The snap may be smeared over some frames by a filter: the motion begins where the joints are calm again.
     """
     if len(positions) < 24:
         return 0, None
     relative = positions - positions[:, :1]
-    steps = np.linalg.norm(np.diff(relative[:200], axis=0), axis=2).max(axis=1)
+    steps = np.linalg.norm(np.diff(relative, axis=0), axis=2).max(axis=1)
     usual = np.percentile(steps[16:], 99)
     if steps[0] < 3.0 * usual or steps[0] * frame_rate < 5.0:
         return 0, None
-    calm = np.percentile(steps[16:], 90)
-    first = 1
-    while first < 16 and max(steps[first], steps[first + 1]) > calm:
+    calm = np.percentile(steps[16:], 80)
+    first, latest = 1, min(int(_LONGEST_SNAP * frame_rate), 16)
+    while first < latest and max(steps[first], steps[first + 1]) > calm:
         first += 1
     reason = f"The body jumps by {steps[0] * 100:.0f} cm after frame 0, a calibration pose."
     return first, Guess("first frame", str(first), reason)
@@ -159,7 +162,10 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap) ->
     if ankle - height < 0.01:
         height -= _FOOT_HEIGHT
         reason = f"The ankles are lowest {_FOOT_HEIGHT} m above it; the skeleton has no toes."
-    if 0.0 <= height <= _SOLE:
+    if 0.0 <= height <= _CALIBRATED:
         reason = f"The lowest joints of the feet come to {height:.3f} m, which fits a floor at zero."
         height = 0.0
+    elif height > 0.0:
+        reason = f"The lowest joints of the feet come to {height:.3f} m; the sole is usually {_SOLE} m below."
+        height -= _SOLE
     return Guess("floor", f"{height:.4f} m", reason)

@@ -1,4 +1,4 @@
-"""From a file to a capture: read, find the body, guess what the file does not say, convert to world axes once."""
+"""From a file to a capture: read, find the body, guess what is not said, convert to world axes once."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -35,8 +35,8 @@ def load_capture(
 ) -> Capture:
     """The capture in the file at ``path``, in world axes and metres.
 
-    ``progress`` hears a share from 0 to 1 and what is being done. Raises StudioError with file, line and what to do
-    when the file is damaged or the options do not fit it.
+    ``progress`` hears a share from 0 to 1 and what is being done. Raises StudioError with file, line and what
+    to do when the file is damaged or the options do not fit it.
     """
     path = Path(path)
     return format_of(path).read(path, options, progress or (lambda share, text: None))

@@ -14,7 +14,7 @@ _ABSURD = 1e12
 
 
 def number(text: str, where: str) -> float:
-    """The number that ``text`` says; ``where`` (``walk.bvh, line 12``) begins the sentence of the StudioError."""
+    """The number that ``text`` says; ``where`` (``walk.bvh, line 12``) begins the sentence of the error."""
     if not _NUMBER.fullmatch(text):
         raise not_a_number(text, where)
     value = float(text)
@@ -38,7 +38,7 @@ def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
 
 
 def table(lines: list[bytes], words: int, name: str, first_line: int) -> NDArray[np.float64]:
-    """All ``words`` numbers of ``lines`` in one go, flat; the file is ``name``, its first line here ``first_line``.
+    """All ``words`` numbers of ``lines`` at once, flat; ``first_line`` is where they begin in file ``name``.
 
     Raises StudioError at the first word that is not a plain, believable number.
     """

@@ -43,7 +43,7 @@ CAPTURE_FORMATS = (CaptureFormat("BVH", (".bvh",), _is_bvh, "studio.io.bvh_captu
 
 
 def format_of(path: Path) -> CaptureFormat:
-    """The format of the file by its first bytes, else by its suffix; raises StudioError when it is neither."""
+    """The format of the file by its first bytes, else by its suffix; StudioError if neither tells."""
     try:
         with path.open("rb") as file:
             head = file.read(_SNIFFED)
