@@ -6,6 +6,7 @@ from studio.core.canonical import BodyPart
 from studio.core.morphology import FloatArray, Morphology
 
 FORWARD = np.array([1.0, 0.0, 0.0])
+UP = np.array([0.0, 0.0, 1.0])
 CLAVICLE = np.array([-0.2, 1.0, 0.05])
 UPPER_ARM = np.array([0.06, np.cos(np.radians(50)), -np.sin(np.radians(50))])
 ELBOW_FLEXION = np.radians(12)
@@ -24,8 +25,8 @@ def rest_pose(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     positions[0, 2] = hips_to_sole.min()
     positions[1 : layout.neck_base + 1] = positions[0] + np.cumsum(morphology.spine, axis=0)
     neck_base = positions[layout.neck_base]
-    positions[layout.head_joint] = neck_base + [0, 0, morphology.neck]
-    positions[layout.head_end] = positions[layout.head_joint] + [0, 0, morphology.head]
+    positions[layout.head_joint] = neck_base + morphology.neck * UP
+    positions[layout.head_end] = positions[layout.head_joint] + morphology.head * UP
     for side in (0, 1):
         _hang_arm(morphology, side, positions, rotations)
         _stand_leg(morphology, side, positions, rotations)

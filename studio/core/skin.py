@@ -26,8 +26,8 @@ _COLUMNS: tuple[tuple[str, type, int], ...] = (
 class SkinnedMesh:
     """A triangle mesh in the rest pose of its build, each vertex bound to up to four segments.
 
-    ``vertices`` (V, 3) metres and unit ``normals`` (V, 3), world space of the rest pose; ``triangles`` (T, 3),
-    counter-clockwise from outside; ``segments`` (V, 4) indices in the canonical layout; ``weights`` (V, 4),
+    ``vertices`` (V, 3) metres and unit ``normals`` (V, 3), world space of the rest pose; ``triangles``
+    (T, 3), counter-clockwise from outside; ``segments`` (V, 4) indices in the canonical layout; ``weights`` (V, 4),
     heaviest first, each row summing to 1; ``centres`` (V, 3), the points about which the blended rotation of
     each vertex turns. Raises ValueError with the member's name when a shape or an index is wrong.
     """
@@ -128,8 +128,8 @@ def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> Sk
 def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
     """(K+18, 3) stretch of each segment along its own axes, from ``build`` to ``morphology``.
 
-    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond it;
-    head, hands and feet keep their form; the trunk widens with hips and shoulders.
+    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond
+    it; head, hands and feet keep their form; the trunk widens with hips and shoulders.
     """
     layout, spine_count = build.layout, build.layout.spine_count
     lengths = np.stack([_bone_lengths(body) for body in (build, morphology)])

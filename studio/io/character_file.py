@@ -1,4 +1,4 @@
-"""Characters on disk: a JSON file with name, colour and build, and beside it the mesh as .npz, named by hash."""
+"""Characters on disk: a JSON file with name, colour and build, beside it the mesh as .npz."""
 
 import hashlib
 import json
@@ -80,6 +80,8 @@ def bundled_characters() -> Mapping[str, Character]:
 def mesh_bytes(mesh: SkinnedMesh) -> bytes:
     """A skinned mesh as the bytes of an .npz file; the same mesh always gives the same bytes."""
     arrays = {name: getattr(mesh, name) for name in _MEMBERS}
+    for name in ("triangles", "segments"):
+        arrays[name] = arrays[name].astype(np.min_scalar_type(int(arrays[name].max())))
     buffer = BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, array in arrays.items():

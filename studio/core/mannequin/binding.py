@@ -115,9 +115,9 @@ def strongest(weights: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
 def rotation_centres(
     vertices: FloatArray, triangles: NDArray[np.int64], segments: NDArray[np.int64], weights: FloatArray
 ) -> FloatArray:
-    """(V, 3) the point about which each vertex's blended rotation turns: the middle of what shares its weights.
+    """(V, 3) the point about which each vertex's blended rotation turns: the middle of its like.
 
-    Le and Hodgins (2016), equation 1, summed over vertices with their areas; a rigid vertex turns about itself.
+    Le and Hodgins (2016), equation 1, summed over vertices by area; a rigid vertex turns about itself.
     """
     dense = np.zeros((len(vertices), int(segments.max()) + 1))
     np.put_along_axis(dense, segments, weights, axis=1)

@@ -15,7 +15,7 @@ _TINY = 1e-7
 class Loft:
     """A limb: ellipses strung along the z axis of ``frame``, with rounded ends.
 
-    ``stations`` rows: place along z, centre x, centre y, half-width x, half-width y (metres, at least two rows).
+    ``stations`` rows: place along z, centre x, centre y, half-width x, half-width y, in metres.
     ``power`` 2 gives ellipses, above 2 boxier sections; ``caps`` are the lengths of the two rounded ends.
     """
 

@@ -46,13 +46,13 @@ class Form:
         torso, neck, skull, arm, leg = self.regions(points)
         h = self.physique.stature
         head = smooth_union(neck, skull, 0.030 * h)
-        body = smooth_union(smooth_union(torso, head, 0.045 * h), arm, 0.090 * h)
+        body = smooth_union(smooth_union(torso, head, 0.045 * h), arm, 0.070 * h)
         return smooth_union(body, leg, 0.050 * h)
 
     def edge_lengths(self, points: FloatArray) -> FloatArray:
         """(N,) how long the mesh's edges are to be: short on hands, face and feet and where a limb bends."""
         h = self.physique.stature
-        half = points * [1, 1, 1]
+        half = points.copy()
         half[:, 1] = np.abs(half[:, 1])
         lengths = np.full(len(points), 0.0145)
         for centre, radius, length in self._details:
@@ -71,12 +71,13 @@ class Form:
             (self.point("head joint") + [0.02 * p.stature, 0, 0], 0.7 * p.head, 0.0080 * p.head / 0.088),
             (self.point("elbow"), 0.03, 0.0095),
             (self.point("knee"), 0.04, 0.0115),
+            (self.point("ankle") + [0, 0, 0.03 * p.stature], 0.04, 0.0095),
             (self.point("shoulder"), 0.03, 0.0120),
         ]
 
     def regions(self, points: FloatArray) -> tuple[FloatArray, ...]:
         """Signed distances of torso, neck, skull, arm and leg apart; the nearer of left and right."""
-        half = points * [1, 1, 1]
+        half = points.copy()
         half[:, 1] = np.abs(half[:, 1])
         leg = union(self._leg, half)
         above_sole = -smooth_union(-leg, half[:, 2], 0.012 * self.physique.stature)
@@ -206,7 +207,7 @@ class Form:
         bones = [wrist + frame @ (np.array(place) * u) for place in (root, knuckle, tip)]
         base = _cone(bones[0], bones[1], 0.105 * u * g, 0.086 * u * g)
         thumb = _cone(bones[1], bones[2], 0.086 * u * g, 0.066 * u * g)
-        return [(palm, 0.10 * u), (base, 0.12 * u), (thumb, 0.03 * u)]
+        return [(palm, 0.03 * u), (base, 0.12 * u), (thumb, 0.03 * u)]
 
     @cached_property
     def _leg(self) -> _Parts:

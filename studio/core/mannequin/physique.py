@@ -1,6 +1,7 @@
 """Physique: the proportions and girths from which a morphology and a mannequin are made.
 
-Fractions of stature after Drillis and Contini (1966) as given by Winter (2009), joint centres after de Leva (1996).
+Fractions of stature after Drillis and Contini (1966) as given by Winter (2009), joint centres after
+de Leva (1996).
 """
 
 from dataclasses import dataclass
