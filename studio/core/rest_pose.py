@@ -44,7 +44,7 @@ def frame_along(bone: FloatArray, x_hint: FloatArray) -> FloatArray:
 def turned(frame: FloatArray, flexion: float) -> FloatArray:
     """``frame`` turned by ``flexion`` radians about its own x axis, the hinge."""
     c, s = np.cos(flexion), np.sin(flexion)
-    return frame @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    return np.asarray(frame @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]))
 
 
 def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotations: FloatArray) -> None:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ class SkinnedMesh:
 
     def __post_init__(self) -> None:
         for name, kind, width in _COLUMNS:
-            array = np.array(getattr(self, name), dtype=kind)
+            array: NDArray[Any] = np.array(getattr(self, name), dtype=kind)
             rows = array.shape[0] if name == "triangles" else len(self.vertices)
             if array.shape != (rows, width):
                 raise ValueError(f"{name}: expected shape ({rows}, {width}), got {array.shape}.")

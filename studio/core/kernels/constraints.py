@@ -8,6 +8,7 @@ from numba import njit
 from studio.core.kernels import layout as at
 from studio.core.kernels.body import body_point, move_all
 from studio.core.kernels.legs import place_leg
+from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_to, longest_reach, swivel_to
 from studio.core.kernels.trunk import trunk_step
 
@@ -82,8 +83,8 @@ def reach_of(code, offset, spine_count, point, positions, rotations):
 def comfort(codes, offsets, chains, targets, wanted, spine_count, out_reaches, positions, rotations):
     """How far each limb will stretch, (C,) metres, the rest being left to the chain: a soft knee near full reach.
 
-    Beyond a = 98 % (or what the motion itself stretches) of the reach the limb takes
-    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so its extension is smooth in time (METHOD 6, "reach sharing").
+    Beyond 98 % of the reach (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is
+    smooth in time and the trunk does the rest without error (METHOD 6, "reach sharing").
     """
     point = np.empty(3)
     for c in range(codes.shape[0]):
@@ -99,7 +100,7 @@ def comfort(codes, offsets, chains, targets, wanted, spine_count, out_reaches, p
         needed = distance(targets[c], positions[root]) / reach
         a = min(max(own, COMFORT), 0.9999)
         if needed > a:
-            out_reaches[c] = reach * min(a + (1.0 - a) * (1.0 - math.exp(-(needed - a) / (1.0 - a))), 0.9999)
+            out_reaches[c] = reach * min(soft_reach(needed, a), 0.9999)
 
 
 @njit(cache=True, nogil=True)

@@ -70,28 +70,42 @@ def level_soles(rotations, states, out_rotations):
     for frame in range(count):
         rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
         multiply(turn, rotations[frame], out_rotations[frame])
-    keep_pitch_on_ground(out_rotations, states)
 
 
 @njit(cache=True, nogil=True)
-def keep_pitch_on_ground(rotations, states):
-    """Foot rotations (F, 3, 3), in place: no toe below the level in a stand on the heel, no heel in one on the toe."""
+def keep_pitch_on_ground(foot, ankle_height, heel_length, states, rotations):
+    """Foot rotations (F, 3, 3), in place: no ball below the heel in a stand on the heel, nor above in one on the toe."""
     count = states.shape[0]
     corrections = np.zeros((count, 3))
     turn, turned = np.empty((3, 3)), np.empty((3, 3))
+    length = math.sqrt(foot[0] * foot[0] + foot[1] * foot[1]) + heel_length
     for frame in range(count):
-        rise = rotations[frame, 2, 0]
-        if (states[frame] == HEEL and rise < 0.0) or (states[frame] == TOE and rise > 0.0):
-            x, y = rotations[frame, 0, 0], rotations[frame, 1, 0]
-            level = math.sqrt(x * x + y * y)
-            pitch = math.atan2(rise, max(level, 1e-9))
-            corrections[frame, 0] = pitch * -y / max(level, 1e-9)
-            corrections[frame, 1] = pitch * x / max(level, 1e-9)
+        if states[frame] != HEEL and states[frame] != TOE:
+            continue
+        x, y = rotations[frame, 0, 0], rotations[frame, 1, 0]
+        level = max(math.sqrt(x * x + y * y), 1e-9)
+        turned[:] = rotations[frame]
+        pitch = 0.0
+        for _ in range(4):
+            rise = ball_above_heel(turned, foot, ankle_height, heel_length)
+            if pitch == 0.0 and (rise >= 0.0) == (states[frame] == HEEL):
+                break
+            pitch += rise / length
+            corrections[frame, 0], corrections[frame, 1] = -pitch * y / level, pitch * x / level
+            rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], 0.0, turn)
+            multiply(turn, rotations[frame], turned)
     fill_gaps(corrections, states != 0)
     for frame in range(count):
         rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
         multiply(turn, rotations[frame], turned)
         rotations[frame] = turned
+
+
+@njit(cache=True, nogil=True)
+def ball_above_heel(rotation, foot, ankle_height, heel_length):
+    """How much higher the ball's sole is than the heel's, in metres; 0 for a level foot."""
+    ball = rotation[2, 0] * foot[0] + rotation[2, 1] * foot[1] + rotation[2, 2] * foot[2] - foot[2]
+    return ball - ankle_height + rotation[2, 0] * heel_length + rotation[2, 2] * ankle_height
 
 
 @njit(cache=True, nogil=True)

@@ -5,7 +5,7 @@ Measures of a body (``Morphology.packed``): 48 + 3 K numbers, spine last.
 """
 
 # --- channels -------------------------------------------------------------------------------------------------
-ROOT = 0  # 3   root above the ankles' plane, parts of the leg length
+HIPS = 0  # 3   middle of the hip joints above the ankles' plane, parts of the leg length
 YAW = 3  # 1   low-passed heading of the pelvis
 PELVIS = 4  # 4   pelvis relative to the heading
 NECK = 8  # 4   relative to the thorax

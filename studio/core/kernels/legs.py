@@ -6,30 +6,37 @@ import numpy as np
 from numba import njit
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.limb import place_limb
+from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.realize import place_hip, place_toes
 from studio.core.kernels.rotation import multiply, orthonormalize, quaternion_to_matrix, shortest_arc
 
-STRAIGHTEST = 1.0 - 1e-9
-"""Part of its length beyond which a leg is not stretched."""
+LEAST_REACH = 0.985
+"""Part of its length to which a leg may always stretch, however bent the motion's own leg is."""
 
 
 @njit(cache=True, nogil=True)
-def hip_heights(channels, measures, rotations, ankles, least_reach, out_drops):
-    """How far the root must come down at each frame, (F,) metres, for both ankles to be in reach (K05 section 7).
+def leg_comfort(channels, side):
+    """Part of its length to which a leg stretches freely: as far as the motion's own leg does, or LEAST_REACH."""
+    return min(max(1.0 - channels[at.LIMB_SLACK + 2 + side], LEAST_REACH), 1.0 - 1e-9)
 
-    The heights h2, h3 of the paper against h1: the root as it is. Each leg may stretch as far as the motion's
-    own leg does at that frame, or ``least_reach`` of its length if that is more.
-    ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root as it is.
+
+@njit(cache=True, nogil=True)
+def hip_heights(channels, measures, rotations, ankles, states, out_drops):
+    """How far the root must come down at each frame, (F,) metres, for standing feet to be in reach (K05 section 7).
+
+    The heights h2, h3 of the paper against h1, the root as it is.
+    ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root as it is; ``states`` (2, F).
     """
     hip, root = np.empty(3), np.zeros(3)
     for frame in range(channels.shape[0]):
         out_drops[frame] = 0.0
         row = measures[frame if measures.shape[0] > 1 else 0]
         for side in range(2):
+            if states[side, frame] == 0:
+                continue
             place_hip(channels[frame], row, side, 0.0, root, rotations[frame, 0], hip)
             length = row[at.M_LEG + 2 * side] + row[at.M_LEG + 2 * side + 1]
-            reach = length * max(1.0 - channels[frame, at.LIMB_SLACK + 2 + side], least_reach)
+            reach = length * leg_comfort(channels[frame], side)
             x, y = ankles[side, frame, 0] - hip[0], ankles[side, frame, 1] - hip[1]
             below = math.sqrt(max(0.0, reach * reach - x * x - y * y))
             drop = -(ankles[side, frame, 2] - hip[2]) - below
@@ -40,7 +47,8 @@ def hip_heights(channels, measures, rotations, ankles, least_reach, out_drops):
 def place_leg(channels, measures, side, ankle, foot, toe, work, positions, rotations):
     """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
 
-    The knee always bends forward: captures hyperextend it by a few degrees and then it snaps.
+    The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
+    leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
     ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; ``work`` (3, 3, 3) scratch; writes into the frame's arrays.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
@@ -51,6 +59,7 @@ def place_leg(channels, measures, side, ankle, foot, toe, work, positions, rotat
     quaternion_to_matrix(channels[q : q + 4], work[0])
     multiply(rotations[0], work[0], work[1])
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    length = upper + lower
     x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
     distance = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     frame = work[1]
@@ -61,11 +70,10 @@ def place_leg(channels, measures, side, ankle, foot, toe, work, positions, rotat
     multiply(work[0], frame, aimed)
     orthonormalize(aimed)
     t = at.LIMB_TWIST + 2 * (2 + side)
-    length = upper + lower
     place_limb(
         hip,
         aimed,
-        min(max(distance, abs(upper - lower) + 1e-6), STRAIGHTEST * length),
+        max(length * soft_reach(distance / length, leg_comfort(channels, side)), abs(upper - lower) + 1e-6),
         upper,
         lower,
         channels[at.LIMB_OFF_PLANE + 2 + side] * length,

@@ -31,3 +31,14 @@ def place_limb(
     shortest_arc(0.0, 0.0, 1.0, -x / length, -y / length, (d - z) / length, scratch)
     multiply(frame, scratch, out_lower)
     turn_columns(out_lower, twist[1])
+
+
+@njit(cache=True, nogil=True)
+def soft_reach(needed, comfort):
+    """Part of its length to which a limb stretches when ``needed`` is asked: all of it up to ``comfort``, then
+    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 6).
+    """
+    if needed <= comfort:
+        return needed
+    room = 1.0 - comfort
+    return comfort + room * (1.0 - math.exp(-(needed - comfort) / room))

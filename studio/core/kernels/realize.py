@@ -34,15 +34,19 @@ def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, wo
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
     ankle = 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1])
-    for axis in range(3):
-        out_positions[0, axis] = channels[at.ROOT + axis] * leg
-    out_positions[0, 2] += ankle
     quaternion_to_matrix(channels[at.PELVIS : at.PELVIS + 4], scratch)
     c, s = math.cos(channels[at.YAW]), math.sin(channels[at.YAW])
     for column in range(3):
         out_rotations[0, 0, column] = c * scratch[0, column] - s * scratch[1, column]
         out_rotations[0, 1, column] = s * scratch[0, column] + c * scratch[1, column]
         out_rotations[0, 2, column] = scratch[2, column]
+    m = at.M_HIP_OFFSET
+    for axis in range(3):
+        out_positions[0, axis] = channels[at.HIPS + axis] * leg
+        for column in range(3):
+            middle = 0.5 * (measures[m + column] + measures[m + 3 + column])
+            out_positions[0, axis] -= out_rotations[0, axis, column] * middle
+    out_positions[0, 2] += ankle
     for k in range(spine_count):
         if k > 0:
             spine_rotation(channels, spine_from[k], spine_share[k], scratch)

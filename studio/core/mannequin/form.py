@@ -4,6 +4,7 @@ All numbers are fractions of stature (of foot length in the foot) for an average
 make the others. Only the left half is described: the field is symmetric about y = 0.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -68,10 +69,10 @@ class Form:
         return [
             (hand, 0.45 * p.hand, 0.0058 * p.hand / 0.106),
             (self.point("toe") * [1, 1, 0], 0.45 * p.foot_length, 0.0090),
-            (self.point("head joint") + [0.02 * p.stature, 0, 0], 0.7 * p.head, 0.0080 * p.head / 0.088),
+            (self.point("head joint") + _vector(0.02 * p.stature, 0, 0), 0.7 * p.head, 0.0080 * p.head / 0.088),
             (self.point("elbow"), 0.03, 0.0095),
             (self.point("knee"), 0.04, 0.0115),
-            (self.point("ankle") + [0, 0, 0.03 * p.stature], 0.04, 0.0095),
+            (self.point("ankle") + _vector(0, 0, 0.03 * p.stature), 0.04, 0.0095),
             (self.point("shoulder"), 0.03, 0.0120),
         ]
 
@@ -131,8 +132,8 @@ class Form:
             )
         shoulder, neck = self.point("shoulder"), self.point("neck base")
         inner, outer = (
-            neck + [0.002 * h, 0.010 * h, 0.012 * h],
-            shoulder + [-0.004 * h, -0.012 * h, 0.006 * h],
+            neck + _vector(0.002 * h, 0.010 * h, 0.012 * h),
+            shoulder + _vector(-0.004 * h, -0.012 * h, 0.006 * h),
         )
         parts.append((_cone(inner, outer, 0.022 * h * p.neck_girth, 0.024 * h * p.shoulders), 0.05 * h))
         return parts
@@ -141,8 +142,8 @@ class Form:
     def _neck(self) -> _Parts:
         p, h = self.physique, self.physique.stature
         girth = 0.0335 * h * p.neck_girth
-        low = self.point("neck base") + [0.004 * h, 0, -0.015 * h]
-        high = self.point("head joint") + [0.016 * h, 0, 0.010 * h]
+        low = self.point("neck base") + _vector(0.004 * h, 0, -0.015 * h)
+        high = self.point("head joint") + _vector(0.016 * h, 0, 0.010 * h)
         return [(_cone(low, high, 1.1 * girth, 0.95 * girth), 0.0)]
 
     @cached_property
@@ -251,8 +252,12 @@ class Form:
         )
 
 
+def _vector(x: float, y: float, z: float) -> FloatArray:
+    return np.array([x, y, z])
+
+
 def _limb(
-    origin: FloatArray, frame: FloatArray, rows: list[tuple[float, ...]], length: float, unit: float
+    origin: FloatArray, frame: FloatArray, rows: Sequence[tuple[float, ...]], length: float, unit: float
 ) -> Loft:
     """A loft along a bone: first column in bone lengths, the others in ``unit``."""
     return Loft(origin, frame, np.array(rows) * [length, unit, unit, unit, unit])

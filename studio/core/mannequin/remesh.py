@@ -189,7 +189,7 @@ def _unevenness(mesh: _Mesh, vertex: int, change: int) -> int:
 
 
 def _relaxed(vertices: FloatArray, triangles: Triangles, size: FloatArray) -> FloatArray:
-    """Vertices moved towards the middle of the faces around them, small faces weighing more where small is wanted."""
+    """Vertices moved towards the middle of the faces around them, which evens the faces out."""
     corners = vertices[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     weight = area / size[triangles].mean(axis=1) ** 2

@@ -1,6 +1,7 @@
 """From a physique to a bound mesh."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.mannequin import binding, remesh, surface
 from studio.core.mannequin.form import Form
@@ -37,12 +38,12 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
         vertices=_rounded(vertices, 16),
         normals=_rounded(surface.vertex_normals(vertices, triangles), 14),
         centres=_rounded(binding.rotation_centres(vertices, triangles, segments, chosen), 14),
-        triangles=triangles,
-        segments=segments,
-        weights=chosen,
+        triangles=triangles.astype(np.int32),
+        segments=segments.astype(np.int32),
+        weights=chosen.astype(np.float32),
     )
 
 
-def _rounded(array: FloatArray, bits: int) -> FloatArray:
+def _rounded(array: FloatArray, bits: int) -> NDArray[np.float32]:
     """Rounded to 2^-bits: finer than the eye sees, and the file is half as long."""
-    return np.asarray(np.round(array * 2.0**bits) / 2.0**bits)
+    return (np.round(array * 2.0**bits) / 2.0**bits).astype(np.float32)

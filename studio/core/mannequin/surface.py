@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_array
 
 from studio.core.morphology import FloatArray
 
@@ -65,11 +65,11 @@ def softened(vertices: FloatArray, triangles: Triangles, rounds: int) -> FloatAr
     return vertices
 
 
-def vertex_links(triangles: Triangles, count: int) -> csr_matrix:
+def vertex_links(triangles: Triangles, count: int) -> csr_array:
     """(V, V) matrix that gives each vertex the mean of its neighbours."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    links = csr_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    return links.multiply(1 / links.sum(axis=1)).tocsr()
+    shares = 1 / np.bincount(edges[:, 0], minlength=count)[edges[:, 0]]
+    return csr_array((shares, (edges[:, 0], edges[:, 1])), shape=(count, count))
 
 
 def vertex_normals(vertices: FloatArray, triangles: Triangles) -> FloatArray:

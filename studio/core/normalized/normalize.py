@@ -80,7 +80,8 @@ def _channels(
     channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
     pelvis = rotations[:, 0]
     ankle = np.array([0.0, 0.0, body.ankle_height.mean()])
-    channels[:, at.ROOT : at.ROOT + 3] = (points[:, 0] - ankle) / body.leg_length
+    hips = points[:, 0] + pelvis @ body.hip_offset.mean(axis=0)
+    channels[:, at.HIPS : at.HIPS + 3] = (hips - ankle) / body.leg_length
     yaw = heading(pelvis, frame_rate)
     channels[:, at.YAW] = yaw
     put = _QuaternionWriter(channels)

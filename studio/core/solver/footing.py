@@ -16,8 +16,6 @@ from studio.core.normalized.motion import NormalizedMotion
 
 FloatArray = NDArray[np.float64]
 
-LEAST_REACH = 0.985
-"""Part of its length to which a leg may always stretch, however bent the motion's own leg is."""
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
 
@@ -60,22 +58,22 @@ def find_footing(
     for side in range(2):
         segment = layout.spine_count + 12 + 4 * side
         source = np.ascontiguousarray(rotations[:, segment])
+        sole = (morphology.foot[side], morphology.ankle_height[side], morphology.heel_length[side])
         kernel.level_soles(source, states[side], feet[side])
+        kernel.keep_pitch_on_ground(*sole, states[side], feet[side])
         local_toes = np.swapaxes(source, 1, 2) @ rotations[:, segment + 1]
         kernel.level_toes(feet[side], local_toes, states[side], toes[side])
         kernel.plant_ankles(
             np.ascontiguousarray(positions[:, layout.ankle(side)]),
             feet[side],
             states[side],
-            morphology.foot[side],
-            morphology.ankle_height[side],
-            morphology.heel_length[side],
+            *sole,
             ground.height_at(positions[:, layout.ankle(side)]),
             ankles[side],
         )
     drops = np.empty(count)
     relative = ankles - positions[:, 0]
-    hip_heights(motion.channels, morphology.packed[None], rotations, relative, LEAST_REACH, drops)
+    hip_heights(motion.channels, morphology.packed[None], rotations, relative, states, drops)
     return Footing(states, ankles, feet, toes, smooth_drops(drops, motion.frame_rate))
 
 
