@@ -20,7 +20,7 @@ _ROOT = Chain(limb=0.0, clavicle=0.0, trunk=0.0, root=1.0)
 
 @dataclass(frozen=True)
 class BodyJoint:
-    """A joint that a click can find: its canonical index, its name, the point fixed to the body, its chain."""
+    """A joint that a click can find: canonical index, name, point fixed to the body, chain."""
 
     index: int
     name: str

@@ -19,12 +19,12 @@ VIEWS: dict[str, tuple[float, float]] = {
     "side": (-math.pi / 2, 0.0),
     "top": (-math.pi / 2, math.pi / 2),
 }
-"""Azimuth and elevation (radians) of the named views: performers face X, so the side view shows them facing right."""
+"""Azimuth and elevation (radians) of the named views; performers face X, to the right in the side view."""
 
 
 @dataclass(frozen=True)
 class OrbitCamera:
-    """Looks at ``target`` (stage, metres) from ``distance``, at ``azimuth`` about Z and ``elevation`` above level."""
+    """Looks at ``target`` (stage) from ``distance`` metres, turned by ``azimuth`` and ``elevation``."""
 
     target: tuple[float, float, float] = (0.0, 0.0, 0.9)
     distance: float = 6.0
@@ -89,7 +89,7 @@ class OrbitCamera:
         local = places @ self.axes.T
         tangent = math.tan(VIEW_ANGLE / 2) / margin
         spread = np.array([tangent * size[0] / max(size[1], 1.0), tangent])
-        # Each side's sight line must pass outside every point: the eye's depth and place follow from the extremes.
+        # Each side's sight line passes outside every point: the eye's place follows from the extremes.
         towards = 0.0 if self.parallel else local[:, 2:]
         high, low = (
             (local[:, :2] + spread * towards).max(axis=0),

@@ -1,4 +1,4 @@
-"""The canvas: a plain widget that paints what VTK drew off screen, at most one picture per event-loop turn."""
+"""The canvas: a plain widget that paints what VTK drew off screen, at most once per event-loop turn."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Chips: small words over the picture that tell a state; those that can be clicked are buttons."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
@@ -10,7 +10,7 @@ from studio.document import colours
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
 _BUTTON = f"""
 QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE} }}
-QPushButton:checked {{ color: {colours.TEXT}; }}
+QPushButton:checked {{ background: rgba(42, 48, 55, 230); color: {colours.TEXT}; }}
 QPushButton:hover {{ background: {colours.CONTROL}; color: {colours.TEXT}; }}
 QPushButton:focus {{ border: 1px solid {colours.SELECTED_CONTROL}; }}
 """
@@ -22,7 +22,7 @@ class Chip(QPushButton):
     """A word to click."""
 
     def __init__(
-        self, text: str, name: str, clicked: Callable[[], None], parent: QWidget, extra: str = ""
+        self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = ""
     ) -> None:
         super().__init__(text, parent)
         self.setObjectName(name.replace(" ", "_").lower())
@@ -42,33 +42,36 @@ class Chip(QPushButton):
 
 
 class ToggleChip(Chip):
-    """A word that is on or off; off it is struck dim and says so to a screen reader."""
+    """A word that is on, with a full dot before it, or off, with an empty one."""
 
-    def __init__(self, text: str, name: str, on: bool, toggled: Callable[[], None], parent: QWidget) -> None:
-        super().__init__(
-            text, name, toggled, parent, "QPushButton:!checked { text-decoration: line-through; }"
-        )
+    def __init__(
+        self, text: str, name: str, on: bool, toggled: Callable[[], object], parent: QWidget
+    ) -> None:
+        super().__init__(text, name, toggled, parent)
+        self._word = text
         self.setCheckable(True)
+        self.toggled.connect(self._tell)
         self.setChecked(on)
+        self._tell(on)
+
+    def _tell(self, on: bool) -> None:
+        self.setText(f"{'●' if on else '○'}  {self._word}")
 
 
 class Chips:
-    """The chips of a viewport: what is seen at the top left, work at the top right, trouble at the bottom left."""
+    """The chips of a viewport: what is seen top left, work top right, trouble bottom left."""
 
-    def __init__(
-        self, parent: QWidget, view: Callable[[], None], shading: Callable[[], None], toggled: Callable[[], None],
-        problem: Callable[[], None], constrain: Callable[[], None],
-    ) -> None:  # fmt: skip
-        self.view = Chip("Perspective", "Perspective or parallel view", view, parent)
-        self.view.setProperty("on", True)
-        self.shading = Chip("Skin", "Skin or bones", shading, parent)
-        self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, toggled, parent)
-        self.trails = ToggleChip("Trails", "Trails of the constrained point", True, toggled, parent)
+    def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
+        """``clicked``: what view, shading, ghost, trails, problem and constrain do."""
+        self.view = Chip("Perspective", "Perspective or parallel view", clicked["view"], parent)
+        self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
+        self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
+        self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
         self.work = QLabel(parent)
         self.work.setAccessibleName("Solve time and bodies")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
-        self.problem = Chip("", "Most important problem", problem, parent, _WARNING)
-        self.constrain = Chip("", "Constrain the picked joint", constrain, parent, _CALL)
+        self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
+        self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
         self._arrange(parent)
         for hidden in (self.problem, self.constrain, self.work):
             hidden.hide()

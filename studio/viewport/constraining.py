@@ -15,7 +15,9 @@ def constraint_here(project: Project, pose: Posed, joint: BodyJoint) -> Position
     clip = pose.performer.clips[0]
     begin, end = (frame / pose.motion.frame_rate for frame in (clip.first, clip.last))
     now = min(max(pose.seconds, begin), end)
-    times = (min(max(now + step, begin), end) for step in (-HOLD - RAMP, -HOLD, HOLD, HOLD + RAMP))
+    start, full, full_end, last = (
+        min(max(now + step, begin), end) for step in (-HOLD - RAMP, -HOLD, HOLD, HOLD + RAMP)
+    )
     row = slice(pose.row, pose.row + 1)
     existing = project.constraints_of(clip.motion_id).values()
     return PositionConstraint(
@@ -24,7 +26,7 @@ def constraint_here(project: Project, pose: Posed, joint: BodyJoint) -> Position
         point=joint.point,
         chain=joint.chain,
         priority=max((one.priority for one in existing), default=-1) + 1,
-        activation=ActivationCurve(*times),
+        activation=ActivationCurve(start, full, full_end, last),
         target=tuple(point_path(pose.motion, joint.point, row)[0].tolist()),
     )
 

@@ -11,7 +11,8 @@ from studio.viewport.live_mesh import LiveMesh
 THICKEST_AT = 0.18
 THICKNESS = 0.085
 _WAIST = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-_FACETS = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1], [5, 2, 1], [5, 3, 2], [5, 4, 3], [5, 1, 4]])
+_FACETS = np.array([[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4], [5, 1, 2], [5, 2, 3], [5, 3, 4], [5, 4, 1]])
+"""Corners of each facet, counter-clockwise from outside: 0 begin, 1 to 4 waist, 5 end."""
 
 
 @lru_cache
@@ -46,8 +47,6 @@ class BoneFigure:
         waist = begin[:, None] + THICKEST_AT * along[:, None] + radius * (_WAIST @ across)
         corners = np.concatenate([begin[:, None], waist, end[:, None]], axis=1)[:, _FACETS]
         normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
-        outward = corners.mean(axis=2) - (begin + THICKEST_AT * along)[:, None]
-        normals *= np.where((normals * outward).sum(axis=2, keepdims=True) < 0, -1.0, 1.0)
         normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
         self.mesh.points[:] = corners.reshape(-1, 3)
         self.mesh.normals[:] = np.repeat(normals.reshape(-1, 3), 3, axis=0)

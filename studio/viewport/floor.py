@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
+from vtkmodules.util.numpy_support import numpy_to_vtk
 
 from studio.core.morphology import Morphology
-from studio.viewport.live_mesh import flat_actor
 
 FLOOR = np.array([0x20, 0x24, 0x2A], dtype=np.float64)
 LINE = np.array([0x3A, 0x42, 0x4B], dtype=np.float64)
@@ -19,7 +19,7 @@ ZENITH = np.array([0x2F, 0x36, 0x3F], dtype=np.float64)
 HORIZON = np.array([0x27, 0x2C, 0x33], dtype=np.float64)
 GRID_REACH = 14
 """Metre lines run this far from the middle."""
-SHADOW_CELLS, SHADOW_REACH = 384, 9.0
+SHADOW_CELLS, SHADOW_REACH = 256, 8.0
 SHADOW_LIFT, LINE_LIFT = 0.0015, 0.003
 """The shadow picture has this many cells a side and reaches this many metres from its middle."""
 
@@ -81,8 +81,10 @@ class SoftShadows:
     def __init__(self) -> None:
         self._dark = np.zeros((SHADOW_CELLS, SHADOW_CELLS), dtype=np.float32)
         picture = pv.ImageData(dimensions=(SHADOW_CELLS, SHADOW_CELLS, 1))
-        picture.point_data["colour"] = np.tile(_bytes(FLOOR), (SHADOW_CELLS**2, 1))
+        self._bytes = np.tile(_bytes(FLOOR), (SHADOW_CELLS**2, 1))
         self._picture = picture
+        self._scalars = numpy_to_vtk(self._bytes, deep=False)
+        picture.GetPointData().SetScalars(self._scalars)
         texture = pv.Texture(picture)
         texture.InterpolateOn()
         texture.EdgeClampOn()
@@ -105,8 +107,8 @@ class SoftShadows:
             for place, radius, strength in _spots(points, morphology, ground):
                 self._darken((place - centre + SHADOW_REACH) / cell, radius / cell, strength)
         shade = (1.0 - self._dark).reshape(-1, 1)
-        self._picture.point_data["colour"][:] = shade * FLOOR.astype(np.float32)
-        self._picture.GetPointData().GetScalars().Modified()
+        np.multiply(shade, FLOOR.astype(np.float32), out=self._bytes, casting="unsafe")
+        self._scalars.Modified()
         self._picture.Modified()
         self.actor.SetOrigin(0.0, 0.0, 0.0)
         self.actor.SetPosition(centre[0], centre[1], ground + SHADOW_LIFT)

@@ -79,7 +79,7 @@ class GizmoDrag:
         live.interactive = True
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse along the part's axes: ``fine`` a fifth of the way, ``snap`` to whole centimetres."""
+        """Follow the mouse along the part's axes: ``fine`` a fifth of the way, ``snap`` to centimetres."""
         grip = self._gizmo.grip(self.part, x, y)
         step = self._gizmo.axes @ (grip - self._grip)
         self._grip = grip

@@ -24,7 +24,7 @@ def moved_axes(part: str) -> list[bool]:
 
 @dataclass(frozen=True, eq=False)
 class Gizmo:
-    """A gizmo at ``origin`` (stage), its axes the rows of ``axes`` (3, 3), seen by ``camera`` in ``size`` pixels."""
+    """A gizmo at ``origin`` (stage) along the rows of ``axes`` (3, 3), as ``camera`` sees it."""
 
     origin: FloatArray
     axes: FloatArray

@@ -17,7 +17,7 @@ REACHED = 0.003
 
 @dataclass(frozen=True, eq=False)
 class Handle:
-    """A position constraint as one performer has it: target and body point on the stage (3,), activation now."""
+    """A position constraint as one performer has it: target and point on the stage (3,), activation now."""
 
     constraint_id: str
     performer_id: str

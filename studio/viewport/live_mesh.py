@@ -6,6 +6,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkPoints
 
 FloatBuffer = NDArray[np.float32]
 Path = NDArray[np.float64]
@@ -18,7 +19,8 @@ class LiveMesh:
         self.points: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
         self.normals: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
         self.polydata = pv.PolyData()
-        self._vtk_points = pv.vtk_points(self.points, deep=False)
+        self._vtk_points = vtkPoints()
+        self._vtk_points.SetData(numpy_to_vtk(self.points, deep=False))
         self._vtk_normals = numpy_to_vtk(self.normals, deep=False)
         self.polydata.SetPoints(self._vtk_points)
         self.polydata.GetPointData().SetNormals(self._vtk_normals)
@@ -42,7 +44,7 @@ class LiveLines:
         self.actor.prop.line_width = width
 
     def show_paths(self, paths: list[Path], hues: list[tuple[str, NDArray[np.float64]]]) -> None:
-        """Draw each path (N, 3); its hue is a colour and, for each point, how far it is from fading away (N,)."""
+        """Draw each path (N, 3); its hue is a colour and the strength of each point (N,)."""
         self.actor.SetVisibility(bool(paths))
         if not paths:
             return

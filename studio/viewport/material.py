@@ -1,4 +1,4 @@
-"""How surfaces take the light: one lamp by the camera, and in the shader a sky, a floor bounce and a soft rim."""
+"""How surfaces take the light: one lamp by the camera, and in the shader a sky and a soft rim."""
 
 from typing import Any
 
@@ -7,8 +7,9 @@ import pyvista as pv
 _SHADED = """//VTK::Light::Impl
   float skyward = dot(normalVCVSOutput, skyVC);
   float rim = pow(1.0 - clamp(normalVCVSOutput.z, 0.0, 1.0), 3.0);
+  float glow = 0.10 + 0.10 * skyward;
   fragOutput0.rgb *= 0.80 + 0.20 * skyward;
-  fragOutput0.rgb += diffuseColor * (0.10 + 0.10 * skyward) + rim * (0.10 + 0.10 * skyward) * vec3(0.80, 0.90, 1.0);
+  fragOutput0.rgb += diffuseColor * glow + rim * glow * vec3(0.80, 0.90, 1.0);
 """
 
 

@@ -24,7 +24,7 @@ _CAMERA = {
 
 
 def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
-    """Alt with any button, or the middle one alone, moves the camera; the left one drags, picks or selects."""
+    """Alt with any button, or the middle one, moves the camera; the left one drags, picks or selects."""
     x, y = event.position().x(), event.position().y()
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
     kind = _CAMERA.get(event.button())

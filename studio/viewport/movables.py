@@ -1,4 +1,4 @@
-"""What a gizmo can move: a constraint's target, a prop. Each knows its own axes and how to tell the document."""
+"""What a gizmo can move: a constraint's target, a prop. Each knows its axes and tells the document."""
 
 from dataclasses import replace
 from typing import Protocol

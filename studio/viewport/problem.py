@@ -26,7 +26,7 @@ class Problem:
 
 
 def worst_problem(project: Project, result_of: Results) -> Problem | None:
-    """The largest residual (metres) of a fully active constraint over all visible performers; None if all hold."""
+    """The largest residual of a fully active constraint over all visible performers; None if all hold."""
     worst: Problem | None = None
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.visible and performer.clips else None
@@ -46,9 +46,13 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
                 worst = Problem(
                     performer_id, constraint_id, int(frames[row]),
                     stage_time(clip, motion.frame_rate, frames[row] / motion.frame_rate), float(short[row]),
-                    f"{performer.name}: {_length(short[row])} short of '{constraint.name}' at frame {frames[row]}",
+                    _sentence(performer.name, short[row], constraint.name, frames[row]),
                 )  # fmt: skip
     return worst
+
+
+def _sentence(performer: str, metres: float, constraint: str, frame: int) -> str:
+    return f"{performer}: {_length(metres)} short of '{constraint}' at frame {frame}"
 
 
 def _length(metres: float) -> str:

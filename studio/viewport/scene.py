@@ -27,11 +27,13 @@ PROP_COLOUR = "#8a8f96"
 
 
 class StageScene:
-    """Everything VTK holds. ``sync`` brings it to a project and a time, ``render`` draws it, ``close`` frees it."""
+    """Everything VTK holds. ``sync`` brings it to a moment, ``render`` draws it, ``close`` frees it."""
 
     def __init__(self) -> None:
         self.plotter = pv.Plotter(off_screen=True, lighting="none")
-        self.plotter.render_window.SetMultiSamples(0)
+        window: Any = self.plotter.render_window
+        self._window = window
+        self._window.SetMultiSamples(0)
         light_like_a_studio(self.plotter)
         self._shading = SkyShading()
         self._bodies: dict[str, BodyVisual] = {}
@@ -53,7 +55,7 @@ class StageScene:
         ghost: Posed | None = None,
         trail: BodyPoint | None = None,
     ) -> None:
-        """Show the ``posed`` performers as skins or bones, a ghost of the source, the paths of one point, the props."""
+        """Show performers as skins or bones, a ghost of the source, the paths of one point, props."""
         self._drop_bodies(project, posed)
         for performer_id, pose in posed.items():
             body = self._body(performer_id, project.characters[pose.performer.character_id])
@@ -61,7 +63,7 @@ class StageScene:
                 self._add_shaded(body.make_bones(pose.motion.morphology.layout))
             body.pose(pose, bones)
         self._show_ghost(ghost)
-        self._draw_trails(project, posed if trail is not None else {}, trail)
+        self._draw_trails(project, posed, trail)
         self._shadows.cast(
             [(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground.height
         )
@@ -72,8 +74,8 @@ class StageScene:
     def render(
         self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)
     ) -> Pixels:
-        """The picture (height, width, 4) RGBA of ``size`` pixels; ``offset`` shifts it by parts of a pixel."""
-        window, lens = self.plotter.render_window, self.plotter.renderer.GetActiveCamera()
+        """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel."""
+        window, lens = self._window, self.plotter.renderer.GetActiveCamera()
         if tuple(window.GetSize()) != size:
             window.SetSize(*size)
         lens.SetPosition(*camera.eye)
@@ -96,6 +98,7 @@ class StageScene:
         self._bodies.clear()
         self._props.clear()
         self._ghost = None
+        self._window = None
         self.plotter.close()
         self.plotter.deep_clean()
 
@@ -146,14 +149,13 @@ class StageScene:
                 self._ghost.pose(ghost.motion.positions[ghost.row], ghost.placement)
 
     def _draw_trails(self, project: Project, posed: Mapping[str, Posed], point: BodyPoint | None) -> None:
-        paths, hues = [], []
-        for pose in posed.values() if point is not None else ():
-            reach = round(TRAIL_SECONDS * pose.motion.frame_rate)
-            rows = slice(max(pose.row - reach, 0), pose.row + reach + 1)
-            path = pose.placement.to_stage(point_path(pose.motion, point, rows))
-            away = np.abs(np.arange(rows.start, rows.start + len(path)) - pose.row) / (reach + 1)
-            paths.append(path)
-            hues.append((project.characters[pose.performer.character_id].colour, 1 - away))
+        paths: list[NDArray[np.float64]] = []
+        hues: list[tuple[str, NDArray[np.float64]]] = []
+        for pose in posed.values():
+            if point is not None:
+                path, away = _recent_path(pose, point)
+                paths.append(path)
+                hues.append((project.characters[pose.performer.character_id].colour, 1 - away))
         self._lines.show_paths(paths, hues)
 
     def _sync_props(self, project: Project) -> None:
@@ -169,3 +171,11 @@ class StageScene:
             actor.SetScale(*prop.size)
             actor.SetOrientation(0.0, 0.0, math.degrees(prop.heading))
             actor.SetPosition(*prop.position)
+
+
+def _recent_path(pose: Posed, point: BodyPoint) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Stage points (N, 3) of ``point`` in the frames round this one, and how far in time each is (N,)."""
+    reach = round(TRAIL_SECONDS * pose.motion.frame_rate)
+    rows = slice(max(pose.row - reach, 0), pose.row + reach + 1)
+    path = pose.placement.to_stage(point_path(pose.motion, point, rows))
+    return path, np.abs(np.arange(rows.start, rows.start + len(path)) - pose.row) / (reach + 1)

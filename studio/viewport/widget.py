@@ -1,4 +1,4 @@
-"""The 3D viewport: the document's performers as the engine adapts them; picked, constrained and dragged here."""
+"""The 3D viewport: the document's performers as the engine adapts them, to be picked and dragged."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -57,9 +57,16 @@ class Viewport(Canvas):
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
         self._chips = Chips(
-            self, self.toggle_parallel, self.toggle_bones, self.show_again, self.go_to_problem,
-            self.add_position_constraint_at_pick,
-        )  # fmt: skip
+            self,
+            {
+                "view": self.toggle_parallel,
+                "shading": self.toggle_bones,
+                "ghost": self.show_again,
+                "trails": self.show_again,
+                "problem": self.go_to_problem,
+                "constrain": self.add_position_constraint_at_pick,
+            },
+        )
         self._links = self._connect()
         self.setAccessibleName("3D viewport")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -138,7 +145,7 @@ class Viewport(Canvas):
         self.show_again()
 
     def add_position_constraint_at_pick(self) -> str | None:
-        """Constrain the picked joint to where it is at the playhead, and select that; returns the constraint's id."""
+        """Constrain the picked joint to where it is at the playhead and select that; returns its id."""
         picked = self.joint_picked
         pose = self.posed.get(picked.performer_id) if picked else None
         if picked is None or pose is None or pose.motion_id is None:
