@@ -237,7 +237,7 @@ def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
 def _wrong_row(name: str, counts: NDArray[np.int64], width: int, first_line: int) -> StudioError:
     row = int(np.flatnonzero((counts != width) & (counts > 0))[0])
     return StudioError(
-        f"{name}, line {first_line + row}: {counts[row]} numbers stand here, but {width} channels are declared. "
+        f"{name}, line {first_line + row}: {counts[row]} numbers stand here where {width} should stand. "
         "Correct that line or export the file again."
     )
 

@@ -132,7 +132,7 @@ def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Gue
 
 
 def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Guess | None]:
-    """Where the motion begins when it starts with a calibration pose and a snap; ``positions`` (F, J, 3) in m.
+    """Where the motion begins when it starts with a calibration pose and a snap; ``positions`` (F, J, 3) m.
 
     The snap may be smeared over some frames by a filter: the motion begins where the joints are calm again.
     """
@@ -143,7 +143,7 @@ def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Gu
     usual = np.percentile(steps[16:], 99)
     if steps[0] < 3.0 * usual or steps[0] * frame_rate < 5.0:
         return 0, None
-    calm = np.percentile(steps[16:], 80)
+    calm = max(np.percentile(steps[16:], 80), 0.03 * steps[0])
     first, latest = 1, min(int(_LONGEST_SNAP * frame_rate), 16)
     while first < latest and max(steps[first], steps[first + 1]) > calm:
         first += 1

@@ -1,0 +1,42 @@
+"""Poses are finite unit quaternions without jumps of sign."""
+
+import numpy as np
+import pytest
+
+from studio.core.errors import StudioError
+from studio.core.pose import PoseSequence
+
+
+def _rotations(frames: int = 4, joints: int = 3) -> np.ndarray:
+    return np.random.default_rng(0).normal(size=(frames, joints, 4))
+
+
+def test_quaternions_become_unit_and_continuous() -> None:
+    poses = PoseSequence(_rotations(), np.zeros((4, 3, 3)))
+    assert np.allclose(np.linalg.norm(poses.local_rotations, axis=2), 1.0)
+    assert (np.sum(poses.local_rotations[1:] * poses.local_rotations[:-1], axis=2) >= 0).all()
+    assert (poses.frame_count, poses.joint_count) == (4, 3)
+
+
+def test_frames_are_counted_with_both_ends() -> None:
+    poses = PoseSequence(_rotations(), np.arange(36.0).reshape(4, 3, 3))
+    part = poses.frames(1, 2)
+    assert part.frame_count == 2
+    assert np.array_equal(part.local_translations, poses.local_translations[1:3])
+
+
+@pytest.mark.parametrize(
+    ("rotations", "translations", "sentence"),
+    [
+        (_rotations(), np.zeros((4, 2, 3)), "Poses need rotations"),
+        (_rotations(0), np.zeros((0, 3, 3)), "at least one frame"),
+        (np.zeros((4, 3, 4)), np.zeros((4, 3, 3)), "quaternion of length zero"),
+        (_rotations() * np.nan, np.zeros((4, 3, 3)), "rotation of joint 0 in frame 0 is not a finite number"),
+        (_rotations(), np.full((4, 3, 3), np.inf), "translation of joint 0 in frame 0 is not a finite"),
+    ],
+)
+def test_poses_that_cannot_be_are_refused(
+    rotations: np.ndarray, translations: np.ndarray, sentence: str
+) -> None:
+    with pytest.raises(StudioError, match=sentence):
+        PoseSequence(rotations, translations)

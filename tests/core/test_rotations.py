@@ -1,0 +1,114 @@
+"""Laws of rotations."""
+
+from itertools import permutations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from studio.core import rotations
+
+ORDERS = ["".join(axes) for axes in permutations("XYZ")]
+angles = arrays(np.float64, (5, 3), elements=st.floats(-np.pi, np.pi))
+vectors = arrays(np.float64, 3, elements=st.floats(-10, 10)).filter(lambda v: np.linalg.norm(v) > 1e-3)
+quaternions = arrays(np.float64, (7, 4), elements=st.floats(-1, 1)).filter(
+    lambda q: (np.linalg.norm(q, axis=1) > 0.1).all()
+)
+
+
+def _axis_matrix(axis: str, angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return {
+        "X": np.array([[1, 0, 0], [0, c, -s], [0, s, c]]),
+        "Y": np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]),
+        "Z": np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]),
+    }[axis]
+
+
+@pytest.mark.parametrize("order", [*ORDERS, "X", "ZY"])
+def test_euler_angles_multiply_in_the_order_they_are_named(order: str) -> None:
+    chosen = np.array([0.3, -1.1, 2.0])[: len(order)]
+    product = np.eye(3)
+    for axis, angle in zip(order, chosen, strict=True):
+        product = product @ _axis_matrix(axis, angle)
+    assert np.allclose(rotations.to_matrix(rotations.from_euler(order, chosen)), product)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@given(angles=angles)
+def test_euler_angles_come_back_as_the_same_rotation(order: str, angles: np.ndarray) -> None:
+    turned = rotations.from_euler(order, angles)
+    again = rotations.from_euler(order, rotations.to_euler(order, turned))
+    assert rotations.angle_between(turned, again).max() < 1e-7
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("middle", [-np.pi / 2, np.pi / 2])
+def test_gimbal_lock_loses_no_rotation(order: str, middle: float) -> None:
+    turned = rotations.from_euler(order, np.array([[0.7, middle, -0.4]]))
+    again = rotations.from_euler(order, rotations.to_euler(order, turned))
+    assert rotations.angle_between(turned, again).max() < 1e-7
+
+
+@given(quaternions)
+def test_matrices_and_quaternions_say_the_same(raw: np.ndarray) -> None:
+    unit = rotations.normalized(raw)
+    again = rotations.from_matrix(rotations.to_matrix(unit))
+    assert rotations.angle_between(unit, again).max() < 1e-7
+
+
+@given(quaternions, quaternions, vectors)
+def test_a_product_turns_by_the_second_first(
+    first: np.ndarray, second: np.ndarray, vector: np.ndarray
+) -> None:
+    first, second = rotations.normalized(first), rotations.normalized(second)
+    one_by_one = rotations.rotate(first, rotations.rotate(second, vector))
+    assert np.allclose(rotations.rotate(rotations.multiply(first, second), vector), one_by_one, atol=1e-9)
+    assert np.allclose(rotations.to_matrix(second) @ vector, rotations.rotate(second, vector), atol=1e-9)
+
+
+@given(quaternions)
+def test_a_rotation_and_its_inverse_cancel(raw: np.ndarray) -> None:
+    unit = rotations.normalized(raw)
+    identity = rotations.multiply(unit, rotations.inverse(unit))
+    assert rotations.angle_between(identity, rotations.IDENTITY).max() < 1e-9
+
+
+@given(quaternions)
+def test_continuous_signs_keep_the_rotation_and_never_jump(raw: np.ndarray) -> None:
+    unit = rotations.normalized(raw)
+    smooth = rotations.sign_continuous(unit)
+    assert rotations.angle_between(unit, smooth).max() < 1e-7
+    assert (np.sum(smooth[1:] * smooth[:-1], axis=-1) >= 0).all()
+
+
+@given(vectors, vectors)
+def test_the_shortest_arc_reaches_the_end_without_detour(start: np.ndarray, end: np.ndarray) -> None:
+    start, end = rotations.normalized(start), rotations.normalized(end)
+    arc = rotations.shortest_arc(start, end)
+    assert np.allclose(arc @ start, end, atol=1e-6)
+    assert np.allclose(arc @ arc.T, np.eye(3), atol=1e-9)
+    turn = np.arccos(np.clip((np.trace(arc) - 1) / 2, -1, 1))
+    assert turn == pytest.approx(np.arccos(np.clip(start @ end, -1, 1)), abs=1e-5)
+
+
+@pytest.mark.parametrize("axis", np.vstack([np.eye(3), -np.eye(3), [[0.6, 0.0, 0.8]]]))
+def test_opposite_vectors_are_half_a_turn_apart(axis: np.ndarray) -> None:
+    arc = rotations.shortest_arc(axis, -axis)
+    assert np.allclose(arc @ axis, -axis)
+    assert np.isclose(np.linalg.det(arc), 1.0)
+
+
+@given(quaternions, quaternions, st.floats(0, 1))
+def test_slerp_goes_the_share_of_the_way(first: np.ndarray, second: np.ndarray, share: float) -> None:
+    first, second = rotations.normalized(first), rotations.normalized(second)
+    between = rotations.slerp(first, second, share)
+    whole = rotations.angle_between(first, second)
+    assert np.allclose(rotations.angle_between(first, between), share * whole, atol=1e-6)
+
+
+def test_the_angle_between_neighbours_is_exact_for_tiny_turns() -> None:
+    tiny = rotations.from_euler("X", np.array([1e-9]))
+    assert rotations.angle_between(rotations.IDENTITY, tiny) == pytest.approx(1e-9)
