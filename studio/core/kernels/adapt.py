@@ -11,7 +11,7 @@ from studio.core.kernels.legs import place_leg
 
 
 @njit(cache=True, nogil=True)
-def place_frames(channels, measures, drops, ankles, feet, toes, positions, rotations):
+def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positions, rotations):
     """Lower the root by ``drops`` (F,) and put both legs on their ankles (2, F, 3), in place."""
     work = np.empty((3, 3, 3))
     for frame in range(channels.shape[0]):
@@ -22,6 +22,7 @@ def place_frames(channels, measures, drops, ankles, feet, toes, positions, rotat
                 channels[frame],
                 row,
                 side,
+                comforts[side, frame],
                 ankles[side, frame],
                 feet[side, frame],
                 toes[side, frame],
@@ -33,7 +34,7 @@ def place_frames(channels, measures, drops, ankles, feet, toes, positions, rotat
 
 @njit(cache=True, nogil=True)
 def solve_frames(
-    codes, offsets, chains, targets, activations, states, channels, measures, ankles, feet, toes,
+    codes, offsets, chains, targets, activations, states, channels, measures, comforts, ankles, feet, toes,
     positions, rotations, out_residuals,
 ):  # fmt: skip
     """Position constraints of every frame, in place (METHOD 5 and 6).
@@ -66,7 +67,7 @@ def solve_frames(
                     goals[c, axis] = point[axis] + share * (targets[c, axis] - point[axis])
         if not active:
             continue
-        legs = (channels[frame], ankles[:, frame], feet[:, frame], toes[:, frame], work)
+        legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame], work)
         row = measures[frame if measures.shape[0] > 1 else 0]
         solve_frame(
             codes, offsets, chains, goals, wanted, states[:, frame], legs, spine_count, row, scratch,

@@ -29,7 +29,7 @@ def solve_frame(
 
     ``codes`` (C, 3) point, segment, limb (-1 none), highest priority first; ``wanted`` (C,) which act now;
     ``targets`` (C, 3) where their points are to be; ``states`` (2,) of the feet; ``legs`` the tuple (channels,
-    ankles (2, 3), feet, toes (2, 3, 3), work (3, 3, 3)); ``scratch`` the tuple (rows, row_codes, matrix, turned,
+    comforts (2,), ankles (2, 3), feet, toes (2, 3, 3), work (3, 3, 3)); ``scratch`` the tuple (rows, row_codes, matrix, turned,
     turn, reaches).
     """
     rows, row_codes, matrix, turned, turn, reaches = scratch
@@ -49,11 +49,12 @@ def solve_frame(
         ):
             break
         if x != positions[0, 0] or y != positions[0, 1] or z != positions[0, 2]:
-            keep_feet_in_reach(states, legs[1], spine_count, measures, positions)
+            keep_feet_in_reach(states, legs[2], spine_count, measures, positions)
             for side in range(2):
                 place_leg(
-                    legs[0], measures, side, legs[1][side], legs[2][side], legs[3][side], legs[4], positions, rotations
-                )
+                    legs[0], measures, side, legs[1][side], legs[2][side], legs[3][side], legs[4][side], legs[5],
+                    positions, rotations,
+                )  # fmt: skip
     for limb in range(4):
         solve_limb(limb, codes, offsets, chains, targets, wanted, spine_count, turn, positions, rotations)
 

@@ -10,22 +10,13 @@ from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.realize import place_hip, place_toes
 from studio.core.kernels.rotation import multiply, orthonormalize, quaternion_to_matrix, shortest_arc
 
-LEAST_REACH = 0.985
-"""Part of its length to which a leg may always stretch, however bent the motion's own leg is."""
-
-
 @njit(cache=True, nogil=True)
-def leg_comfort(channels, side):
-    """Part of its length to which a leg stretches freely: as far as the motion's own leg does, or LEAST_REACH."""
-    return min(max(1.0 - channels[at.LIMB_SLACK + 2 + side], LEAST_REACH), 1.0 - 1e-9)
-
-
-@njit(cache=True, nogil=True)
-def hip_heights(channels, measures, rotations, ankles, states, out_drops):
+def hip_heights(channels, measures, rotations, ankles, comforts, states, out_drops):
     """How far the root must come down at each frame, (F,) metres, for standing feet to be in reach (K05 section 7).
 
     The heights h2, h3 of the paper against h1, the root as it is.
-    ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root as it is; ``states`` (2, F).
+    ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root as it is; ``comforts`` (2, F) part
+    of its length to which each leg stretches freely; ``states`` (2, F).
     """
     hip, root = np.empty(3), np.zeros(3)
     for frame in range(channels.shape[0]):
@@ -36,7 +27,7 @@ def hip_heights(channels, measures, rotations, ankles, states, out_drops):
                 continue
             place_hip(channels[frame], row, side, 0.0, root, rotations[frame, 0], hip)
             length = row[at.M_LEG + 2 * side] + row[at.M_LEG + 2 * side + 1]
-            reach = length * leg_comfort(channels[frame], side)
+            reach = length * comforts[side, frame]
             x, y = ankles[side, frame, 0] - hip[0], ankles[side, frame, 1] - hip[1]
             below = math.sqrt(max(0.0, reach * reach - x * x - y * y))
             drop = -(ankles[side, frame, 2] - hip[2]) - below
@@ -44,7 +35,7 @@ def hip_heights(channels, measures, rotations, ankles, states, out_drops):
 
 
 @njit(cache=True, nogil=True)
-def place_leg(channels, measures, side, ankle, foot, toe, work, positions, rotations):
+def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positions, rotations):
     """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
 
     The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
@@ -73,7 +64,7 @@ def place_leg(channels, measures, side, ankle, foot, toe, work, positions, rotat
     place_limb(
         hip,
         aimed,
-        max(length * soft_reach(distance / length, leg_comfort(channels, side)), abs(upper - lower) + 1e-6),
+        max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6),
         upper,
         lower,
         channels[at.LIMB_OFF_PLANE + 2 + side] * length,

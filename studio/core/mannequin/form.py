@@ -69,7 +69,11 @@ class Form:
         return [
             (hand, 0.45 * p.hand, 0.0058 * p.hand / 0.106),
             (self.point("toe") * [1, 1, 0], 0.45 * p.foot_length, 0.0090),
-            (self.point("head joint") + _vector(0.02 * p.stature, 0, 0), 0.7 * p.head, 0.0080 * p.head / 0.088),
+            (
+                self.point("head joint") + _vector(0.02 * p.stature, 0, 0),
+                0.7 * p.head,
+                0.0080 * p.head / 0.088,
+            ),
             (self.point("elbow"), 0.03, 0.0095),
             (self.point("knee"), 0.04, 0.0115),
             (self.point("ankle") + _vector(0, 0, 0.03 * p.stature), 0.04, 0.0095),

@@ -9,17 +9,12 @@ from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.adapt import place_frames, solve_frames
-from studio.core.kernels.feet import smoothstep
 from studio.core.normalized.realize import realize
-from studio.core.solver.footing import Footing, find_footing
+from studio.core.solver.footing import Footing, find_footing, freedom
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-
-FREED_AFTER = 0.15
-"""Seconds after a foot has left the ground (or before it lands) in which a constraint on that leg takes hold."""
-
 
 def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
     """The motion on the body of ``request``, frames ``first`` to ``last`` (both included, all by default).
@@ -34,6 +29,7 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
     positions[:, :, 2] += request.ground.height
     channels, measures = motion.channels[window], body.packed[None]
     stance = (
+        np.ascontiguousarray(footing.comforts[:, window]),
         np.ascontiguousarray(footing.ankles[:, window]),
         np.ascontiguousarray(footing.feet[:, window]),
         np.ascontiguousarray(footing.toes[:, window]),
@@ -41,8 +37,7 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
     place_frames(channels, measures, footing.drops[window], *stance, positions, rotations)
     residuals = np.full((len(request.constraints), len(positions)), np.nan)
     if request.constraints:
-        times = np.arange(motion.frame_count) / motion.frame_rate
-        activations = constraint_activations(request.constraints, footing, times)[:, window]
+        activations = constraint_activations(request.constraints, footing, motion.frame_rate)[:, window]
         solve_frames(
             *pack_constraints(request.constraints, body.layout),
             np.ascontiguousarray(activations),
@@ -58,33 +53,18 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
 
 def constraint_activations(
-    constraints: Sequence[Constraint], footing: Footing, times: FloatArray
+    constraints: Sequence[Constraint], footing: Footing, frame_rate: float
 ) -> FloatArray:
     """(C, F) in [0, 1]; a constraint on a leg yields to that leg's contacts, which stand above all."""
-    rate = 1.0 / (times[1] - times[0]) if len(times) > 1 else 1.0
+    times = np.arange(footing.states.shape[1]) / frame_rate
     rows = []
     for constraint in constraints:
         activation = constraint.activation.at(times)
         limb = limb_of(constraint.point.part)
         if limb >= 2:
-            activation = activation * _freedom(footing.states[limb - 2] != 0, rate)
+            activation = activation * freedom(footing.states[limb - 2] != 0, frame_rate)
         rows.append(activation)
     return np.array(rows)
-
-
-def _freedom(planted: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """0 while planted, eased to 1 within ``FREED_AFTER`` of the nearest planted frame."""
-    frames = np.arange(len(planted))
-    standing = frames[planted]
-    if not len(standing):
-        return np.ones(len(planted))
-    after = np.searchsorted(standing, frames)
-    gap = np.minimum(
-        np.abs(standing[np.minimum(after, len(standing) - 1)] - frames),
-        np.abs(frames - standing[np.maximum(after - 1, 0)]),
-    )
-    shares = np.minimum(gap / (FREED_AFTER * frame_rate), 1.0)
-    return np.array([smoothstep(share) for share in shares])
 
 
 def pack_constraints(
