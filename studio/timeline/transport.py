@@ -51,7 +51,7 @@ class Transport(QWidget):
         playhead = self.playhead
         self.frame = _frame_field("Frame", playhead.set_frame)
         self.seconds = QDoubleSpinBox(decimals=3, minimum=0.0, maximum=1e6, suffix=" s")
-        _dress(self.seconds, "Time in seconds", 70)
+        _dress(self.seconds, "Time in seconds", 76)
         self.seconds.valueChanged.connect(playhead.set_time)
         self.rate = QLabel()
         self.speed = QComboBox()
@@ -139,16 +139,16 @@ def _button(icon: str, text: str, action: Callable[[], object]) -> QToolButton:
 
 def _frame_field(text: str, action: Callable[[int], None]) -> QSpinBox:
     field = QSpinBox(maximum=LAST_FRAME)
-    _dress(field, text, 52)
+    _dress(field, text, 56)
     field.valueChanged.connect(action)
     return field
 
 
 def _dress(field: QSpinBox | QDoubleSpinBox, text: str, width: int) -> None:
-    field.setButtonSymbols(QSpinBox.ButtonSymbols.NoButtons)
     field.setAlignment(Qt.AlignmentFlag.AlignRight)
     field.setKeyboardTracking(False)  # a half-typed number is no frame to go to
-    field.setFixedSize(width, 22)
+    field.setFixedWidth(width)
+    field.lineEdit().setTextMargins(4, 0, 4, 0)
     field.setAccessibleName(text)
     field.setToolTip(text)
 
@@ -161,14 +161,12 @@ def _caption(text: str) -> QLabel:
 
 _STYLE = f"""
 #transport {{ background: {colours.BAR}; }}
-#transport QWidget {{ font-size: 12px; color: {colours.TEXT}; }}
-#transport QLabel {{ color: {colours.TEXT_THIRD}; }}
-#transport QAbstractSpinBox, #transport QComboBox {{
-    background: {colours.WELL}; border: 1px solid {colours.EDGE}; border-radius: 4px; padding: 0 4px;
-    selection-background-color: {colours.SELECTED_CONTROL}; }}
-#transport QAbstractSpinBox:focus, #transport QComboBox:focus {{ border-color: {colours.SELECTED_CONTROL}; }}
-#transport QToolButton {{ border: none; border-radius: 4px; }}
+#transport QLabel {{ color: {colours.TEXT_THIRD}; font-size: 12px; }}
+#transport QAbstractSpinBox, #transport QComboBox {{ font-size: 12px; min-height: 20px; }}
+/* Without this, and with NoButtons too, Qt leaves a styled field one pixel for its text. */
+#transport QAbstractSpinBox::up-button, #transport QAbstractSpinBox::down-button {{ width: 0; border: none; }}
+#transport QToolButton {{ border: 1px solid transparent; border-radius: 5px; }}
 #transport QToolButton:hover {{ background: {colours.CONTROL}; }}
 #transport QToolButton:checked {{ background: {colours.SELECTED_ROW}; }}
-#transport QToolButton:focus {{ border: 1px solid {colours.SELECTED_CONTROL}; }}
+#transport QToolButton:focus {{ border-color: {colours.SELECTED_CONTROL}; }}
 """

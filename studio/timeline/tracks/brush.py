@@ -1,9 +1,8 @@
 """The pens, fonts and labels that all rows share."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter, QPen
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QGuiApplication, QPainter, QPen
 
-from studio.document import colours
 from studio.timeline.shown import LABEL_WIDTH
 
 LABEL_INDENT = 14
@@ -11,8 +10,7 @@ LABEL_INDENT = 14
 
 def font(pixels: int = 12) -> QFont:
     """The timeline's type; figures stand in columns."""
-    chosen = QFont("Inter")
-    chosen.setStyleHint(QFont.StyleHint.SansSerif)
+    chosen = QFont(QGuiApplication.font())
     chosen.setPixelSize(pixels)
     chosen.setFeature(QFont.Tag("tnum"), 1)
     return chosen
@@ -58,6 +56,3 @@ def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge:
 def time_area(row: QRect) -> QRect:
     """The part of a row that lies over time."""
     return row.adjusted(LABEL_WIDTH, 0, 0, 0)
-
-
-SELECTED_LABEL = colours.SELECTED_ROW

@@ -11,8 +11,9 @@ from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip
 
-ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 3, 5
+ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 2, 3
 HANDLE_REACH = 6.0
+RAMP_POINTS = 48
 
 
 def height(body_count: int) -> int:
@@ -101,8 +102,8 @@ def _curve_path(shown: Shown, row: QRect, constraint: Constraint) -> QPainterPat
     path = QPainterPath()
     if left > right:
         return path
-    inner = [x for x in corner_xs[1:-1] if left < x < right]
-    xs = np.unique([left, *np.arange(np.ceil(left), right, 2.0), *inner, right])
+    ramps = [np.linspace(corner_xs[k], corner_xs[k + 1], RAMP_POINTS) for k in (0, 2)]
+    xs = np.unique(np.clip([left, *ramps[0], *ramps[1], right], left, right))
     times = axis.start + (xs - axis.left) / axis.scale - shown.subject.offset
     low = baseline(row) + 0.5
     ys = low - CURVE * curve.at(times)
@@ -113,11 +114,13 @@ def _curve_path(shown: Shown, row: QRect, constraint: Constraint) -> QPainterPat
 
 
 def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
+    curve = shown.project.constraints[constraint_id].activation
+    left, right = shown.x_of_motion_time(curve.start), shown.x_of_motion_time(curve.end)
     top = baseline(row) + 1 + BETWEEN
     for place, body in enumerate(shown.subject.bodies):
         strip = shown.strip(constraint_id, body.performer_id)
         if strip is not None:
-            paint_strip(painter, shown, strip, top + PITCH * place, body.colour)
+            paint_strip(painter, shown, strip, left, right, top + PITCH * place, body.colour)
 
 
 def strip_body(shown: Shown, row: QRect, y: float) -> str | None:

@@ -109,16 +109,27 @@ class PlotPicture:
         item.getViewBox().setDefaultPadding(0.0)
         item.getViewBox().setBorder(None)
         self._item = item
+        self._lines: list[pg.PlotCurveItem] = []
+        self._basis: tuple[object, ...] = ()
 
     def fetch(self, shown: Shown) -> None:
-        """Take the newest results."""
+        """Take the newest results; nothing where they are those of the last time."""
+        revision = shown.document.revision if self.quantity is Quantity.ERROR else 0
+        results = [shown.result(body.performer_id) for body in shown.subject.bodies]
+        basis = (self.quantity, shown.subject, revision, plotted_constraint(shown), *results)
+        if basis == self._basis:
+            return
+        self._basis = basis
         self.curves = curves_of(shown, self.quantity)
         values = [float(curve.values.max()) for curve in self.curves if len(curve.values)]
         self.top = max([*values, 0.0]) or 1.0
-        self._item.clear()
-        for curve in reversed(self.curves):
-            pen = pg.mkPen(QColor(curve.colour), width=1.5)
-            self._item.plot(curve.times, curve.values, pen=pen, antialias=True)
+        while len(self._lines) < len(self.curves):
+            self._lines.append(pg.PlotCurveItem(antialias=True))
+            self._item.addItem(self._lines[-1])
+        for place, line in enumerate(self._lines):
+            line.setVisible(place < len(self.curves))
+        for line, curve in zip(self._lines, self.curves, strict=False):
+            line.setData(curve.times, curve.values, pen=pg.mkPen(QColor(curve.colour), width=1.25))
 
     def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
         """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""

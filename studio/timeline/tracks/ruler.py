@@ -35,6 +35,7 @@ def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhe
     painter.setClipRect(area.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
     for x in _ticks(axis, _multiples(axis, _step(axis, MINOR_SPACING))):
         painter.fillRect(x, area.bottom() - 3, 1, 4, translucent(colours.TEXT_THIRD, 0.45))
+    _paint_range(painter, area, axis, playhead)
     painter.setFont(font(11))
     for frame in major_frames(axis):
         x = round(axis.x_of_frame(frame))
@@ -42,7 +43,6 @@ def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhe
         painter.setPen(QColor(colours.TEXT_SECOND))
         number = QRect(x - 30, area.top(), 61, area.height() - 7)
         painter.drawText(number, Qt.AlignmentFlag.AlignCenter, str(frame))
-    _paint_range(painter, area, axis, playhead)
     painter.restore()
 
 
