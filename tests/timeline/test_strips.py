@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+
+from studio.timeline.strips import Strip, StripState, strip_heights, strip_of
+from tests.builders import make_constraint, make_project
+from tests.timeline.fakes import make_result
+
+
+def make_strip(errors, activation=1.0):
+    errors = np.asarray(errors, float)
+    return Strip(0, errors, np.broadcast_to(activation, errors.shape))
+
+
+@pytest.mark.parametrize(
+    ("error", "state"),
+    [
+        (0.0, StripState.HELD),
+        (0.0009, StripState.HELD),
+        (0.001, StripState.PARTLY),
+        (0.0199, StripState.PARTLY),
+        (0.020, StripState.NOT_REACHED),
+        (np.nan, StripState.INACTIVE),
+    ],
+)
+def test_states_follow_the_error(error, state):
+    assert make_strip([error]).state_at(0) == state
+
+
+def test_while_the_activation_eases_nothing_is_missed():
+    strip = make_strip([0.3, 0.0], activation=0.5)
+    assert [strip.state_at(0), strip.state_at(1)] == [StripState.EASING, StripState.HELD]
+    assert strip.worst is None
+
+
+def test_the_worst_is_looked_for_where_the_constraint_is_fully_active():
+    strip = Strip(10, np.array([0.5, 0.03, 0.042, 0.0005]), np.array([0.9, 1.0, 1.0, 1.0]))
+    assert strip.worst == (12, 0.042)
+
+
+def test_outside_the_result_a_strip_says_nothing():
+    strip = make_strip([0.0, 0.0])
+    assert strip.state_at(-1) == strip.state_at(2) == StripState.INACTIVE
+    assert np.isnan(strip.error_at(2))
+
+
+def test_a_strip_grows_with_the_error_up_to_its_full_height():
+    heights = strip_heights(np.array([0.0, 0.0005, 0.002, 0.02, 0.1, 5.0]), 5)
+    assert heights[0] == heights[1] == 1
+    assert (np.diff(heights) >= 0).all()
+    assert heights[-2] == heights[-1] == 5
+
+
+def test_residuals_are_found_by_priority_among_the_enabled_constraints():
+    project = make_project(constraints=3)
+    project = project.with_entity(
+        "constraints", "constraint 0", make_constraint(name="off", priority=0, enabled=False)
+    )
+    result = make_result(project, {"constraint 1": 0.5, "constraint 2": 0.0})
+    assert strip_of(project, result, "constraint 0") is None
+    assert strip_of(project, result, "constraint 1").error_at(10) == 0.5
+    assert strip_of(project, result, "constraint 2").error_at(10) == 0.0
+
+
+def test_a_result_of_an_older_question_is_not_shown():
+    project = make_project(constraints=1)
+    result = make_result(project, {"constraint 0": 0.0})
+    more = project.with_entity("constraints", "another", make_constraint(priority=1))
+    assert strip_of(more, result, "constraint 0") is None
