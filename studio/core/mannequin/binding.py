@@ -28,10 +28,10 @@ def segment_weights(form: Form, vertices: FloatArray) -> FloatArray:
         beyond[:, k] = np.maximum(_step(vertices[:, 2] - joint[2], 0.045 * h), arms)
     _, neck, skull, _, _ = form.regions(vertices)
     above = vertices - form.point("neck base")
-    beyond[:, layout.segment(BodyPart.NECK)] = _step(above @ [0.3, 0, 0.95] - 0.010 * h, 0.028 * h) * (
+    beyond[:, layout.segment(BodyPart.NECK)] = _step(above @ [0.3, 0, 0.95] - 0.004 * h, 0.026 * h) * (
         1 - arms
     )
-    beyond[:, layout.segment(BodyPart.HEAD)] = _step(neck - skull, 0.020 * h)
+    beyond[:, layout.segment(BodyPart.HEAD)] = _step(neck - skull - 0.008 * h, 0.016 * h)
     for side, steps in enumerate(sides):
         for part in _LIMB_PARTS:
             beyond[:, layout.segment(part) + 4 * side] = steps[part]
@@ -79,7 +79,7 @@ def _left_steps(form: Form, vertices: FloatArray) -> dict[str, FloatArray]:
     clavicle = np.maximum(0.85 * lateral * high * left, beyond_shoulder)
     groin = _unit(np.array([0.10, 0.42, -0.90]))
     hip, knee, ankle, toe = (form.point(n) for n in ("hip", "knee", "ankle", "toe"))
-    own_side = _step(vertices[:, 1], 0.014 * h)
+    own_side = _step(vertices[:, 1], 0.010 * h)
     thigh = _step((vertices - hip) @ groin, 0.050 * h) * own_side * (1 - region)
     sole = np.array([0.0, 0.0, -1.0])
     foot = _step((vertices - ankle) @ _unit(np.array([0.35, 0.0, -1.0])) + 0.004 * h, 0.020 * h)

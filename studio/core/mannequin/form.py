@@ -208,7 +208,7 @@ class Form:
             (0.86, 0.080, 0.004, 0.070 * g, 0.140 * g),
         ]
         palm = Loft(wrist, frame, np.array(palm_rows) * u, power=2.2, caps=(0.05 * u, 0.14 * u))
-        root, knuckle, tip = ((0.02, -0.11, 0.14), (0.08, -0.24, 0.34), (0.12, -0.285, 0.56))
+        root, knuckle, tip = ((0.02, -0.11 * g, 0.14), (0.08, -0.25 * g, 0.33), (0.13, -0.33 * g, 0.54))
         bones = [wrist + frame @ (np.array(place) * u) for place in (root, knuckle, tip)]
         base = _cone(bones[0], bones[1], 0.105 * u * g, 0.086 * u * g)
         thumb = _cone(bones[1], bones[2], 0.086 * u * g, 0.066 * u * g)
