@@ -1,11 +1,9 @@
-"""The bodies on the stage: a performer's skin or bones, and the grey ghost of the source."""
+"""The bodies on the stage: a performer's skin or its bones."""
 
 import math
 from typing import Any
 
-import numpy as np
 import pyvista as pv
-from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout
 from studio.core.character import Character
@@ -13,8 +11,6 @@ from studio.core.skin import skin_vertices
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.performance import Placement, Posed
-
-GHOST_COLOUR = "#8b95a1"
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> Any:
@@ -79,17 +75,3 @@ class BodyVisual:
         )  # fmt: skip
         self._skin.touch()
         place(self.skin_actor, posed.placement)
-
-
-class GhostVisual:
-    """The capture on its actor's own body, as slender grey bones."""
-
-    def __init__(self, layout: BodyLayout) -> None:
-        self.layout = layout
-        self._figure = BoneFigure(layout, slenderness=0.6)
-        self.actor = make_actor(self._figure.mesh, GHOST_COLOUR)
-
-    def pose(self, positions: NDArray[np.float64], placement: Placement) -> None:
-        """Put the ghost at ``positions`` (N, 3), motion space."""
-        self._figure.pose(positions)
-        place(self.actor, placement)

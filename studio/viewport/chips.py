@@ -10,7 +10,7 @@ from studio.document import colours
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
 _BUTTON = f"""
 QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE} }}
-QPushButton:checked {{ background: rgba(42, 48, 55, 230); color: {colours.TEXT}; }}
+QPushButton:checked {{ background: rgba(58, 66, 75, 235); color: {colours.TEXT}; }}
 QPushButton:hover {{ background: {colours.CONTROL}; color: {colours.TEXT}; }}
 QPushButton:focus {{ border: 1px solid {colours.SELECTED_CONTROL}; }}
 """

@@ -1,4 +1,4 @@
-"""A figure of bones: one slender octahedron a segment, for the ghost of the source and the bones shading."""
+"""A figure of bones: one slender octahedron a segment, for the bones shading."""
 
 from functools import lru_cache
 
@@ -9,7 +9,7 @@ from studio.core.canonical import BodyLayout
 from studio.viewport.live_mesh import LiveMesh
 
 THICKEST_AT = 0.18
-THICKNESS = 0.085
+THICKNESS = 0.11
 _WAIST = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _FACETS = np.array([[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4], [5, 1, 2], [5, 2, 3], [5, 3, 4], [5, 4, 1]])
 """Corners of each facet, counter-clockwise from outside: 0 begin, 1 to 4 waist, 5 end."""
@@ -27,9 +27,8 @@ def bone_pairs(layout: BodyLayout) -> NDArray[np.intp]:
 class BoneFigure:
     """A live mesh of octahedra between the points of a body."""
 
-    def __init__(self, layout: BodyLayout, slenderness: float = 1.0) -> None:
+    def __init__(self, layout: BodyLayout) -> None:
         self._pairs = bone_pairs(layout)
-        self._thickness = THICKNESS * slenderness
         corners = 24 * len(self._pairs)
         # Every facet has its own corners, so that facets are flat.
         self.mesh = LiveMesh(corners, np.arange(corners).reshape(-1, 3))
@@ -43,7 +42,7 @@ class BoneFigure:
         side = np.cross(direction, np.where(np.abs(direction[:, :1]) < 0.8, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
         side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-9)
         across = np.stack([side, np.cross(direction, side)], axis=1)
-        radius = np.clip(self._thickness * length, 0.006, 0.05)[:, :, None]
+        radius = np.clip(THICKNESS * length, 0.008, 0.05)[:, :, None]
         waist = begin[:, None] + THICKEST_AT * along[:, None] + radius * (_WAIST @ across)
         corners = np.concatenate([begin[:, None], waist, end[:, None]], axis=1)[:, _FACETS]
         normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])

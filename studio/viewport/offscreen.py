@@ -26,8 +26,8 @@ def render_frame(
 ) -> Pixels:
     """The stage at ``time`` (seconds) as (height, width, 4) RGBA bytes; ``size`` is width and height.
 
-    ``results`` has an adapted motion for each performer id that is to be seen; ``trail`` draws that point's path.
-    Without a camera it is the one the viewport opens with.
+    ``results`` has an adapted motion for each performer id that is to be seen; ``trail`` draws the path of
+    that point. Without a camera it is the one the viewport opens with.
     """
     return next(_frames(project, results, (time,), size, camera, trail, SAMPLES))
 

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt
+from numpy.typing import NDArray
+from PySide6.QtCore import QLineF, QPointF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
@@ -14,6 +15,7 @@ from studio.viewport.handles import Handle
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED = "#ffe08a"
 SHADOW = QColor(12, 14, 17, 170)
+GHOST = QColor(196, 204, 214, 215)
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
 
 
@@ -39,6 +41,20 @@ class Overlay:
                 continue
             colour.setAlpha(255 if handle.activation > 0 else 130)
             self._target(target, colour, handle.constraint_id in selected)
+
+    def ghost(self, points: FloatArray, pairs: NDArray[np.intp]) -> None:
+        """The source as grey sticks seen through everything: ``pairs`` (B, 2) of ``points`` (N, 3)."""
+        pixels, depth = self._camera.project(points, self._size)
+        if (depth <= 0).any():
+            return
+        sticks = [QLineF(QPointF(*pixels[begin]), QPointF(*pixels[end])) for begin, end in pairs]
+        for colour, width in ((SHADOW, 4.5), (GHOST, 2.5)):
+            self._painter.setPen(QPen(colour, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            self._painter.drawLines(sticks)
+        self._painter.setPen(Qt.PenStyle.NoPen)
+        self._painter.setBrush(GHOST)
+        for x, y in pixels:
+            self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
 
     def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
         """A ring round a joint: strong for the picked one, thin for the one under the mouse."""

@@ -1,4 +1,4 @@
-"""The stage in VTK: floor, bodies, ghost, trails and props, drawn off screen into an array of pixels."""
+"""The stage in VTK: floor, bodies, trails and props, drawn off screen into an array of pixels."""
 
 import math
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from studio.core.character import Character
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
-from studio.viewport.bodies import BodyVisual, GhostVisual
+from studio.viewport.bodies import BodyVisual
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
 from studio.viewport.floor import SoftShadows, make_lines, make_plane, make_sky
@@ -37,7 +37,6 @@ class StageScene:
         light_like_a_studio(self.plotter)
         self._shading = SkyShading()
         self._bodies: dict[str, BodyVisual] = {}
-        self._ghost: GhostVisual | None = None
         self._props: dict[str, Any] = {}
         self._shadows = SoftShadows()
         self._plane, self._grid = flat_actor(make_plane()), flat_actor(make_lines())
@@ -52,17 +51,15 @@ class StageScene:
         project: Project,
         posed: Mapping[str, Posed],
         bones: bool = False,
-        ghost: Posed | None = None,
         trail: BodyPoint | None = None,
     ) -> None:
-        """Show performers as skins or bones, a ghost of the source, the paths of one point, props."""
+        """Show performers as skins or bones, the paths of one point, props."""
         self._drop_bodies(project, posed)
         for performer_id, pose in posed.items():
             body = self._body(performer_id, project.characters[pose.performer.character_id])
             if bones and body.bones_actor is None:
                 self._add_shaded(body.make_bones(pose.motion.morphology.layout))
             body.pose(pose, bones)
-        self._show_ghost(ghost)
         self._draw_trails(project, posed, trail)
         self._shadows.cast(
             [(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground.height
@@ -97,7 +94,6 @@ class StageScene:
         self._shading.clear()
         self._bodies.clear()
         self._props.clear()
-        self._ghost = None
         self._window = None
         self.plotter.close()
         self.plotter.deep_clean()
@@ -134,19 +130,6 @@ class StageScene:
             self._add_shaded(body.skin_actor)
         body.take(character)
         return body
-
-    def _show_ghost(self, ghost: Posed | None) -> None:
-        if ghost is not None and (
-            self._ghost is None or self._ghost.layout != ghost.motion.morphology.layout
-        ):
-            if self._ghost is not None:
-                self._remove(self._ghost.actor)
-            self._ghost = GhostVisual(ghost.motion.morphology.layout)
-            self._add_shaded(self._ghost.actor)
-        if self._ghost is not None:
-            self._ghost.actor.SetVisibility(ghost is not None)
-            if ghost is not None:
-                self._ghost.pose(ghost.motion.positions[ghost.row], ghost.placement)
 
     def _draw_trails(self, project: Project, posed: Mapping[str, Posed], point: BodyPoint | None) -> None:
         paths: list[NDArray[np.float64]] = []

@@ -18,6 +18,7 @@ from studio.viewport.camera import VIEWS, FloatArray
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.constraining import constraint_here
+from studio.viewport.figure import bone_pairs
 from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import Gizmo
 from studio.viewport.glide import Glide
@@ -205,13 +206,16 @@ class Viewport(Canvas):
         if self.posed and not self._framed:
             self._framed = True
             self.camera = opening_camera(self.posed, self.view_size, self.camera.parallel)
-        scene.sync(project, self.posed, self._bones, self._ghost(), self._trail_point())
+        scene.sync(project, self.posed, self._bones, self._trail_point())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
     def paint_over(self, painter: QPainter) -> None:
         """Handles, joints and gizmo."""
         overlay = Overlay(painter, self.camera, self.view_size)
+        ghost = self._ghost()
+        if ghost is not None:
+            overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
         overlay.handles(self.handles(), set(self._document.selection.of("constraints")))
         for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
             pose = self.posed.get(picked.performer_id) if picked else None
