@@ -1,0 +1,325 @@
+"""The viewport driven as a person would: mouse and keys on the widget, looking at the document."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QPushButton
+
+from studio.core.project import Prop
+from studio.document.document import Document
+from studio.viewport.body_points import body_joints
+from studio.viewport.gizmo import AXES
+from studio.viewport.widget import Viewport
+from tests.builders import make_project
+from tests.viewport.standing import StandingLive
+
+LEFT, MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
+NONE = Qt.KeyboardModifier.NoModifier
+
+
+@pytest.fixture
+def studio(qtbot):
+    document = Document(make_project(characters=2, constraints=1))
+    live = StandingLive(document)
+    viewport = Viewport(document, live)
+    viewport.resize(900, 600)
+    with qtbot.waitSignal(viewport.started):
+        viewport.show()
+    document.playhead.set_time(0.2)
+    settle(viewport)
+    yield viewport, document, live
+    viewport.close()
+    viewport.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
+def settle(viewport):
+    """Let the viewport draw what it was told, and end a glide."""
+    QTest.qWait(5)
+    while viewport.moving and viewport.gesture is None:
+        QTest.qWait(5)
+    QTest.qWait(5)
+
+
+def joint_pixel(viewport, performer_id, name):
+    pose = viewport.posed[performer_id]
+    joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == name)
+    return viewport.widget_point(pose.points[joint.index]).toPoint()
+
+
+def drag(viewport, begin, end, button=LEFT, modifiers=NONE, release=True):
+    QTest.mousePress(viewport, button, modifiers, begin)
+    for share in (0.25, 0.5, 0.75, 1.0):
+        where = begin + (end - begin) * share
+        move = QPoint(round(where.x()), round(where.y()))
+        send_move(viewport, move, button, modifiers)
+    if release:
+        QTest.mouseRelease(viewport, button, modifiers, end)
+
+
+def send_move(viewport, where, button, modifiers):
+    """QTest.mouseMove knows neither buttons nor keys."""
+    local = QPointF(where)
+    event = QMouseEvent(
+        QEvent.Type.MouseMove, local, viewport.mapToGlobal(local), Qt.MouseButton.NoButton, button, modifiers
+    )
+    QApplication.sendEvent(viewport, event)
+
+
+def select_constraint(viewport, document):
+    document.selection.set(("performers", "performer 0"), ("constraints", "constraint 0"))
+    viewport.frame_selection()
+    settle(viewport)
+
+
+def on_arrow(viewport, axis, share):
+    gizmo = viewport.gizmo()
+    place = gizmo.centre + share * (gizmo.tips[AXES.index(axis)] - gizmo.centre)
+    return QPoint(*(round(float(number)) for number in place))
+
+
+def target(document):
+    return np.array(document.project.constraints["constraint 0"].target)
+
+
+def test_a_click_on_a_joint_selects_its_performer_and_offers_to_constrain_it(studio):
+    viewport, document, _ = studio
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 1", "right wrist"))
+    settle(viewport)
+    assert document.selection.items == (("performers", "performer 1"),)
+    assert viewport.joint_picked.joint.name == "right wrist"
+    offer = chip(viewport, "constrain_the_picked_joint")
+    assert offer.isVisible()
+    assert "right wrist" in offer.text()
+
+
+def test_c_constrains_the_picked_joint_where_it_is_as_one_undo_step(studio):
+    viewport, document, _ = studio
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "left wrist"))
+    place = viewport.posed["performer 0"]
+    QTest.keyClick(viewport, Qt.Key.Key_C)
+    collection, constraint_id = document.selection.current
+    constraint = document.project.constraints[constraint_id]
+    assert collection == "constraints"
+    assert (constraint.name, constraint.priority) == ("Left wrist", 1)
+    layout = place.motion.morphology.layout
+    assert constraint.target == pytest.approx(place.motion.positions[place.row, layout.wrist(0)])
+    assert constraint.activation.at(0.2) == 1.0
+    assert constraint.activation.start >= 0.0
+    assert constraint.activation.end <= 29 / 60 + 1e-12
+    assert document.undo_stack.count() == 1
+    document.undo_stack.undo()
+    assert list(document.project.constraints) == ["constraint 0"]
+
+
+def test_a_double_click_on_a_joint_constrains_it(studio):
+    viewport, document, _ = studio
+    QTest.mouseDClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 1", "left ankle"))
+    assert [one.name for one in document.project.constraints.values()] == ["Target 0", "Left ankle"]
+
+
+def test_a_click_on_a_target_selects_its_constraint_and_a_click_on_nothing_lets_go(studio):
+    viewport, document, _ = studio
+    handle = next(one for one in viewport.handles() if one.main)
+    QTest.mouseClick(viewport, LEFT, NONE, viewport.widget_point(handle.target).toPoint())
+    assert document.selection.current == ("constraints", "constraint 0")
+    QTest.mouseClick(viewport, LEFT, NONE, QPoint(880, 300))
+    assert document.selection.items == ()
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_dragging_an_arrow_moves_the_target_along_that_axis_alone_in_one_step(studio, axis):
+    viewport, document, live = studio
+    select_constraint(viewport, document)
+    before, gizmo = target(document), viewport.gizmo()
+    begin, end = on_arrow(viewport, axis, 0.7), on_arrow(viewport, axis, 1.5)
+    drag(viewport, begin, end)
+    index = AXES.index(axis)
+    expected = (gizmo.grip(axis, end.x(), end.y()) - gizmo.grip(axis, begin.x(), begin.y()))[index]
+    assert target(document) - before == pytest.approx(expected * np.eye(3)[index], abs=1e-9)
+    assert abs(expected) > 0.05
+    assert document.undo_stack.count() == 1
+    assert all(live.was_interactive)
+    assert not live.interactive
+    document.undo_stack.undo()
+    assert target(document) == pytest.approx(before)
+
+
+def test_the_ball_is_dragged_in_the_plane_of_the_picture_and_follows_the_mouse(studio):
+    viewport, document, _ = studio
+    select_constraint(viewport, document)
+    begin = on_arrow(viewport, "x", 0.0)
+    drag(viewport, begin, begin + QPoint(60, -40))
+    settle(viewport)
+    away = viewport.widget_point(viewport.gizmo().origin).toPoint() - (begin + QPoint(60, -40))
+    assert away.manhattanLength() <= 2
+
+
+def test_escape_during_a_drag_restores_the_target_and_leaves_no_step(studio):
+    viewport, document, live = studio
+    select_constraint(viewport, document)
+    before = target(document)
+    drag(viewport, on_arrow(viewport, "z", 0.7), on_arrow(viewport, "z", 1.4), release=False)
+    assert not np.allclose(target(document), before)
+    QTest.keyClick(viewport, Qt.Key.Key_Escape)
+    assert target(document) == pytest.approx(before, abs=0)
+    assert document.undo_stack.count() == 0
+    assert not live.interactive
+    QTest.mouseRelease(viewport, LEFT, NONE, QPoint(450, 300))
+    assert target(document) == pytest.approx(before, abs=0)
+
+
+def test_shift_moves_a_fifth_as_far_and_ctrl_to_whole_centimetres(studio):
+    viewport, document, _ = studio
+    select_constraint(viewport, document)
+    before = target(document)
+    begin, end = on_arrow(viewport, "z", 0.7), on_arrow(viewport, "z", 1.7)
+    drag(viewport, begin, end)
+    whole = target(document)[2] - before[2]
+    document.undo_stack.undo()
+    drag(viewport, begin, end, modifiers=Qt.KeyboardModifier.ShiftModifier)
+    assert target(document)[2] - before[2] == pytest.approx(whole / 5, rel=1e-6)
+    document.undo_stack.undo()
+    drag(viewport, begin, end, modifiers=Qt.KeyboardModifier.ControlModifier)
+    assert target(document)[2] * 100 == pytest.approx(round(target(document)[2] * 100), abs=1e-9)
+
+
+def test_a_selected_prop_is_moved_by_the_gizmo(studio):
+    viewport, document, _ = studio
+    prop_id = document.add("props", Prop("Box", position=(0.6, 0.6, 0.2)), "Add a box")
+    document.selection.set(("props", prop_id))
+    viewport.frame_selection()
+    settle(viewport)
+    drag(viewport, on_arrow(viewport, "x", 0.7), on_arrow(viewport, "x", 1.3))
+    x, y, z = document.project.props[prop_id].position
+    assert x > 0.65
+    assert (y, z) == (0.6, 0.2)
+
+
+def test_the_select_tool_hides_the_gizmo_and_w_brings_it_back(studio):
+    viewport, document, _ = studio
+    select_constraint(viewport, document)
+    QTest.keyClick(viewport, Qt.Key.Key_Q)
+    assert viewport.gizmo() is None
+    QTest.keyClick(viewport, Qt.Key.Key_W)
+    assert viewport.gizmo() is not None
+
+
+@pytest.mark.parametrize(
+    ("button", "modifiers"),
+    [
+        (LEFT, Qt.KeyboardModifier.AltModifier),
+        (MIDDLE, NONE),
+        (Qt.MouseButton.RightButton, Qt.KeyboardModifier.AltModifier),
+    ],
+)
+def test_orbit_pan_and_zoom_move_the_camera_and_leave_the_document_alone(studio, button, modifiers):
+    viewport, document, _ = studio
+    project, camera, items = document.project, viewport.camera, document.selection.items
+    drag(viewport, QPoint(400, 300), QPoint(460, 330), button, modifiers)
+    assert viewport.camera != camera
+    assert document.project is project
+    assert document.undo_stack.count() == 0
+    assert document.selection.items == items
+
+
+def test_the_wheel_zooms_and_the_views_glide_to_where_they_say(studio):
+    viewport, _, _ = studio
+    near = viewport.camera.distance
+    QTest.wheelEvent(viewport.windowHandle(), QPoint(450, 300), QPoint(0, 120))
+    assert viewport.camera.distance < near
+    QTest.keyClick(viewport, Qt.Key.Key_1)
+    settle(viewport)
+    assert viewport.camera.axes[2] == pytest.approx([1.0, 0.0, 0.0], abs=1e-9)
+    QTest.keyClick(viewport, Qt.Key.Key_7)
+    settle(viewport)
+    assert viewport.camera.axes[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
+
+
+def test_the_opening_camera_and_frame_all_show_every_body_whole(studio):
+    viewport, _, _ = studio
+
+    def seen():
+        points = np.concatenate([pose.points for pose in viewport.posed.values()])
+        pixels = viewport.camera.project(points, viewport.view_size)[0]
+        return ((pixels >= 0) & (pixels <= viewport.view_size)).all()
+
+    assert seen()
+    viewport.set_camera(viewport.camera.zoomed(6.0))
+    assert not seen()
+    QTest.keyClick(viewport, Qt.Key.Key_A)
+    settle(viewport)
+    assert seen()
+
+
+def chip(viewport, name):
+    return viewport.findChild(QPushButton, name)
+
+
+def test_the_problem_chip_goes_to_the_worst_frame_and_selects_the_constraint(studio):
+    viewport, document, live = studio
+    live.adapt()
+    settle(viewport)
+    problem = chip(viewport, "most_important_problem")
+    assert problem.isVisible()
+    assert "short of 'Target 0' at frame" in problem.text()
+    QTest.mouseClick(problem, LEFT)
+    assert document.playhead.frame == int(problem.text().rsplit(" ", 1)[1])
+    assert document.selection.current == ("constraints", "constraint 0")
+
+
+def test_chips_turn_bones_ghost_and_parallel_view_on_and_off(studio):
+    viewport, _, _ = studio
+    picture = viewport.grab().toImage()
+    for name in ("skin_or_bones", "ghost_of_the_source", "perspective_or_parallel_view"):
+        QTest.mouseClick(chip(viewport, name), LEFT)
+        settle(viewport)
+        assert viewport.grab().toImage() != picture
+    assert viewport.ghost_shown
+    assert viewport.camera.parallel
+    assert chip(viewport, "skin_or_bones").text() == "Bones"
+    assert chip(viewport, "perspective_or_parallel_view").text() == "Parallel"
+
+
+def test_everything_to_click_has_an_accessible_name_and_can_be_reached_by_tab(studio):
+    viewport, _, _ = studio
+    assert viewport.accessibleName()
+    for button in viewport.findChildren(QPushButton):
+        assert button.accessibleName()
+        assert button.focusPolicy() & Qt.FocusPolicy.TabFocus
+
+
+def test_another_project_takes_the_place_of_this_one(studio):
+    viewport, document, _ = studio
+    document.new(make_project(characters=1))
+    settle(viewport)
+    assert list(viewport.posed) == ["performer 0"]
+    document.new(make_project(characters=0, constraints=0))
+    settle(viewport)
+    assert viewport.posed == {}
+
+
+def test_the_image_for_thumbnails_has_the_size_of_the_widget_and_no_chips(studio):
+    viewport, _, _ = studio
+    image = viewport.grab_image()
+    assert (image.width(), image.height()) == (900, 600)
+    assert image.pixelColor(30, 23).lightness() < 60
+
+
+def test_a_viewport_opens_and_closes_many_times_and_leaves_document_and_engine_usable(qtbot):
+    document = Document(make_project(characters=1))
+    live = StandingLive(document)
+    for _ in range(4):
+        viewport = Viewport(document, live)
+        viewport.resize(300, 200)
+        viewport.show()
+        viewport.start()
+        viewport.close()
+        viewport.stop()
+        viewport.deleteLater()
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        document.playhead.step(1)
+        live.adapt()
+        QTest.qWait(5)

@@ -1,0 +1,53 @@
+"""Adapted motions to look at: bodies standing in their rest pose, sliding forward a little."""
+
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from studio.core.project import Project
+from studio.core.rest_pose import rest_pose
+from studio.core.solver.request import AdaptedMotion
+from studio.viewport.body_points import point_path
+
+FRAMES, RATE = 30, 60.0
+
+
+def standing(project: Project, performer_id: str) -> AdaptedMotion:
+    """The performer's body at rest, its residuals as the project's constraints ask."""
+    performer = project.performers[performer_id]
+    morphology = project.characters[performer.character_id].morphology
+    positions, rotations = (np.repeat(part[None], FRAMES, axis=0) for part in rest_pose(morphology))
+    positions[:, :, 0] += np.linspace(0.0, 0.3, FRAMES)[:, None]
+    motion = AdaptedMotion(morphology, RATE, 0, positions, rotations, np.zeros((0, FRAMES)))
+    asked = [one for one in project.constraints_of("motion").values() if one.enabled]
+    residuals = [np.linalg.norm(point_path(motion, one.point) - one.target, axis=1) for one in asked]
+    return AdaptedMotion(morphology, RATE, 0, positions, rotations, np.reshape(residuals, (-1, FRAMES)))
+
+
+class StandingLive(QObject):
+    """The engine's part, played by bodies that stand."""
+
+    adapted = Signal(str)
+
+    def __init__(self, document: Any) -> None:
+        super().__init__()
+        self._document = document
+        self.solve_milliseconds = 1.5
+        self.interactive = False
+        self.was_interactive: list[bool] = []
+        document.entity_changed.connect(lambda *_: self.was_interactive.append(self.interactive))
+
+    def result(self, performer_id: str) -> AdaptedMotion:
+        return standing(self._document.project, performer_id)
+
+    def source(self, motion_id: str) -> AdaptedMotion:
+        return standing(self._document.project, next(iter(self._document.project.performers)))
+
+    def adapt(self) -> None:
+        for performer_id in self._document.project.performers:
+            self.adapted.emit(performer_id)
+
+
+def results_of(project: Project) -> dict[str, AdaptedMotion]:
+    return {key: standing(project, key) for key in project.performers}

@@ -1,0 +1,49 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from studio.core.project import Clip
+from studio.viewport.performance import Placement, motion_time, posed_performers, row_at, stage_time
+from tests.builders import make_project
+from tests.viewport.standing import FRAMES, RATE, results_of
+
+small = st.floats(-10, 10)
+
+
+@given(small, small, st.floats(-7, 7), st.tuples(small, small, small))
+def test_a_placement_and_back_is_where_it_was(x, y, heading, point):
+    place = Placement((x, y), heading)
+    assert place.to_motion(place.to_stage(point)) == pytest.approx(np.array(point), abs=1e-9)
+
+
+def test_a_clip_begun_later_and_trimmed_plays_its_own_frames():
+    clip = Clip("motion", first=10, last=20, start=2.0)
+    assert motion_time(clip, RATE, 2.0) == pytest.approx(10 / RATE)
+    assert motion_time(clip, RATE, 2.0 + 5 / RATE) == pytest.approx(15 / RATE)
+    assert motion_time(clip, RATE, 99.0) == pytest.approx(20 / RATE)
+    assert stage_time(clip, RATE, 15 / RATE) == pytest.approx(2.0 + 5 / RATE)
+
+
+def test_before_and_after_its_clip_a_performer_holds_the_first_and_last_pose():
+    project = make_project(characters=1)
+    motion = results_of(project)["performer 0"]
+    clip = project.performers["performer 0"].clips[0]
+    assert [row_at(motion, clip, time) for time in (-5.0, 3 / RATE, 60.0)] == [0, 3, FRAMES - 1]
+
+
+def test_hidden_performers_and_those_without_a_result_are_not_posed():
+    project = make_project(characters=3)
+    hidden = replace(project.performers["performer 1"], visible=False)
+    project = project.with_entity("performers", "performer 1", hidden)
+    results = results_of(project)
+    del results["performer 2"]
+    assert list(posed_performers(project, results.get, 0.0)) == ["performer 0"]
+
+
+def test_a_performers_points_stand_where_it_is_placed():
+    project = make_project(characters=2)
+    posed = posed_performers(project, results_of(project).get, 0.0)
+    assert posed["performer 1"].points[0, :2] == pytest.approx([0.0, 1.2])
