@@ -48,9 +48,11 @@ def solve_frames(
         np.empty((3 * constraint_count, 7)),
         np.empty((3 * constraint_count, 2), np.int64),
         np.empty((3 * constraint_count, 3 * constraint_count + 1)),
-        np.empty((spine_count + 4, 3)),
+        np.empty((2, spine_count + 4, 3)),
         np.empty((3, 3)),
         np.empty(constraint_count),
+        np.empty(positions.shape[1:]),
+        np.empty(rotations.shape[1:]),
     )
     goals, wanted = np.empty((constraint_count, 3)), np.empty(constraint_count, np.bool_)
     work, point = np.empty((3, 3, 3)), np.empty(3)

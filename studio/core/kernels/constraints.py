@@ -12,13 +12,15 @@ from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_to, longest_reach, swivel_to
 from studio.core.kernels.trunk import trunk_step
 
-TRIES = 10
+TRIES = 12
 CLOSE_ENOUGH = 5e-5
 """Metres of error at which the trunk is left as it is."""
 COMFORT = 0.98
 """Part of its reach that a limb takes before the trunk helps."""
-PLANTED_REACH = 0.9995
-"""Part of its length to which a planted leg may be stretched by a root that moves."""
+SLOW = 0.98
+"""Part of its error that a step must at least leave behind for another to be worth while."""
+SWEEPS = 12
+"""Times both legs may pull the root back into their reach."""
 
 
 @njit(cache=True, nogil=True)
@@ -27,36 +29,64 @@ def solve_frame(
 ):
     """Move one posed frame until its constraints hold as well as their chains and priorities allow.
 
-    ``codes`` (C, 3) point, segment, limb (-1 none), highest priority first; ``wanted`` (C,) which act now;
-    ``targets`` (C, 3) where their points are to be; ``states`` (2,) of the feet; ``legs`` the tuple (channels,
-    comforts (2,), ankles (2, 3), feet, toes (2, 3, 3), work (3, 3, 3)); ``scratch`` the tuple (rows, row_codes, matrix, turned,
-    turn, reaches).
+    ``codes`` (C, 4) point, segment, limb (-1 none), rank of the priority, highest first; ``wanted`` (C,) which act
+    now; ``targets`` (C, 3) where their points are to be; ``states`` (2,) of the feet; ``legs`` the tuple (channels,
+    comforts (2,), ankles (2, 3), feet, toes (2, 3, 3), work (3, 3, 3)); ``scratch`` the tuple (rows, row_codes,
+    matrix, turned (2, K + 4, 3), turn, reaches, best positions, best rotations).
     """
-    rows, row_codes, matrix, turned, turn, reaches = scratch
-    turned[:] = 0.0
+    turn, reaches = scratch[4], scratch[5]
     comfort(codes, offsets, chains, targets, wanted, spine_count, reaches, positions, rotations)
-    before = np.inf
+    help_limbs(
+        codes, offsets, chains, targets, wanted, states, legs, spine_count, measures, scratch, positions, rotations
+    )
+    for limb in range(4):
+        solve_limb(limb, codes, offsets, chains, targets, wanted, spine_count, turn, positions, rotations)
+
+
+@njit(cache=True, nogil=True)
+def help_limbs(
+    codes, offsets, chains, targets, wanted, states, legs, spine_count, measures, scratch, positions, rotations
+):
+    """Trunk, neck and root towards what limbs cannot reach: damped steps, of which only better ones are kept.
+
+    Better is a smaller sum of squared errors, a hundred times more for each higher priority; the damping falls
+    after a good step and rises after a bad one (Levenberg, Marquardt).
+    """
+    rows, row_codes, matrix, turned, turn, reaches, best_positions, best_rotations = scratch
+    turned[:] = 0.0
+    best, damping = np.inf, -1.0
     for _ in range(TRIES):
-        count, error = gather_rows(
+        count, error, merit = gather_rows(
             codes, offsets, chains, targets, wanted, spine_count, reaches, rows, row_codes, positions, rotations
         )
-        if count == 0 or error < CLOSE_ENOUGH or error > 0.98 * before:
-            break
-        before = error
-        x, y, z = positions[0, 0], positions[0, 1], positions[0, 2]
+        if count == 0 or error < CLOSE_ENOUGH:
+            return
+        if damping < 0.0:
+            damping = 0.25 * error * error / (error + 0.3)
+        if merit < best:
+            slow = merit > SLOW * best
+            best, damping = merit, 0.25 * damping
+            best_positions[:], best_rotations[:], turned[1] = positions, rotations, turned[0]
+            if slow:
+                return
+        else:
+            damping = 16.0 * max(damping, 1e-4)
+            positions[:], rotations[:], turned[0] = best_positions, best_rotations, turned[1]
+            gather_rows(
+                codes, offsets, chains, targets, wanted, spine_count, reaches, rows, row_codes, positions, rotations
+            )
         if not trunk_step(
-            rows, row_codes, count, chains, spine_count, matrix, turned, turn, positions, rotations
+            rows, row_codes, count, chains, spine_count, damping, matrix, turned[0], turn, positions, rotations
         ):
-            break
-        if x != positions[0, 0] or y != positions[0, 1] or z != positions[0, 2]:
-            keep_feet_in_reach(states, legs[2], spine_count, measures, positions)
+            return
+        if distance(positions[0], best_positions[0]) > 0.0:
+            keep_feet_in_reach(states, legs, spine_count, measures, positions)
             for side in range(2):
                 place_leg(
                     legs[0], measures, side, legs[1][side], legs[2][side], legs[3][side], legs[4][side], legs[5],
                     positions, rotations,
                 )  # fmt: skip
-    for limb in range(4):
-        solve_limb(limb, codes, offsets, chains, targets, wanted, spine_count, turn, positions, rotations)
+    positions[:], rotations[:] = best_positions, best_rotations
 
 
 @njit(cache=True, nogil=True)
@@ -114,22 +144,23 @@ def distance(a, b):
 def gather_rows(
     codes, offsets, chains, targets, wanted, spine_count, reaches, rows, row_codes, positions, rotations
 ):
-    """Fill the rows of a trunk step; (number of rows, largest error in metres)."""
-    count, largest = 0, 0.0
+    """Fill the rows of a trunk step; (number of rows, largest error in metres, merit: less is better)."""
+    count, largest, merit = 0, 0.0, 0.0
     point = np.empty(3)
     for c in range(codes.shape[0]):
         if not wanted[c]:
             continue
         if codes[c, 2] >= 0 and chains[c, 0] > 0.0:
-            root, _ = limb_indices(codes[c, 2], spine_count)
-            span = distance(targets[c], positions[root])
-            if span - reaches[c] > 0.0:
+            root, upper = limb_indices(codes[c, 2], spine_count)
+            span = max(distance(targets[c], positions[root]), 1e-9)
+            if span > reaches[c] or codes[c, 1] == upper:
                 for axis in range(3):
                     rows[count, axis] = positions[root, axis]
                     rows[count, 3 + axis] = (targets[c, axis] - positions[root, axis]) / span
                 rows[count, 6] = span - reaches[c]
                 row_codes[count, 0], row_codes[count, 1] = c, carrier_of(codes[c], spine_count)
-                largest = max(largest, rows[count, 6])
+                largest = max(largest, abs(rows[count, 6]))
+                merit += 0.01 ** codes[c, 3] * rows[count, 6] ** 2
                 count += 1
             continue
         body_point(codes[c, 0], codes[c, 1], offsets[c], positions, rotations, point)
@@ -140,8 +171,10 @@ def gather_rows(
             rows[count, 6] = targets[c, axis] - point[axis]
             row_codes[count, 0], row_codes[count, 1] = c, carrier_of(codes[c], spine_count)
             count += 1
-        largest = max(largest, distance(point, targets[c]))
-    return count, largest
+        miss = distance(point, targets[c])
+        largest = max(largest, miss)
+        merit += 0.01 ** codes[c, 3] * miss * miss
+    return count, largest, merit
 
 
 @njit(cache=True, nogil=True)
@@ -160,23 +193,26 @@ def carrier_of(code, spine_count):
 
 
 @njit(cache=True, nogil=True)
-def keep_feet_in_reach(states, ankles, spine_count, measures, positions):
-    """Bring the root back to where every planted ankle can be reached; three sweeps (METHOD 7)."""
-    for _ in range(3):
+def keep_feet_in_reach(states, legs, spine_count, measures, positions):
+    """Bring the root back to where every planted ankle is within its leg's comfort, in turns (METHOD 7)."""
+    for _ in range(SWEEPS):
+        moved = False
         for side in range(2):
             if states[side] == 0:
                 continue
-            hip = positions[spine_count + 13 + 5 * side]
-            length = PLANTED_REACH * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
-            span = distance(hip, ankles[side])
-            if span > length:
-                share = (span - length) / span
+            hip, ankle = positions[spine_count + 13 + 5 * side], legs[2][side]
+            length = legs[1][side] * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
+            span = distance(hip, ankle)
+            if span > length + 1e-6:
+                moved, share = True, (span - length) / span
                 move_all(
-                    share * (ankles[side, 0] - hip[0]),
-                    share * (ankles[side, 1] - hip[1]),
-                    share * (ankles[side, 2] - hip[2]),
+                    share * (ankle[0] - hip[0]),
+                    share * (ankle[1] - hip[1]),
+                    share * (ankle[2] - hip[2]),
                     positions,
                 )
+        if not moved:
+            return
 
 
 @njit(cache=True, nogil=True)

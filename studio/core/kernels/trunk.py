@@ -21,7 +21,7 @@ ROOT_WEIGHT = 0.15
 """Mobility of the root's translation beside one vertebra's rotation (square metres)."""
 CLAVICLE_WEIGHT = 4.0
 """Mobility of a clavicle beside one vertebra (METHOD 6)."""
-SINGULAR = 0.004
+SINGULAR = 1e-4
 """Pivot below which a row is taken to be spoken for by those above it."""
 VERTEBRA_LIMIT = 0.5
 CLAVICLE_LIMIT = 0.35
@@ -67,22 +67,20 @@ def pivot_of(joint, spine_count):
 
 
 @njit(cache=True, nogil=True)
-def trunk_step(rows, row_codes, row_count, chains, spine_count, matrix, turned, turn, positions, rotations):
-    """One step of all free joints and of the root; True when anything could move.
+def trunk_step(
+    rows, row_codes, row_count, chains, spine_count, damping, matrix, turned, turn, positions, rotations
+):
+    """One step of all free joints and of the root, shorter the greater ``damping``; True when anything could move.
 
     ``rows`` (R, 7) point, direction, error; ``row_codes`` (R, 2) constraint, carrier; ``chains`` (C, 5);
     ``matrix`` (R, R + 1) scratch; ``turned`` (K + 4, 3) how far each joint has turned so far, updated.
     """
-    largest = 0.0
     for i in range(row_count):
-        largest = max(largest, abs(rows[i, 6]))
         for j in range(row_count):
             matrix[j, i] = coupling(rows, row_codes, j, i, chains, spine_count, positions)
         error = rows[i, 6]
         matrix[i, row_count] = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
-    damping = 0.25 * largest * largest / (largest + 0.3)
-    movable = eliminate(matrix, row_count, damping)
-    if not movable:
+    if not eliminate(matrix, row_count, damping):
         return False
     for joint in range(1, spine_count + 4):
         turn_joint(joint, rows, row_codes, row_count, chains, spine_count, matrix, turned, turn, positions, rotations)
@@ -124,8 +122,8 @@ def eliminate(matrix, count, damping):
     """
     movable = False
     for i in range(count):
+        movable = movable or matrix[i, i] > 1e-9
         pivot = matrix[i, i] + damping
-        movable = movable or pivot > 1e-9
         inverse = pivot / (pivot * pivot + SINGULAR * SINGULAR)
         for j in range(i + 1, count):
             factor = matrix[j, i] * inverse

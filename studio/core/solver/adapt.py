@@ -70,18 +70,19 @@ def constraint_activations(
 def pack_constraints(
     constraints: Sequence[Constraint], layout: BodyLayout
 ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-    """Codes (C, 3), offsets (C, 3), chains (C, 5) and targets (C, 3) for the kernel.
+    """Codes (C, 4), offsets (C, 3), chains (C, 5) and targets (C, 3) for the kernel.
 
     Raises TypeError for a kind that the solver does not know.
     """
-    codes = np.empty((len(constraints), 3), dtype=np.int64)
+    codes = np.empty((len(constraints), 4), dtype=np.int64)
+    ranks = sorted({constraint.priority for constraint in constraints})
     offsets, targets = np.empty((len(constraints), 3)), np.empty((len(constraints), 3))
     chains = np.empty((len(constraints), 5))
     for row, constraint in enumerate(constraints):
         if not isinstance(constraint, PositionConstraint):
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
         point, chain = constraint.point, constraint.chain
-        codes[row] = *point_indices(point, layout), limb_of(point.part)
+        codes[row] = *point_indices(point, layout), limb_of(point.part), ranks.index(constraint.priority)
         offsets[row], targets[row] = point.offset, constraint.target
         chains[row] = chain.limb, chain.end_segment, chain.clavicle, chain.trunk, chain.root
     return codes, offsets, chains, targets
