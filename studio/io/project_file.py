@@ -49,7 +49,7 @@ class ChangedOnDisk(StudioError):  # noqa: N818 - it names what is the matter
 
 @dataclass(frozen=True)
 class OpenedProject:
-    """A project as it was found. With ``problems`` it is not all that was saved: it must not replace the file."""
+    """A project as it was found; with ``problems`` it is not all that was saved: do not replace the file."""
 
     project: Project
     path: Path
@@ -167,7 +167,7 @@ def _named_in(content: bytes) -> set[str]:
 
 
 def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[str, Json], dict[str, bytes]]:
-    """The manifest ({} when it is lost) and the members whose hash is right; ``problems`` tells of the others."""
+    """The manifest ({} when lost) and the members whose hash is right; ``problems`` tells of the others."""
     manifest: dict[str, Json] = {}
     try:
         found = parsed(archive.members.get(MANIFEST, b""), MANIFEST)

@@ -1,0 +1,255 @@
+"""LiveAdaptation: every visible performer's adapted motion, kept up to date while the document changes."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
+
+from studio.core.capture import Capture
+from studio.core.constraints.base import Constraint
+from studio.core.contacts import ContactInterval
+from studio.core.errors import StudioError
+from studio.core.ground import Ground
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.project import Performer
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.document.document import Document
+from studio.engine.scheduler import SolveScheduler
+from studio.engine.solve_cache import SolveCache
+
+WINDOW_SECONDS = 0.75
+_SOURCE = "source "
+
+Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
+Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
+Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
+
+
+def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+    """The capture's motion, and the measures of its actor."""
+    from studio.core.normalized.normalize import normalize
+
+    motion, actor = normalize(capture)
+    return motion, actor.morphology
+
+
+def adapted_window(request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
+    """The solver's answer for frames ``first`` to ``last``."""
+    from studio.core.solver.adapt import adapt
+
+    return adapt(request, first, last)
+
+
+def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
+    """The motion on the body it was recorded from."""
+    from studio.core.normalized.realize import realize
+
+    positions, rotations = realize(motion, actor, play=True)
+    return AdaptedMotion(actor, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """All that one performer's result depends on; equal ones need no new solve."""
+
+    capture: Capture = field(compare=False)
+    identity: int
+    morphology: Morphology
+    contacts: tuple[ContactInterval, ...]
+    constraints: tuple[Constraint, ...]
+    ground: Ground
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A worker's answer and how long the solver took."""
+
+    adapted: AdaptedMotion
+    milliseconds: float
+
+
+class LiveAdaptation(QObject):
+    """Asks for a solve whenever something changes that a visible performer depends on."""
+
+    adapted = Signal(str)
+    busy_changed = Signal(bool)
+
+    def __init__(
+        self,
+        document: Document,
+        prepare: Prepare = normalised,
+        solve: Solve = adapted_window,
+        realise: Realise = as_recorded,
+        parent: QObject | None = None,
+        workers: int | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self._document = document
+        self._prepare = SolveCache(prepare)
+        self._solve, self._realise = solve, realise
+        self._wanted: dict[str, Wanted] = {}
+        self._results: dict[str, AdaptedMotion] = {}
+        self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
+        self._busy = False
+        self.interactive = False
+        self.solve_milliseconds = 0.0
+        self._scheduler = SolveScheduler(self, workers)
+        self._scheduler.answered.connect(self._take)
+        self._scheduler.failed.connect(self._tell)
+        self._scheduler.settled.connect(self._tell_busy)
+        # Several changes of one event-loop turn (a group, a cascade) ask for one solve.
+        self._turn = QTimer(self)
+        self._turn.setSingleShot(True)
+        self._turn.timeout.connect(self._refresh)
+        document.entity_changed.connect(self._schedule)
+        document.project_opened.connect(self._begin_anew)
+        self._refresh()
+
+    def result(self, performer_id: str) -> AdaptedMotion | None:
+        """The newest whole-clip result; while dragging, with the newest window in its place."""
+        return self._results.get(performer_id)
+
+    def source(self, motion_id: str) -> AdaptedMotion | None:
+        """The capture on its actor's own body; None until it is ready, then ``adapted`` is emitted."""
+        motion = self._document.project.motions.get(motion_id)
+        capture = self._document.project.captures.get(motion.capture_id) if motion else None
+        if capture is None:
+            return None
+        known = self._sources.get(motion_id)
+        if known is None or known[0] is not capture:
+            self._sources[motion_id] = (capture, None)
+            key, revision = _SOURCE + motion_id, self._document.revision
+            self._scheduler.request(key, revision, lambda: self._realise(*self._prepare(capture)))
+            self._tell_busy()
+            return None
+        return known[1]
+
+    def wait(self, timeout: float = 10.0) -> bool:
+        """Run the event loop until nothing is pending; False when ``timeout`` seconds are not enough."""
+        end = time.monotonic() + timeout
+        while self._turn.isActive() or self._scheduler.busy:
+            if time.monotonic() > end:
+                return False
+            QCoreApplication.processEvents()
+            time.sleep(0.0005)
+        return True
+
+    def close(self) -> None:
+        """Stop the timer, drop requests, join the workers."""
+        self._turn.stop()
+        self._document.entity_changed.disconnect(self._schedule)
+        self._document.project_opened.disconnect(self._begin_anew)
+        self._scheduler.close()
+
+    def _schedule(self, _collection: str, _entity_id: str) -> None:
+        if not self._turn.isActive():
+            self._turn.start(0)
+
+    def _begin_anew(self) -> None:
+        for key in (*self._wanted, *(_SOURCE + motion_id for motion_id in self._sources)):
+            self._scheduler.forget(key)
+        for held in (self._wanted, self._results, self._sources):
+            held.clear()
+        self._refresh()
+
+    def _refresh(self) -> None:
+        project = self._document.project
+        playing = {
+            key: item
+            for key, item in project.performers.items()
+            if item.visible and item.clips and not project.missing_references(item)
+        }
+        for key in self._wanted.keys() - playing.keys():
+            self._scheduler.forget(key)
+            del self._wanted[key]
+            self._results.pop(key, None)
+        for key, performer in playing.items():
+            self._request(key, performer)
+        self._tell_busy()
+
+    def _request(self, key: str, performer: Performer) -> None:
+        project = self._document.project
+        motion_id = performer.clips[0].motion_id
+        capture = project.captures[project.motions[motion_id].capture_id]
+        morphology = project.characters[performer.character_id].morphology
+        contacts = tuple(project.contacts_of(motion_id).values())
+        constraints = tuple(item for item in project.constraints_of(motion_id).values() if item.enabled)
+        wanted = Wanted(capture, id(capture), morphology, contacts, constraints, project.ground)
+        if self._wanted.get(key) == wanted:
+            return
+        self._wanted[key] = wanted
+        previous = self._results.get(key)
+
+        def whole() -> Solved:
+            return self._timed(wanted, 0, None)
+
+        stages: tuple[Callable[[], Solved], ...] = (whole,)
+        if self.interactive and previous is not None and _fits(previous, capture, wanted):
+            first, last = self._window(performer, capture)
+            base = previous
+
+            def window() -> Solved:
+                solved = self._timed(wanted, first, last)
+                return replace(solved, adapted=merged(base, solved.adapted))
+
+            stages = (window, whole)
+        self._scheduler.request(key, self._document.revision, *stages)
+
+    def _timed(self, wanted: Wanted, first: int, last: int | None) -> Solved:
+        motion, _ = self._prepare(wanted.capture)
+        request = AdaptRequest(motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground)
+        begin = time.perf_counter()
+        answer = self._solve(request, first, last)
+        return Solved(answer, 1000.0 * (time.perf_counter() - begin))
+
+    def _window(self, performer: Performer, capture: Capture) -> tuple[int, int]:
+        """First and last frame of the motion within ``WINDOW_SECONDS`` of the playhead."""
+        clip, rate = performer.clips[0], capture.frame_rate
+        frame = clip.first + round((self._document.playhead.time - clip.start) * rate)
+        frame = min(max(frame, 0), capture.frame_count - 1)
+        reach = round(WINDOW_SECONDS * rate)
+        return max(frame - reach, 0), min(frame + reach, capture.frame_count - 1)
+
+    def _take(self, key: str, _revision: int, answer: Solved | AdaptedMotion) -> None:
+        if isinstance(answer, Solved):
+            self._results[key] = answer.adapted
+            self.solve_milliseconds = answer.milliseconds
+            self.adapted.emit(key)
+            return
+        motion_id = key.removeprefix(_SOURCE)
+        self._sources[motion_id] = (self._sources[motion_id][0], answer)
+        for performer_id, performer in self._document.project.performers.items():
+            if performer.clips and performer.clips[0].motion_id == motion_id:
+                self.adapted.emit(performer_id)
+
+    def _tell(self, _key: str, _revision: int, error: Exception) -> None:
+        if not isinstance(error, StudioError):
+            raise error
+        self._document.problem.emit(str(error))
+
+    def _tell_busy(self) -> None:
+        busy = self._scheduler.busy
+        if busy != self._busy:
+            self._busy = busy
+            self.busy_changed.emit(busy)
+
+
+def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
+    """``whole`` with the frames of ``window`` in their place; both have the same constraints and layout."""
+    frames = slice(window.first_frame, window.first_frame + window.frame_count)
+    arrays = {name: getattr(whole, name).copy() for name in ("positions", "rotations", "residuals")}
+    arrays["positions"][frames] = window.positions
+    arrays["rotations"][frames] = window.rotations
+    arrays["residuals"][:, frames] = window.residuals
+    return replace(whole, morphology=window.morphology, **arrays)
+
+
+def _fits(whole: AdaptedMotion, capture: Capture, wanted: Wanted) -> bool:
+    return (
+        whole.frame_count == capture.frame_count
+        and len(whole.residuals) == len(wanted.constraints)
+        and whole.morphology.layout == wanted.morphology.layout
+    )

@@ -1,0 +1,39 @@
+"""What is costly and depends on one immutable value only, kept while that value is in use."""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+Result = TypeVar("Result")
+
+
+class _Slot(Generic[Result]):
+    def __init__(self, key: Any) -> None:
+        self.key = key
+        self.lock = threading.Lock()
+        self.results: list[Result] = []
+
+
+class SolveCache(Generic[Result]):
+    """``compute(key)`` by the identity of ``key``; threads that ask at once share one computation.
+
+    The ``size`` keys that were used last are held. An exception is not kept: it comes again when asked again.
+    """
+
+    def __init__(self, compute: Callable[[Any], Result], size: int = 32) -> None:
+        self._compute, self._size = compute, size
+        self._slots: OrderedDict[int, _Slot[Result]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def __call__(self, key: Any) -> Result:
+        """The result for ``key``; raises what ``compute`` raises."""
+        with self._lock:
+            slot = self._slots.setdefault(id(key), _Slot(key))
+            self._slots.move_to_end(id(key))
+            while len(self._slots) > self._size:
+                self._slots.popitem(last=False)
+        with slot.lock:
+            if not slot.results:
+                slot.results.append(self._compute(key))
+            return slot.results[0]

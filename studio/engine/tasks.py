@@ -1,0 +1,115 @@
+"""TaskRunner: one-off jobs beside the window, with progress, cancelling and one way to fail."""
+
+import itertools
+import logging
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from studio.core.errors import StudioError
+
+Result = TypeVar("Result")
+_log = logging.getLogger(__name__)
+
+
+class CancelledError(Exception):
+    """The user does not want the job's result any more."""
+
+
+class Progress:
+    """A job's way to tell how far it is; every report is a moment at which it may be cancelled."""
+
+    def __init__(self, tell: Callable[[float, str], None]) -> None:
+        self._tell = tell
+        self._cancelled = threading.Event()
+
+    def report(self, fraction: float, text: str = "") -> None:
+        """Tell ``fraction`` (0 to 1) and what is being done. Raises CancelledError once it is cancelled."""
+        if self._cancelled.is_set():
+            raise CancelledError
+        self._tell(fraction, text)
+
+    __call__ = report
+
+    def cancel(self) -> None:
+        """Let the next report raise."""
+        self._cancelled.set()
+
+
+class TaskRunner(QObject):
+    """Each job runs in a thread of its own; its signals and its ``on_done`` come on the window's thread."""
+
+    started = Signal(int, str)
+    progressed = Signal(int, float, str)
+    finished = Signal(int, object)
+    failed = Signal(int, str)
+    cancelled = Signal(int)
+    _ended = Signal(int, object, object)
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._numbers = itertools.count(1)
+        self._tasks: dict[int, tuple[str, Progress, threading.Thread, Callable[[Any], None]]] = {}
+        self._ended.connect(self._end, Qt.ConnectionType.QueuedConnection)
+
+    @property
+    def running(self) -> tuple[int, ...]:
+        """The ids of the jobs that have not ended."""
+        return tuple(self._tasks)
+
+    def run(
+        self,
+        title: str,
+        job: Callable[[Progress], Result],
+        on_done: Callable[[Result], None] = lambda _result: None,
+    ) -> int:
+        """Run ``job(progress)``, then ``on_done`` unless it failed or was cancelled. Returns the job's id."""
+        number = next(self._numbers)
+        progress = Progress(lambda fraction, text: self.progressed.emit(number, fraction, text))
+
+        def work() -> None:
+            try:
+                result, error = job(progress), None
+            except Exception as failure:  # noqa: BLE001 - the window's thread tells the user
+                result, error = None, failure
+            self._ended.emit(number, result, error)
+
+        thread = threading.Thread(target=work, name=f"task-{number}", daemon=True)
+        self._tasks[number] = (title, progress, thread, on_done)
+        self.started.emit(number, title)
+        thread.start()
+        return number
+
+    def cancel(self, task_id: int) -> None:
+        """Ask a job to stop; ``cancelled`` tells when it has. One that has ended is left alone."""
+        if task_id in self._tasks:
+            self._tasks[task_id][1].cancel()
+
+    def close(self) -> None:
+        """Cancel all jobs and wait for their threads; nothing is emitted afterwards."""
+        self._ended.disconnect(self._end)
+        for _, progress, _, _ in self._tasks.values():
+            progress.cancel()
+        for _, _, thread, _ in self._tasks.values():
+            thread.join()
+        self._tasks.clear()
+
+    def _end(self, number: int, result: Any, error: Exception | None) -> None:
+        title, _, thread, on_done = self._tasks.pop(number)
+        thread.join()
+        if isinstance(error, CancelledError):
+            self.cancelled.emit(number)
+            return
+        try:
+            if error is not None:
+                raise error
+            on_done(result)
+        except StudioError as sentence:
+            self.failed.emit(number, str(sentence))
+        except Exception as fault:  # noqa: BLE001 - told to the user and logged with its stack
+            _log.exception("%s failed", title)
+            self.failed.emit(number, f"{title} failed by a fault of the program: {type(fault).__name__}: {fault}.")
+        else:
+            self.finished.emit(number, result)

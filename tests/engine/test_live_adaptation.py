@@ -1,0 +1,240 @@
+"""Every visible performer follows the document; a drag sees its window first; nothing is solved twice."""
+
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QTimer
+
+from studio.core.capture import Capture
+from studio.core.errors import StudioError
+from studio.core.ground import Ground
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.project import GROUND_ID
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.document.document import Document
+from studio.engine.live_adaptation import LiveAdaptation
+from tests.builders import make_capture, make_constraint, make_morphology, make_project
+
+FRAMES = 400
+
+
+@dataclass
+class Solver:
+    """Stands for normaliser and solver: a result's positions are all the ground's height."""
+
+    windows: list[tuple[int, int | None]] = field(default_factory=list)
+    prepared: list[Capture] = field(default_factory=list)
+    hold: threading.Event = field(default_factory=threading.Event)
+
+    def prepare(self, capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+        self.prepared.append(capture)
+        if capture.body_map is None:
+            raise StudioError(f"'{capture.name}' has no body map.")
+        channels = np.zeros((capture.frame_count, 89 + 4 * 3))
+        return NormalizedMotion(
+            capture.name, capture.frame_rate, channels, np.array([0.0, 0.5, 1.0])
+        ), make_morphology()
+
+    def solve(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
+        self.hold.wait()
+        self.windows.append((first, last))
+        count = request.motion.frame_count if last is None else last + 1 - first
+        body, height = request.morphology, request.ground.height
+        return AdaptedMotion(
+            body,
+            request.motion.frame_rate,
+            first,
+            np.full((count, body.layout.point_count, 3), height),
+            np.zeros((count, body.layout.segment_count, 3, 3)),
+            np.full((len(request.constraints), count), height),
+        )
+
+    def realise(self, motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
+        return self.solve(AdaptRequest(motion, actor), 0, None)
+
+
+@dataclass
+class Scene:
+    document: Document
+    live: LiveAdaptation
+    solver: Solver
+
+    def raise_ground(self, height: float) -> None:
+        self.document.replace("grounds", GROUND_ID, Ground(height), "Raise ground")
+
+    def heights(self, performer_id: str) -> Any:
+        result = self.live.result(performer_id)
+        assert result is not None
+        return result.positions[:, 0, 0]
+
+
+@pytest.fixture
+def make_scene(qapp: Any) -> Iterator[Callable[..., Scene]]:
+    scenes = []
+
+    def make(**parts: Any) -> Scene:
+        solver = Solver()
+        solver.hold.set()
+        document = Document(make_project(frames=FRAMES, **parts))
+        live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise)
+        scenes.append(live)
+        return Scene(document, live, solver)
+
+    yield make
+    for live in scenes:
+        live.close()
+        assert not any(timer.isActive() for timer in live.findChildren(QTimer))
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("solve-")]
+
+
+def test_every_visible_performer_gets_a_result(make_scene: Any) -> None:
+    scene = make_scene(characters=3)
+    assert scene.live.wait()
+    for key in scene.document.project.performers:
+        assert scene.live.result(key).frame_count == FRAMES
+    assert scene.live.result("performer 1").morphology == scene.document.project.characters["character 1"].morphology
+    assert scene.live.solve_milliseconds >= 0.0
+
+
+def test_a_capture_is_normalised_once_for_all_performers_and_edits(make_scene: Any) -> None:
+    scene = make_scene(characters=4)
+    scene.raise_ground(0.1)
+    assert scene.live.wait()
+    assert len(scene.solver.prepared) == 1
+
+
+def test_a_change_is_followed_by_those_it_concerns_only(make_scene: Any) -> None:
+    scene = make_scene(characters=2)
+    scene.live.wait()
+    heard: list[str] = []
+    scene.live.adapted.connect(heard.append)
+    character = scene.document.project.characters["character 1"]
+    taller = replace(character, proportions=replace(character.proportions, stature=1.1))
+    scene.document.replace("characters", "character 1", taller, "Grow")
+    scene.live.wait()
+    assert heard == ["performer 1"]
+    scene.document.replace("characters", "character 1", replace(taller, colour="#ffffff"), "Paint")
+    scene.live.wait()
+    assert heard == ["performer 1"]
+
+
+def test_several_changes_in_one_turn_ask_for_one_solve(make_scene: Any) -> None:
+    scene = make_scene(characters=1)
+    scene.live.wait()
+    scene.solver.windows.clear()
+    with scene.document.group("Many"):
+        for k in range(5):
+            scene.document.add("constraints", make_constraint(name=f"T{k}"), "Add")
+    scene.live.wait()
+    assert scene.solver.windows == [(0, None)]
+    assert len(scene.live.result("performer 0").residuals) == 6
+
+
+def test_constraints_that_are_off_are_not_asked_for(make_scene: Any) -> None:
+    scene = make_scene(characters=1, constraints=2)
+    off = replace(scene.document.project.constraints["constraint 0"], enabled=False)
+    scene.document.replace("constraints", "constraint 0", off, "Switch off")
+    scene.live.wait()
+    assert len(scene.live.result("performer 0").residuals) == 1
+
+
+def test_a_drag_solves_a_window_round_the_playhead_first_and_the_rest_after(make_scene: Any) -> None:
+    scene = make_scene(characters=1)
+    scene.live.wait()
+    scene.solver.windows.clear()
+    scene.document.playhead.set_frame(200)
+    shown: list[Any] = []
+    scene.live.adapted.connect(lambda key: shown.append(scene.heights(key).copy()))
+    scene.live.interactive = True
+    scene.raise_ground(0.2)
+    scene.live.wait()
+    assert scene.solver.windows == [(155, 245), (0, None)]
+    window, whole = shown
+    assert (window[155:246] == 0.2).all()
+    assert (window[:155] == 0.0).all()
+    assert (window[246:] == 0.0).all()
+    assert (whole == 0.2).all()
+
+
+def test_during_a_drag_the_newest_edit_wins_and_the_last_is_solved_whole(make_scene: Any) -> None:
+    scene = make_scene(characters=3)
+    scene.live.wait()
+    scene.live.interactive = True
+    scene.solver.hold.clear()
+    for step in range(1, 30):
+        scene.raise_ground(step / 100)
+        scene.live.wait(0.001)
+    scene.solver.hold.set()
+    scene.live.interactive = False
+    scene.live.wait()
+    for key in scene.document.project.performers:
+        assert (scene.heights(key) == 0.29).all()
+    assert len(scene.solver.windows) < 30
+
+
+def test_a_hidden_performer_is_not_solved(make_scene: Any) -> None:
+    scene = make_scene(characters=2)
+    scene.live.wait()
+    hidden = replace(scene.document.project.performers["performer 0"], visible=False)
+    scene.document.replace("performers", "performer 0", hidden, "Hide")
+    scene.live.wait()
+    assert scene.live.result("performer 0") is None
+    scene.document.undo_stack.undo()
+    scene.live.wait()
+    assert scene.live.result("performer 0") is not None
+
+
+def test_another_project_takes_the_place_of_all_results(make_scene: Any) -> None:
+    scene = make_scene(characters=3)
+    scene.live.wait()
+    scene.document.new(make_project(characters=1, frames=20))
+    scene.live.wait()
+    assert scene.live.result("performer 2") is None
+    assert scene.live.result("performer 0").frame_count == 20
+
+
+def test_the_source_is_the_capture_on_its_actors_body(make_scene: Any) -> None:
+    scene = make_scene(characters=2)
+    scene.live.wait()
+    heard: list[str] = []
+    scene.live.adapted.connect(heard.append)
+    assert scene.live.source("motion") is None
+    scene.live.wait()
+    assert scene.live.source("motion").frame_count == FRAMES
+    assert heard == ["performer 0", "performer 1"]
+    assert scene.live.source("no such motion") is None
+
+
+def test_a_capture_that_cannot_be_normalised_is_told_in_its_sentence(make_scene: Any) -> None:
+    scene = make_scene(characters=1)
+    told: list[str] = []
+    scene.document.problem.connect(told.append)
+    scene.document.replace("captures", "capture", make_capture("lamp", body_map=None), "Replace capture")
+    scene.live.wait()
+    assert told == ["'lamp' has no body map."]
+
+
+def test_busy_is_told_when_it_begins_and_when_it_ends(make_scene: Any) -> None:
+    scene = make_scene(characters=2)
+    scene.live.wait()
+    heard: list[bool] = []
+    scene.live.busy_changed.connect(heard.append)
+    scene.raise_ground(0.3)
+    scene.live.wait()
+    assert heard == [True, False]
+
+
+def test_the_real_solver_answers_for_every_performer(qapp: Any) -> None:
+    document = Document(make_project(characters=2, frames=60))
+    live = LiveAdaptation(document)
+    assert live.wait(100.0)
+    live.source("motion")
+    assert live.wait(100.0)
+    results = [live.result("performer 0"), live.result("performer 1"), live.source("motion")]
+    live.close()
+    assert all(np.isfinite(result.positions).all() and result.frame_count == 60 for result in results)
