@@ -38,6 +38,24 @@ def delete_selected(shown: Shown) -> bool:
     return True
 
 
+def go_to_key(shown: Shown, direction: int) -> None:
+    """Bring the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""
+    playhead = shown.document.playhead
+    times = [
+        time + shown.subject.offset
+        for each in shown.project.constraints_of(shown.subject.motion_id).values()
+        for time in (time_of(each.activation, part) for part in HANDLES)
+    ] + [
+        shown.subject.stage_time(frame)
+        for each in shown.project.contacts_of(shown.subject.motion_id).values()
+        for frame in (each.first, each.last)
+    ]
+    ahead = [time for time in times if (time - playhead.time) * direction > 1e-6]
+    if ahead:
+        playhead.pause()
+        playhead.set_time(min(ahead, key=lambda time: abs(time - playhead.time)))
+
+
 def handles_of(shown: Shown) -> tuple[Part, ...]:
     """What of the selected thing the keyboard may take hold of."""
     match shown.document.selection.current:
@@ -92,13 +110,9 @@ def handle_words(shown: Shown) -> str:
     return f"{entity.name}, {shown.handle}, {moment(time * rate, time)}"
 
 
-def _trimmed(
-    shown: Shown, entity_id: str, contact: ContactInterval, edge: Part, frames: int
-) -> ContactInterval:
+def _trimmed(shown: Shown, entity_id: str, contact: ContactInterval, edge: Part, frames: int) -> ContactInterval:
     subject = shown.subject
-    room = free_stretch(
-        shown.project, subject.motion_id, contact.point, contact.first, subject.last_frame, entity_id
-    )
+    room = free_stretch(shown.project, subject.motion_id, contact.point, contact.first, subject.last_frame, entity_id)
     low, high = room or (contact.first, contact.last)
     if edge == Part.FIRST:
         return replace(contact, first=min(max(contact.first + frames, low), contact.last))

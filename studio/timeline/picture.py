@@ -2,6 +2,7 @@
 
 from PySide6.QtCore import QPoint, QRect, QSize
 from PySide6.QtGui import QColor, QPainter, QPixmap
+from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.timeline.sheet import Sheet
@@ -17,11 +18,15 @@ RULER = ("ruler", "")
 class Picture:
     """A pixmap of the timeline and which of its rows are out of date."""
 
-    def __init__(self) -> None:
-        self.plot = PlotPicture()
+    def __init__(self, parent: QWidget) -> None:
+        self.plot = PlotPicture(parent)
         self.pixmap = QPixmap()
         self._stale: set[tuple[str, str]] = set()
         self._all_stale = True
+
+    def close(self) -> None:
+        """Let go of what was needed to draw."""
+        self.plot.close()
 
     def expire(self, *rows: tuple[str, str]) -> None:
         """These rows, or all, are to be drawn again before they are next shown."""
@@ -94,7 +99,8 @@ def _paint_ground(painter: QPainter, area: QRect, shown: Shown) -> None:
 
 
 def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None:
-    if row.kind == "constraints" and shown.is_selected("constraints", row.id):
+    collection = "performers" if row.kind == "clip" else row.kind
+    if shown.is_selected(collection, row.id):
         painter.fillRect(label_area(area), QColor(colours.SELECTED_ROW))
     match row.kind:
         case "clip":

@@ -86,9 +86,7 @@ def strip_of(project: Project, result: AdaptedMotion | None, constraint_id: str)
     if len(result.residuals) != len(asked):
         return None  # the result answers an older question; the newer one is under way
     times = (result.first_frame + np.arange(result.frame_count)) / result.frame_rate
-    return Strip(
-        result.first_frame, result.residuals[asked.index(constraint_id)], constraint.activation.at(times)
-    )
+    return Strip(result.first_frame, result.residuals[asked.index(constraint_id)], constraint.activation.at(times))
 
 
 def strip_heights(errors: NDArray[np.float64], most: int) -> NDArray[np.int64]:

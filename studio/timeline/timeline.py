@@ -1,9 +1,11 @@
 """Timeline: the transport and, under it, everything over time."""
 
 from PySide6.QtCore import QPoint, QRect, Signal
+from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.document.document import Document
+from studio.timeline import edits
 from studio.timeline.canvas import TrackCanvas
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import Live, Part
@@ -25,6 +27,7 @@ class Timeline(QWidget):
         self.transport = Transport(document, self)
         self.tracks = TrackCanvas(document, live, self)
         self.tracks.told.connect(self.told)
+        self._closed = False
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
@@ -75,9 +78,18 @@ class Timeline(QWidget):
         """Show all of time."""
         self.tracks.axis.fit()
 
-    def close_view(self) -> None:
-        """Stop following the document; to be called before the widget goes."""
-        self.tracks.close_view()
+    def go_to_key(self, direction: int) -> None:
+        """Bring the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""
+        if self.tracks.shown is not None:
+            edits.go_to_key(self.tracks.shown, direction)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Closed for good: stop following the document."""
+        if not self._closed:
+            self._closed = True
+            self.tracks.leave()
+            self.transport.leave()
+        super().closeEvent(event)
 
     def _sheet(self) -> Sheet:
         if self.tracks.sheet is None:

@@ -36,6 +36,12 @@ class Transport(QWidget):
         self._show_playing()
         self._show_range()
 
+    def leave(self) -> None:
+        """Stop following the playhead, for good."""
+        self.playhead.changed.disconnect(self._show_time)
+        self.playhead.playing_changed.disconnect(self._show_playing)
+        self.playhead.range_changed.disconnect(self._show_range)
+
     def _make_buttons(self) -> None:
         playhead = self.playhead
         self.to_start = _button("mdi6.skip-previous", "To start", lambda: playhead.set_frame(playhead.first))

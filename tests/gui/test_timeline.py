@@ -10,11 +10,11 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.contacts import FootPoint
 from studio.core.project import Project
 from studio.document.document import Document
-from studio.timeline.canvas import PROMPT
 from studio.timeline.menus import menu_at
 from studio.timeline.strips import StripState
 from studio.timeline.timeline import Timeline
 from studio.timeline.tracks.plot import Quantity
+from studio.timeline.view import PROMPT
 from tests.builders import make_constraint, make_contact, make_project
 from tests.timeline.fakes import FakeLive
 
@@ -54,7 +54,7 @@ def live(document):
 @pytest.fixture
 def timeline(qtbot, document, live):
     timeline = Timeline(document, live)
-    qtbot.addWidget(timeline, before_close_func=Timeline.close_view)
+    qtbot.addWidget(timeline)
     timeline.resize(1296, 350)
     timeline.show()
     QApplication.processEvents()
@@ -75,9 +75,7 @@ class Hand:
     def move(self, dx, modifiers=NONE, dy=0):
         for step in (0.5, 1.0):
             place = QPointF(self.at) + QPointF(dx, dy) * step
-            event = QMouseEvent(
-                QEvent.Type.MouseMove, place, self.rows.mapToGlobal(place), LEFT, LEFT, modifiers
-            )
+            event = QMouseEvent(QEvent.Type.MouseMove, place, self.rows.mapToGlobal(place), LEFT, LEFT, modifiers)
             QApplication.sendEvent(self.rows, event)
         self.at = QPoint(round(self.at.x() + dx), self.at.y() + dy)
 
@@ -368,6 +366,15 @@ def test_arrows_step_frames_and_home_and_end_go_to_the_ends(document, timeline):
         assert document.playhead.frame == frame
 
 
+def test_up_and_down_go_to_contacts_and_activation_times(document, timeline):
+    document.playhead.set_frame(10)
+    visited = []
+    for key in (Qt.Key.Key_Down, Qt.Key.Key_Down, Qt.Key.Key_Down, Qt.Key.Key_Up):
+        QTest.keyClick(timeline.tracks, key)
+        visited.append(document.playhead.frame)
+    assert visited == [15, 20, 30, 20]
+
+
 def test_tab_takes_hold_of_a_handle_and_arrows_move_it_by_a_frame(document, timeline):
     document.selection.set(("constraints", "kick"))
     timeline.tracks.setFocus()
@@ -490,3 +497,17 @@ def test_loop_speed_and_range_reach_the_playhead(document, timeline):
     assert (playhead.first, playhead.last) == (10, 50)
     playhead.set_range(0, 100)
     assert (transport.first.value(), transport.last.value()) == (0, 100)
+
+
+def test_a_closed_timeline_follows_nothing_any_more(document, live, timeline, hand):
+    hand.press(timeline.handle_point("kick", "full"))
+    hand.move(pixels(timeline, 10))
+    timeline.close()
+    assert frames(document.project.constraints["kick"].activation)[1] == 30
+    assert not live.interactive
+    sheet = timeline.tracks.sheet
+    document.remove("constraints", "kick", "")
+    document.playhead.set_frame(50)
+    live.adapted.emit("performer 0")
+    assert timeline.tracks.sheet is sheet
+    assert timeline.transport.frame.value() == 0

@@ -50,9 +50,7 @@ def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id:
     painter.drawPath(path)
     for part, point in handle_points(shown, row, constraint).items():
         focused = selected and shown.handle == part
-        paint_dot(
-            painter, point, 4.5 if selected else 3.5, line, colours.PLAYHEAD if focused else colours.PANEL
-        )
+        paint_dot(painter, point, 4.5 if selected else 3.5, line, colours.PLAYHEAD if focused else colours.PANEL)
     _paint_strips(painter, row, shown, constraint_id)
 
 

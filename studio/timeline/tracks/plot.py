@@ -8,6 +8,7 @@ import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter
+from PySide6.QtWidgets import QWidget
 
 from studio.core.canonical import BodyLayout
 from studio.core.solver.request import AdaptedMotion
@@ -71,9 +72,7 @@ def curves_of(shown: Shown, quantity: Quantity) -> list[Curve]:
     return curves
 
 
-def _values(
-    shown: Shown, quantity: Quantity, performer_id: str, adapted: AdaptedMotion
-) -> NDArray[np.float64] | None:
+def _values(shown: Shown, quantity: Quantity, performer_id: str, adapted: AdaptedMotion) -> NDArray[np.float64] | None:
     match quantity:
         case Quantity.FOOT_SPEED:
             return foot_speed(adapted)
@@ -94,13 +93,14 @@ def plotted_constraint(shown: Shown) -> str | None:
 
 
 class PlotPicture:
-    """A pyqtgraph plot that is never a window of its own: it is drawn where the tracks want it."""
+    """A pyqtgraph plot that is never shown itself: it is drawn where the rows want it."""
 
-    def __init__(self) -> None:
+    def __init__(self, parent: QWidget) -> None:
         self.quantity = Quantity.FOOT_SPEED
         self.curves: list[Curve] = []
         self.top = 1.0
-        self._widget = pg.PlotWidget(background=None)
+        self._widget = pg.PlotWidget(parent, background=None)
+        self._widget.hide()
         item = self._widget.getPlotItem()
         item.hideAxis("left")
         item.hideAxis("bottom")
@@ -164,9 +164,7 @@ class PlotPicture:
         painter.setPen(QColor(colours.TEXT_THIRD))
         for value in (0.0, self.top) if self.curves else ():
             place = QRect(area.right() - 60, round(self.y_of(row, value)) - 8, 54, 16)
-            painter.drawText(
-                place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(value)
-            )
+            painter.drawText(place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(value))
 
     def title(self, shown: Shown) -> str:
         """``Foot speed`` or ``Error: Kick target``."""
@@ -182,7 +180,6 @@ class PlotPicture:
     def close(self) -> None:
         """Let go of the plot."""
         self._widget.close()
-        self._widget.deleteLater()
 
 
 def _figure(value: float) -> str:

@@ -33,6 +33,7 @@ def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhe
     painter.fillRect(area, QColor(colours.BAR))
     painter.save()
     painter.setClipRect(area.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
+    _paint_overview(painter, area, axis)
     for x in _ticks(axis, _multiples(axis, _step(axis, MINOR_SPACING))):
         painter.fillRect(x, area.bottom() - 3, 1, 4, translucent(colours.TEXT_THIRD, 0.45))
     _paint_range(painter, area, axis, playhead)
@@ -51,6 +52,16 @@ def _paint_range(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playh
     shade = translucent(colours.WINDOW, 0.55)
     painter.fillRect(LABEL_WIDTH, area.top(), max(first - LABEL_WIDTH, 0), area.height(), shade)
     painter.fillRect(last + 1, area.top(), max(area.right() - last, 0), area.height(), shade)
+
+
+def _paint_overview(painter: QPainter, area: QRect, axis: TimeAxis) -> None:
+    """While not all of time is shown: which part of it, as a thin line along the top."""
+    share = axis.width / axis.scale / (axis.end - axis.begin)
+    if share < 1.0:
+        begin = (axis.start - axis.begin) / (axis.end - axis.begin)
+        painter.fillRect(LABEL_WIDTH, area.top(), area.width(), 2, QColor(colours.CONTROL))
+        left, width = LABEL_WIDTH + round(begin * axis.width), max(round(share * axis.width), 8)
+        painter.fillRect(left, area.top(), width, 2, QColor(colours.TEXT_THIRD))
 
 
 def _ticks(axis: TimeAxis, frames: range) -> Iterator[int]:

@@ -11,6 +11,7 @@ from studio.timeline.strips import Strip, strip_heights
 from studio.timeline.tracks.brush import paint_dot
 
 PITCH = 5
+ROOM_FOR_DOT = 10
 MISSED = 3
 """From this state on the height tells how much."""
 COLOURS = (
@@ -26,7 +27,7 @@ def paint_strip(
     painter: QPainter, shown: Shown, strip: Strip, left: float, right: float, top: int, colour: str
 ) -> None:
     """A line from pixel ``left`` to ``right`` at the bottom of its five pixels; the body's dot before it."""
-    xs = np.arange(round(max(left, LABEL_WIDTH)), round(min(right, shown.axis.right + 20)) + 1)
+    xs = np.arange(round(max(left, LABEL_WIDTH + ROOM_FOR_DOT)), round(min(right, shown.axis.right + 20)) + 1)
     active = np.flatnonzero(strip.state_indices)
     if not len(xs) or not len(active):
         return

@@ -1,0 +1,175 @@
+"""TrackView: the widget that shows the rows over time and follows the document."""
+
+from PySide6.QtCore import QPointF, QRect, QSignalBlocker, QSize, Qt, QTimer
+from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QScrollBar, QWidget
+
+from studio.document.document import Document
+from studio.timeline import edits, overlay
+from studio.timeline.axis import TimeAxis
+from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.picture import PLOT, Picture
+from studio.timeline.sheet import RIGHT_MARGIN, Sheet, rows_of
+from studio.timeline.shown import LABEL_WIDTH, Live, Part, Shown
+from studio.timeline.subject import stage_extent, subject_of
+from studio.timeline.tracks.plot import Quantity
+
+FOLLOW_MILLISECONDS = 100
+PROMPT = "Drop a BVH here"
+
+
+class TrackView(QWidget):
+    """Ruler, rows and plot, drawn again only where something changed."""
+
+    def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.document, self.live = document, live
+        self.axis = TimeAxis(self)
+        self.picture = Picture(self)
+        self.sheet: Sheet | None = None
+        self.gesture: Gesture | None = None
+        self.handle: Part | None = None
+        self.mouse = QPointF()
+        self._playhead_area = QRect()
+        self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
+        self.scroll_bar.setAccessibleName("Scroll the timeline's rows")
+        self._follow = QTimer(self, singleShot=True, interval=FOLLOW_MILLISECONDS)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setAccessibleName("Timeline")
+        self._connect()
+        self.lay_out()
+
+    def _connect(self) -> None:
+        document, playhead = self.document, self.document.playhead
+        document.entity_changed.connect(self._show_change)
+        document.project_opened.connect(self._show_project)
+        document.selection.changed.connect(self._show_selection)
+        playhead.changed.connect(self._move_playhead)
+        playhead.range_changed.connect(self.lay_out)
+        self.live.adapted.connect(self._expect_results)
+        self._follow.timeout.connect(self._show_results)
+        self.axis.changed.connect(self._redraw_all)
+        self.scroll_bar.valueChanged.connect(self.lay_out)
+
+    def leave(self) -> None:
+        """Stop following the document and the results, for good."""
+        document, playhead = self.document, self.document.playhead
+        self._follow.stop()
+        document.entity_changed.disconnect(self._show_change)
+        document.project_opened.disconnect(self._show_project)
+        document.selection.changed.disconnect(self._show_selection)
+        playhead.changed.disconnect(self._move_playhead)
+        playhead.range_changed.disconnect(self.lay_out)
+        self.live.adapted.disconnect(self._expect_results)
+        self.picture.close()
+
+    @property
+    def shown(self) -> Shown | None:
+        """What the rows show, or None while no performer plays a motion."""
+        return self.sheet.shown if self.sheet else None
+
+    def lay_out(self) -> None:
+        """Fetch which rows there are, place them, and draw everything again."""
+        subject = subject_of(self.document)
+        if subject is None:
+            self.sheet = None
+            self.scroll_bar.hide()
+            self.update()
+            return
+        shown = Shown(self.document, self.live, self.axis, subject, self.handle)
+        sheet = Sheet(shown, rows_of(shown), self.size())
+        hidden = max(sheet.content_height - sheet.viewport.height(), 0)
+        with QSignalBlocker(self.scroll_bar):
+            self.scroll_bar.setRange(0, hidden)
+            self.scroll_bar.setPageStep(sheet.viewport.height())
+        self.scroll_bar.setVisible(hidden > 0)
+        self.scroll_bar.setGeometry(self.width() - 9, sheet.viewport.top(), 9, sheet.viewport.height())
+        self.sheet = Sheet(shown, sheet.rows, self.size(), self.scroll_bar.value())
+        with QSignalBlocker(self.axis):
+            self.axis.place(LABEL_WIDTH, self.width() - LABEL_WIDTH - RIGHT_MARGIN)
+            self.axis.set_extent(0.0, stage_extent(self.document.project), self.document.playhead.frame_rate)
+        self._redraw_all()
+
+    def _redraw_all(self) -> None:
+        self.picture.expire()
+        self.update()
+
+    def _redraw(self, *rows: tuple[str, str]) -> None:
+        self.picture.expire(*rows)
+        self.update()
+
+    def _show_project(self) -> None:
+        self.handle = None
+        self.axis.fit()
+        self.lay_out()
+
+    def _show_selection(self) -> None:
+        self.set_handle(None)
+        self.lay_out()
+
+    def _show_change(self, collection: str, entity_id: str) -> None:
+        """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
+        if self.sheet is None or collection not in ("constraints", "contacts"):
+            self.lay_out()
+        elif collection == "contacts":
+            self._redraw(("feet", "left"), ("feet", "right"))
+        elif rows_of(self.sheet.shown) != self.sheet.rows:
+            self.lay_out()
+        else:
+            self._redraw(("constraints", entity_id))
+
+    def _expect_results(self) -> None:
+        if not self._follow.isActive():
+            self._follow.start()
+
+    def _show_results(self) -> None:
+        rows = self.sheet.rows if self.sheet else ()
+        self._redraw(PLOT, *((row.kind, row.id) for row in rows if row.kind == "constraints"))
+
+    def _move_playhead(self) -> None:
+        """Only the pixels the playhead leaves and takes."""
+        if self.shown is None:
+            return
+        if self.document.playhead.playing:
+            self.axis.reveal(self.document.playhead.time)
+        area = overlay.playhead_area(self.shown, self.height())
+        self.update(self._playhead_area)
+        self.update(area)
+        self._playhead_area = area
+
+    def set_quantity(self, quantity: Quantity) -> None:
+        """Plot something else."""
+        self.picture.plot.quantity = quantity
+        self._redraw(PLOT)
+
+    def set_handle(self, handle: Part | None) -> None:
+        """Give the keyboard to a handle of the selected thing."""
+        if self.handle != handle:
+            self.handle = handle
+            self.lay_out()
+            if self.shown:
+                self.setAccessibleName(edits.handle_words(self.shown))
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """The picture, then what lies over it."""
+        with QPainter(self) as painter:  # an error inside must not leave a painter on a widget that goes on
+            if self.sheet is None:
+                overlay.paint_prompt(painter, self.rect(), PROMPT)
+            else:
+                self._paint(painter, self.sheet)
+
+    def _paint(self, painter: QPainter, sheet: Sheet) -> None:
+        self.picture.refresh(sheet, self.devicePixelRatioF())
+        # At a scale of 1.5 a part of the picture would not begin on whole pixels; Qt clips the whole to the area.
+        painter.drawPixmap(QPointF(), self.picture.pixmap)
+        overlay.paint_playhead(painter, sheet.shown, self.height())
+        if self.gesture is not None and self.gesture.mark is not None:
+            overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Place everything anew."""
+        self.lay_out()
+
+    def sizeHint(self) -> QSize:
+        """A third of a large window."""
+        return QSize(1200, 318)
