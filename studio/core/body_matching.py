@@ -98,9 +98,7 @@ class BodySearch:
         if heads and not self.skeleton.path(chest, heads[0]):
             chest = self.skeleton.common_ancestor(chest, heads[0])
         pelvis = self.skeleton.common_ancestor(parts[BodyPart.LEFT_THIGH], parts[BodyPart.RIGHT_THIGH], chest)
-        named = [
-            joint for joint in candidates.get(BodyPart.PELVIS, ())[:1] if self.skeleton.path(joint, pelvis)
-        ]
+        named = [joint for joint in candidates.get(BodyPart.PELVIS, ())[:1] if self.skeleton.path(joint, pelvis)]
         parts[BodyPart.PELVIS] = pelvis if not named or pelvis != chest else named[0]
         clavicles = BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE
         for arm, clavicle in zip(arms, clavicles, strict=True):

@@ -139,7 +139,10 @@ class BodyLayout:
 
     def point_names(self) -> tuple[str, ...]:
         """A readable name for each point."""
-        arm, leg = ("collar", "shoulder", "elbow", "wrist", "hand end"), ("hip", "knee", "ankle", "toe", "toe end")
+        arm, leg = (
+            ("collar", "shoulder", "elbow", "wrist", "hand end"),
+            ("hip", "knee", "ankle", "toe", "toe end"),
+        )
         return (
             "root",
             *(f"spine {k}" for k in range(1, self.spine_count)),

@@ -53,15 +53,11 @@ class Capture:
         object.__setattr__(self, "reference_rotations", reference)
         joints = self.skeleton.joint_count
         if self.poses.joint_count != joints or reference.shape != (joints, 4):
-            raise StudioError(
-                f"The poses or the reference pose of '{self.name}' do not fit its {joints} joints."
-            )
+            raise StudioError(f"The poses or the reference pose of '{self.name}' do not fit its {joints} joints.")
         if not (np.isfinite(self.frame_rate) and self.frame_rate > 0.0 and np.isfinite(self.floor)):
             raise StudioError(f"The frame rate or the floor of '{self.name}' is no usable number.")
         if not 0 <= self.first_frame < self.frame_count:
-            raise StudioError(
-                f"'{self.name}' has no frame {self.first_frame}; it ends at {self.frame_count - 1}."
-            )
+            raise StudioError(f"'{self.name}' has no frame {self.first_frame}; it ends at {self.frame_count - 1}.")
 
     @property
     def frame_count(self) -> int:

@@ -14,9 +14,7 @@ FloatArray = NDArray[np.float64]
 def joint_world(skeleton: Skeleton, poses: PoseSequence) -> tuple[FloatArray, FloatArray]:
     """World positions (F, J, 3) in metres and rotations (F, J, 3, 3) of every joint in every frame."""
     if poses.joint_count != skeleton.joint_count:
-        raise StudioError(
-            f"Poses of {poses.joint_count} joints do not fit a skeleton of {skeleton.joint_count}."
-        )
+        raise StudioError(f"Poses of {poses.joint_count} joints do not fit a skeleton of {skeleton.joint_count}.")
     shape = (poses.frame_count, poses.joint_count, 3)
     positions, rotations = np.empty(shape), np.empty((*shape, 3))
     forward_kinematics.joint_world(

@@ -14,7 +14,7 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 QUIET = 20.0
-"""Radians a second squared: a source peak below it counts as this, so that a still source does not divide by nothing."""
+"""Radians a second squared: a source peak below it counts as this, or a still source would divide by nothing."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,7 @@ class FootQuality:
     """Greatest depth of either below it."""
 
 
-def foot_quality(
-    adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground
-) -> FootQuality:
+def foot_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FootQuality:
     """Slide, float and penetration of the soles during ``contacts`` (frames counted in the whole motion)."""
     body, layout = adapted.morphology, adapted.morphology.layout
     slide = rise = depth = 0.0

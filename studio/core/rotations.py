@@ -121,12 +121,7 @@ def slerp(first: FloatArray, second: FloatArray, share: FloatArray | float) -> F
     share = np.asarray(share, dtype=np.float64)[..., None]
     dot = np.sum(first * second, axis=-1, keepdims=True)
     second = np.where(dot < 0.0, -second, second)
-    angle = (
-        np.arctan2(np.linalg.norm(second - first, axis=-1), np.linalg.norm(second + first, axis=-1))[
-            ..., None
-        ]
-        * 2
-    )
+    angle = np.arctan2(np.linalg.norm(second - first, axis=-1), np.linalg.norm(second + first, axis=-1))[..., None] * 2
     sine = np.sin(angle)
     near = sine < 1e-9
     safe = np.where(near, 1.0, sine)

@@ -38,9 +38,7 @@ class Skeleton:
         ):
             array = np.array(getattr(self, field), dtype=kind)
             if array.shape != shape:
-                raise StudioError(
-                    f"A skeleton of {count} joints needs {field} of shape {shape}, not {array.shape}."
-                )
+                raise StudioError(f"A skeleton of {count} joints needs {field} of shape {shape}, not {array.shape}.")
             array.setflags(write=False)
             object.__setattr__(self, field, array)
         self._check()
@@ -50,17 +48,13 @@ class Skeleton:
             raise StudioError("A skeleton needs at least one joint.")
         if len(set(self.names)) != len(self.names):
             twice = next(name for name in self.names if self.names.count(name) > 1)
-            raise StudioError(
-                f"Two joints of the skeleton are called '{twice}'. Every joint needs a name of its own."
-            )
+            raise StudioError(f"Two joints of the skeleton are called '{twice}'. Every joint needs a name of its own.")
         if self.parents[0] != -1:
             raise StudioError("The first joint of a skeleton must be its root.")
         below = np.arange(1, len(self.names))
         wrong = below[(self.parents[1:] < 0) | (self.parents[1:] >= below)]
         if len(wrong):
-            raise StudioError(
-                f"Joint '{self.names[wrong[0]]}' does not stand after its parent in the skeleton."
-            )
+            raise StudioError(f"Joint '{self.names[wrong[0]]}' does not stand after its parent in the skeleton.")
         if not np.isfinite(self.offsets).all():
             joint = int(np.argmin(np.isfinite(self.offsets).all(axis=1)))
             raise StudioError(f"The offset of joint '{self.names[joint]}' is not a finite number.")

@@ -28,9 +28,10 @@ class SkinnedMesh:
     """A triangle mesh in the rest pose of its build, each vertex bound to up to four segments.
 
     ``vertices`` (V, 3) in metres and unit ``normals`` (V, 3) stand in the world space of the rest pose;
-    ``triangles`` (T, 3) run counter-clockwise seen from outside; ``segments`` (V, 4) are indices in the canonical
-    layout; ``weights`` (V, 4) fall along each row, which sums to 1; ``centres`` (V, 3) are the points about which
-    the blended rotation of each vertex turns. Raises ValueError naming a member whose shape or index is wrong.
+    ``triangles`` (T, 3) run counter-clockwise seen from outside; ``segments`` (V, 4) are indices in the
+    canonical layout; ``weights`` (V, 4) fall along each row, which sums to 1; ``centres`` (V, 3) are points
+    about which the blended rotation of each vertex turns. Raises ValueError naming a member whose shape or
+    index is wrong.
     """
 
     vertices: NDArray[np.float32]

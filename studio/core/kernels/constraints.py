@@ -25,7 +25,18 @@ SWEEPS = 12
 
 @njit(cache=True, nogil=True)
 def solve_frame(
-    codes, offsets, chains, targets, wanted, states, legs, spine_count, measures, scratch, positions, rotations
+    codes,
+    offsets,
+    chains,
+    targets,
+    wanted,
+    states,
+    legs,
+    spine_count,
+    measures,
+    scratch,
+    positions,
+    rotations,
 ):
     """Move one posed frame until its constraints hold as well as their chains and priorities allow.
 
@@ -37,7 +48,18 @@ def solve_frame(
     turn, reaches = scratch[4], scratch[5]
     comfort(codes, offsets, chains, targets, wanted, spine_count, reaches, positions, rotations)
     help_limbs(
-        codes, offsets, chains, targets, wanted, states, legs, spine_count, measures, scratch, positions, rotations
+        codes,
+        offsets,
+        chains,
+        targets,
+        wanted,
+        states,
+        legs,
+        spine_count,
+        measures,
+        scratch,
+        positions,
+        rotations,
     )
     for limb in range(4):
         solve_limb(limb, codes, offsets, chains, targets, wanted, spine_count, turn, positions, rotations)
@@ -45,7 +67,18 @@ def solve_frame(
 
 @njit(cache=True, nogil=True)
 def help_limbs(
-    codes, offsets, chains, targets, wanted, states, legs, spine_count, measures, scratch, positions, rotations
+    codes,
+    offsets,
+    chains,
+    targets,
+    wanted,
+    states,
+    legs,
+    spine_count,
+    measures,
+    scratch,
+    positions,
+    rotations,
 ):
     """Trunk, neck and root towards what limbs cannot reach: damped steps, of which only better ones are kept.
 
@@ -57,7 +90,17 @@ def help_limbs(
     best, damping = np.inf, -1.0
     for _ in range(TRIES):
         count, error, merit = gather_rows(
-            codes, offsets, chains, targets, wanted, spine_count, reaches, rows, row_codes, positions, rotations
+            codes,
+            offsets,
+            chains,
+            targets,
+            wanted,
+            spine_count,
+            reaches,
+            rows,
+            row_codes,
+            positions,
+            rotations,
         )
         if count == 0 or error < CLOSE_ENOUGH:
             return
@@ -73,10 +116,30 @@ def help_limbs(
             damping = 16.0 * max(damping, 1e-4)
             positions[:], rotations[:], turned[0] = best_positions, best_rotations, turned[1]
             gather_rows(
-                codes, offsets, chains, targets, wanted, spine_count, reaches, rows, row_codes, positions, rotations
+                codes,
+                offsets,
+                chains,
+                targets,
+                wanted,
+                spine_count,
+                reaches,
+                rows,
+                row_codes,
+                positions,
+                rotations,
             )
         if not trunk_step(
-            rows, row_codes, count, chains, spine_count, damping, matrix, turned[0], turn, positions, rotations
+            rows,
+            row_codes,
+            count,
+            chains,
+            spine_count,
+            damping,
+            matrix,
+            turned[0],
+            turn,
+            positions,
+            rotations,
         ):
             return
         if distance(positions[0], best_positions[0]) > 0.0:
@@ -141,9 +204,7 @@ def distance(a, b):
 
 
 @njit(cache=True, nogil=True)
-def gather_rows(
-    codes, offsets, chains, targets, wanted, spine_count, reaches, rows, row_codes, positions, rotations
-):
+def gather_rows(codes, offsets, chains, targets, wanted, spine_count, reaches, rows, row_codes, positions, rotations):
     """Fill the rows of a trunk step; (number of rows, largest error in metres, merit: less is better)."""
     count, largest, merit = 0, 0.0, 0.0
     point = np.empty(3)
@@ -237,7 +298,18 @@ def solve_limb(limb, codes, offsets, chains, targets, wanted, spine_count, turn,
             swivel_to(targets[c], point, held, upper, spine_count, positions[root], turn, positions, rotations)
         body_point(codes[c, 0], codes[c, 1], offsets[c], positions, rotations, point)
         if chains[c, 1] > 0.0 and codes[c, 1] > upper + 1:
-            aim_end(codes[c, 1], chains[c, 1], targets[c], point, spine_count, root + 2, upper + 2, turn, positions, rotations)
+            aim_end(
+                codes[c, 1],
+                chains[c, 1],
+                targets[c],
+                point,
+                spine_count,
+                root + 2,
+                upper + 2,
+                turn,
+                positions,
+                rotations,
+            )
         if solved == 0:
             body_point(codes[c, 0], codes[c, 1], offsets[c], positions, rotations, held)
         solved += 1

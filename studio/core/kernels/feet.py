@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
-from studio.core.kernels.rotation import matrix_to_rotation_vector, rotation_vector_to_matrix, multiply
+from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, rotation_vector_to_matrix
 
 HEEL = 1
 TOE = 2
@@ -74,7 +74,7 @@ def level_soles(rotations, states, out_rotations):
 
 @njit(cache=True, nogil=True)
 def keep_pitch_on_ground(foot, ankle_height, heel_length, states, rotations):
-    """Foot rotations (F, 3, 3), in place: no ball below the heel in a stand on the heel, nor above in one on the toe."""
+    """Foot rotations (F, 3, 3), in place: no ball below the heel in a heel stand, none above it in a toe stand."""
     count = states.shape[0]
     corrections = np.zeros((count, 3))
     turn, turned = np.empty((3, 3)), np.empty((3, 3))
@@ -219,9 +219,7 @@ def longest_stretch(states, bit, begin, end):
 def to_toe(rotation, foot, out_offset):
     """Vector (3,) from ankle to toe joint in the world."""
     for axis in range(3):
-        out_offset[axis] = (
-            rotation[axis, 0] * foot[0] + rotation[axis, 1] * foot[1] + rotation[axis, 2] * foot[2]
-        )
+        out_offset[axis] = rotation[axis, 0] * foot[0] + rotation[axis, 1] * foot[1] + rotation[axis, 2] * foot[2]
 
 
 @njit(cache=True, nogil=True)

@@ -48,9 +48,7 @@ def joint_world(
                     continue
                 position = out_positions[frame, parent, row]
                 for inner in range(3):
-                    position += (
-                        out_rotations[frame, parent, row, inner] * local_translations[frame, joint, inner]
-                    )
+                    position += out_rotations[frame, parent, row, inner] * local_translations[frame, joint, inner]
                 out_positions[frame, joint, row] = position
                 for column in range(3):
                     total = 0.0

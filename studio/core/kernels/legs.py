@@ -10,6 +10,7 @@ from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.realize import place_hip, place_toes
 from studio.core.kernels.rotation import multiply, orthonormalize, quaternion_to_matrix, shortest_arc
 
+
 @njit(cache=True, nogil=True)
 def hip_heights(channels, measures, rotations, ankles, comforts, states, out_drops):
     """How far the root must come down at each frame, (F,) metres, for standing feet to be in reach (K05 section 7).
@@ -54,9 +55,7 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positio
     x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
     distance = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     frame = work[1]
-    shortest_arc(
-        frame[0, 2], frame[1, 2], frame[2, 2], x / distance, y / distance, z / distance, work[0]
-    )
+    shortest_arc(frame[0, 2], frame[1, 2], frame[2, 2], x / distance, y / distance, z / distance, work[0])
     aimed = work[2]
     multiply(work[0], frame, aimed)
     orthonormalize(aimed)

@@ -8,9 +8,7 @@ from studio.core.kernels.rotation import add_rotated, multiply, shortest_arc, tu
 
 
 @njit(cache=True, nogil=True)
-def place_limb(
-    root, frame, distance, upper, lower, off_plane, bend, twist, scratch, out_points, out_upper, out_lower
-):
+def place_limb(root, frame, distance, upper, lower, off_plane, bend, twist, scratch, out_points, out_upper, out_lower):
     """Middle joint and both segments of a limb from its frame and its length (K05 section 8; METHOD 3.4).
 
     ``root`` (3,), ``frame`` (3, 3) world, z towards the extremity; ``off_plane`` metres; ``twist`` (2,) radians.

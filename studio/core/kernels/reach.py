@@ -11,7 +11,6 @@ from numba import njit
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.rotation import rotation_vector_to_matrix, shortest_arc
 
-
 SWIVEL_LEVER = 0.08 * 0.08
 """Square metres of lever (point times target, from the axis) above which a swivel is not faded."""
 
@@ -32,9 +31,7 @@ def bend_range(root, middle, hinge, point):
     ss, pp = sx * sx + sy * sy + sz * sz, px * px + py * py + pz * pz
     c0 = ss + pp + (s_along - p_along) ** 2
     c1 = math.sqrt(ss * pp)
-    cross = (
-        hinge[0] * (py * sz - pz * sy) + hinge[1] * (pz * sx - px * sz) + hinge[2] * (px * sy - py * sx)
-    )
+    cross = hinge[0] * (py * sz - pz * sy) + hinge[1] * (pz * sx - px * sz) + hinge[2] * (px * sy - py * sx)
     return c0, c1, math.atan2(cross, px * sx + py * sy + pz * sz)
 
 

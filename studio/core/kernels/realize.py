@@ -22,7 +22,15 @@ def realize_frames(channels, measures, spine_from, spine_share, play, out_positi
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         realize_trunk(
-            channels[frame], row, spine_from, spine_share, play, scratch, work, out_positions[frame], out_rotations[frame]
+            channels[frame],
+            row,
+            spine_from,
+            spine_share,
+            play,
+            scratch,
+            work,
+            out_positions[frame],
+            out_rotations[frame],
         )
         for limb in range(4):
             realize_limb(channels[frame], row, limb, play, scratch, work, out_positions[frame], out_rotations[frame])
@@ -53,7 +61,12 @@ def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, wo
             multiply(out_rotations[0], scratch, out_rotations[k])
         m = at.M_SPINE + 3 * k
         add_rotated(
-            out_positions[k], out_rotations[k], measures[m], measures[m + 1], measures[m + 2], out_positions[k + 1]
+            out_positions[k],
+            out_rotations[k],
+            measures[m],
+            measures[m + 1],
+            measures[m + 2],
+            out_positions[k + 1],
         )
     thorax, neck = spine_count - 1, spine_count
     quaternion_to_matrix(channels[at.NECK : at.NECK + 4], scratch)
@@ -71,10 +84,19 @@ def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, wo
     quaternion_to_matrix(channels[at.HEAD : at.HEAD + 4], scratch)
     multiply(out_rotations[neck], scratch, out_rotations[neck + 1])
     add_rotated(
-        out_positions[neck + 1], out_rotations[neck + 1], 0.0, 0.0, measures[at.M_HEAD], out_positions[neck + 2]
+        out_positions[neck + 1],
+        out_rotations[neck + 1],
+        0.0,
+        0.0,
+        measures[at.M_HEAD],
+        out_positions[neck + 2],
     )
     for side in range(2):
-        point, segment, m = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side, at.M_COLLAR_BASE + 3 * side
+        point, segment, m = (
+            spine_count + 3 + 5 * side,
+            spine_count + 2 + 4 * side,
+            at.M_COLLAR_BASE + 3 * side,
+        )
         add_rotated(
             out_positions[neck],
             out_rotations[thorax],
@@ -108,7 +130,12 @@ def spine_rotation(channels, index, share, out_matrix):
         bx, by, bz, bw = channels[b], channels[b + 1], channels[b + 2], channels[b + 3]
         flip = -1.0 if ax * bx + ay * by + az * bz + aw * bw < 0.0 else 1.0
         keep, take = 1.0 - share, flip * share
-        ax, ay, az, aw = keep * ax + take * bx, keep * ay + take * by, keep * az + take * bz, keep * aw + take * bw
+        ax, ay, az, aw = (
+            keep * ax + take * bx,
+            keep * ay + take * by,
+            keep * az + take * bz,
+            keep * aw + take * bw,
+        )
     scale = 1.0 / math.sqrt(ax * ax + ay * ay + az * az + aw * aw)
     quaternion_to_matrix((ax * scale, ay * scale, az * scale, aw * scale), out_matrix)
 
@@ -119,7 +146,12 @@ def realize_limb(channels, measures, limb, play, scratch, work, out_positions, o
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     side, is_leg = limb % 2, limb >= 2
     if is_leg:
-        point, segment, carrier, m = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, 0, at.M_LEG + 2 * side
+        point, segment, carrier, m = (
+            spine_count + 13 + 5 * side,
+            spine_count + 10 + 4 * side,
+            0,
+            at.M_LEG + 2 * side,
+        )
         place_hip(channels, measures, side, play, out_positions[0], out_rotations[0], out_positions[point])
     else:
         point, segment, m = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side, at.M_ARM + 2 * side

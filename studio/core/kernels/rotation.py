@@ -57,9 +57,21 @@ def shortest_arc(ax, ay, az, bx, by, bz, out_matrix):
         return
     vx, vy, vz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
     k = 1.0 / (1.0 + cosine)
-    out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = cosine + k * vx * vx, k * vx * vy - vz, k * vx * vz + vy
-    out_matrix[1, 0], out_matrix[1, 1], out_matrix[1, 2] = k * vx * vy + vz, cosine + k * vy * vy, k * vy * vz - vx
-    out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = k * vx * vz - vy, k * vy * vz + vx, cosine + k * vz * vz
+    out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = (
+        cosine + k * vx * vx,
+        k * vx * vy - vz,
+        k * vx * vz + vy,
+    )
+    out_matrix[1, 0], out_matrix[1, 1], out_matrix[1, 2] = (
+        k * vx * vy + vz,
+        cosine + k * vy * vy,
+        k * vy * vz - vx,
+    )
+    out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = (
+        k * vx * vz - vy,
+        k * vy * vz + vx,
+        cosine + k * vz * vz,
+    )
 
 
 @njit(cache=True, nogil=True)
@@ -91,9 +103,21 @@ def rotation_vector_to_matrix(wx, wy, wz, out_matrix):
     angle = math.sqrt(wx * wx + wy * wy + wz * wz)
     k = math.sin(0.5 * angle) / angle if angle > 1e-9 else 0.5
     x, y, z, w = k * wx, k * wy, k * wz, math.cos(0.5 * angle)
-    out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
-    out_matrix[1, 0], out_matrix[1, 1], out_matrix[1, 2] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
-    out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+    out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = (
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - w * z),
+        2.0 * (x * z + w * y),
+    )
+    out_matrix[1, 0], out_matrix[1, 1], out_matrix[1, 2] = (
+        2.0 * (x * y + w * z),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - w * x),
+    )
+    out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = (
+        2.0 * (x * z - w * y),
+        2.0 * (y * z + w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    )
 
 
 @njit(cache=True, nogil=True)

@@ -67,9 +67,7 @@ def pivot_of(joint, spine_count):
 
 
 @njit(cache=True, nogil=True)
-def trunk_step(
-    rows, row_codes, row_count, chains, spine_count, damping, matrix, turned, turn, positions, rotations
-):
+def trunk_step(rows, row_codes, row_count, chains, spine_count, damping, matrix, turned, turn, positions, rotations):
     """One step of all free joints and of the root, shorter the greater ``damping``; True when anything could move.
 
     ``rows`` (R, 7) point, direction, error; ``row_codes`` (R, 2) constraint, carrier; ``chains`` (C, 5);
@@ -139,9 +137,7 @@ def eliminate(matrix, count, damping):
 
 
 @njit(cache=True, nogil=True)
-def turn_joint(
-    joint, rows, row_codes, row_count, chains, spine_count, matrix, turned, turn, positions, rotations
-):
+def turn_joint(joint, rows, row_codes, row_count, chains, spine_count, matrix, turned, turn, positions, rotations):
     """Turn one joint by its share of the step, within what it may turn in all."""
     point, segment = pivot_of(joint, spine_count)
     wx, wy, wz = 0.0, 0.0, 0.0

@@ -39,7 +39,7 @@ def find_alignments(marks: Landmarks) -> FloatArray:
         else:
             desired[upper - 1] = frame_along(bones[upper - 1], body[:, 0])
             desired[upper + 2] = desired[upper + 1]
-    return np.einsum("sji,sjk->sik", marks.reference_rotations, desired)
+    return np.asarray(np.einsum("sji,sjk->sik", marks.reference_rotations, desired))
 
 
 def anatomical_frame(leftward: FloatArray) -> FloatArray:
@@ -81,9 +81,7 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     return body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
 
 
-def level_feet(
-    alignments: FloatArray, rotations: FloatArray, segment: int, flat_frames: NDArray[np.bool_]
-) -> None:
+def level_feet(alignments: FloatArray, rotations: FloatArray, segment: int, flat_frames: NDArray[np.bool_]) -> None:
     """Turn a foot's (or toe's) alignment in place so that its sole is level, on average, in ``flat_frames`` (F,).
 
     The reference pose of many files stands on tiptoe or heel; the frames in which the foot rests do not.

@@ -118,9 +118,7 @@ def _place_arm_ends(
 ) -> None:
     if BodyPart(f"{name}_clavicle") not in body_map.parts:
         shoulder = points[:, layout.collar(side) + 1]
-        points[:, layout.collar(side)] = points[:, layout.neck_base] + 0.2 * (
-            shoulder - points[:, layout.neck_base]
-        )
+        points[:, layout.collar(side)] = points[:, layout.neck_base] + 0.2 * (shoulder - points[:, layout.neck_base])
     wrist, forearm = body_map.parts.get(BodyPart(f"{name}_hand")), body_map.parts[BodyPart(f"{name}_forearm")]
     if wrist is None:
         end = _far_child(skeleton, forearm)

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-
 from studio.core.capture import Capture
 from studio.core.contacts import FootPoint, contact_mask, detect_contacts
 from studio.core.errors import StudioError
@@ -45,9 +44,7 @@ def normalize(capture: Capture) -> tuple[NormalizedMotion, Actor]:
     channels = _channels(body, points, rotations, capture.frame_rate)
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(body.spine[:-1], axis=1))])
     motion = NormalizedMotion(capture.name, capture.frame_rate, channels, places / places[-1])
-    return motion, Actor(
-        capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses
-    )
+    return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
 
 
 def capture_contacts(capture: Capture) -> Contacts:
@@ -72,9 +69,7 @@ def _level_soles(marks: Landmarks, contacts: Contacts, alignments: FloatArray, r
             level_feet(alignments, rotations[:, segment], segment, heel & toe)
 
 
-def _channels(
-    body: Morphology, points: FloatArray, rotations: FloatArray, frame_rate: float
-) -> FloatArray:
+def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame_rate: float) -> FloatArray:
     layout = body.layout
     thorax, neck, head = layout.spine_count - 1, layout.neck_base, layout.head_joint
     channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
@@ -118,9 +113,7 @@ def _encode_limb(
 ) -> None:
     """Frame, reach, bend and twists of one limb (METHOD 2, "limb encoding")."""
     to_middle, to_end = points[:, root + 1] - points[:, root], points[:, root + 2] - points[:, root]
-    lengths = [
-        np.linalg.norm(bone, axis=1, keepdims=True) for bone in (to_middle, to_end - to_middle)
-    ]
+    lengths = [np.linalg.norm(bone, axis=1, keepdims=True) for bone in (to_middle, to_end - to_middle)]
     total = float(np.median(lengths[0]) + np.median(lengths[1]))
     u, z, f = to_middle / lengths[0], normalized(to_end), (to_end - to_middle) / lengths[1]
     hinge = rotations[:, upper, :, 0]

@@ -16,6 +16,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+
 def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
     """The motion on the body of ``request``, frames ``first`` to ``last`` (both included, all by default).
 
@@ -52,9 +53,7 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
     return AdaptedMotion(body, motion.frame_rate, first, positions, rotations, residuals)
 
 
-def constraint_activations(
-    constraints: Sequence[Constraint], footing: Footing, frame_rate: float
-) -> FloatArray:
+def constraint_activations(constraints: Sequence[Constraint], footing: Footing, frame_rate: float) -> FloatArray:
     """(C, F) in [0, 1]; a constraint on a leg yields to that leg's contacts, which stand above all."""
     times = np.arange(footing.states.shape[1]) / frame_rate
     rows = []
