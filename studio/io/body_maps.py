@@ -47,9 +47,7 @@ def naming_families() -> tuple[NamingFamily, ...]:
     return tuple(_family(json.loads(path.read_text(encoding="utf-8"))) for path in files)
 
 
-def find_body(
-    skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, str] | None = None
-) -> FoundBody:
+def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, str] | None = None) -> FoundBody:
     """The body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
 
     ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search. Raises StudioError when
@@ -58,9 +56,7 @@ def find_body(
     search = BodySearch(skeleton, positions)
     fixed = _fixed(skeleton, chosen or {})
     by_name = _joints_by_name(skeleton)
-    tries = [
-        (family.name, search.match(_candidates(family, by_name) | fixed)) for family in naming_families()
-    ]
+    tries = [(family.name, search.match(_candidates(family, by_name) | fixed)) for family in naming_families()]
     tries.append(("names of several families", search.match(_candidates(_all_families(), by_name) | fixed)))
     family, best = max(tries, key=lambda tried: (tried[1].parts, -len(tried[1].missing)))
     if best.body_map is None:

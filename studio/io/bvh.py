@@ -1,5 +1,6 @@
 """BVH files: read as they are, any channel order, any joint with positions; written by ``bvh_writer``."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +24,7 @@ Progress = Callable[[float, str], None]
 _LARGEST_FILE = 1 << 30
 _LONGEST_HIERARCHY = 1 << 24
 _MOST_NUMBERS = 1 << 28
+_MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
     report(0.2, f"Reading the motion of {path.name}")
     header, first_row = _motion_header(path.name, body, motion_line)
     repairs = [*hierarchy.repairs]
-    frames = _frames(path.name, body[first_row:], motion_line + 1 + first_row, hierarchy, header, repairs)
+    frames = _frames(path.name, body[first_row:], motion_line + first_row, hierarchy, header, repairs)
     frame_time, digit = _frame_time(path.name, header, repairs)
     report(1.0, f"Read {path.name}")
     skeleton = Skeleton(
@@ -93,14 +95,10 @@ def _content(path: Path) -> bytes:
     try:
         size = path.stat().st_size
         if size > _LARGEST_FILE:
-            raise StudioError(
-                f"{path.name} is {size >> 20} MB large; at most {_LARGEST_FILE >> 20} MB are read."
-            )
+            raise StudioError(f"{path.name} is {size >> 20} MB large; at most {_LARGEST_FILE >> 20} MB are read.")
         content = path.read_bytes()
     except OSError as error:
-        raise StudioError(
-            f"{path.name} could not be read: {error.strerror}. Check the file and try again."
-        ) from error
+        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
     if not content.strip():
         raise StudioError(f"{path.name} is empty. Export it again.")
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
@@ -120,13 +118,9 @@ def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
             raise StudioError(
                 f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file."
             )
-        raise StudioError(
-            f"{name}, line {len(content.splitlines())}: the file ends before MOTION. It is cut off."
-        )
+        raise StudioError(f"{name}, line {len(content.splitlines())}: the file ends before MOTION. It is cut off.")
     if len(head) > _LONGEST_HIERARCHY:
-        raise StudioError(
-            f"{name}: its hierarchy is {len(head) >> 20} MB long. That is no body; check the file."
-        )
+        raise StudioError(f"{name}: its hierarchy is {len(head) >> 20} MB long. That is no body; check the file.")
     try:
         text = head.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -138,14 +132,10 @@ def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
 
 def _partition_motion(content: bytes) -> tuple[bytes, bool, bytes]:
     """Split at the line that is MOTION alone."""
-    at = 0
-    while (at := content.find(b"MOTION", at)) >= 0:
-        before = content[:at].rstrip(b" \t")
-        after = content[at + 6 :].lstrip(b" \t")[:1]
-        if before[-1:] in (b"\n", b"\r", b"}", b"") and after in (b"\n", b"\r", b""):
-            return content[:at], True, content[at + 6 :].lstrip(b" \t")
-        at += 6
-    return content, False, b""
+    found = _MOTION.search(content)
+    if found is None:
+        return content, False, b""
+    return content[: found.start(1)], True, content[found.end() :]
 
 
 @dataclass
@@ -169,9 +159,7 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
             header.frame_time = " ".join(words[words.index(":") + 1 :])
             header.line = motion_line + at
         elif ":" in words:
-            raise StudioError(
-                f"{name}, line {motion_line + at}: '{key[:40]}' is not part of a BVH motion. Remove it."
-            )
+            raise StudioError(f"{name}, line {motion_line + at}: '{key[:40]}' is not part of a BVH motion. Remove it.")
         else:
             return header, at
     return header, len(body)
@@ -197,15 +185,11 @@ def _frames(
     """(F, C) numbers; a last row that is cut off is dropped and listed."""
     width = sum(map(len, hierarchy.channels))
     if width == 0:
-        raise StudioError(
-            f"{name}: no joint declares channels, so there is no motion to read. Export it with motion."
-        )
+        raise StudioError(f"{name}: no joint declares channels, so there is no motion to read. Export it with motion.")
     counts = count_per_line(lines)
     total = int(counts.sum())
     if total > _MOST_NUMBERS:
-        raise StudioError(
-            f"{name} holds {total} numbers; at most {_MOST_NUMBERS} are read. Cut the take into parts."
-        )
+        raise StudioError(f"{name} holds {total} numbers; at most {_MOST_NUMBERS} are read. Cut the take into parts.")
     last = int(np.flatnonzero(counts)[-1]) if total else -1
     ends = np.cumsum(counts)
     incomplete = total % width
@@ -218,9 +202,7 @@ def _frames(
         repairs.append(f"The last row, line {first_line + last + 1}, is cut off and was dropped.")
         total = row_start
     if total == 0:
-        raise StudioError(
-            f"{name}, line {first_line}: there is no complete frame in this file. Export it again."
-        )
+        raise StudioError(f"{name}, line {first_line}: there is no complete frame in this file. Export it again.")
     if not np.isin(np.arange(width, total + 1, width), ends).all():
         raise _wrong_row(name, counts, width, first_line)
     values = table(lines[: last + 1], total, name, first_line).reshape(-1, width)

@@ -86,9 +86,7 @@ def to_world(
 def _body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
     if found.body_map is None:
         offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
-        reason = "; ".join(
-            f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items()
-        )
+        reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
         return [Guess("body map", "none", f"This is no complete human body: {reason}.")]
     if options.body_map:
         return []
@@ -97,16 +95,12 @@ def _body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) 
     return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)]
 
 
-def _unit(
-    points: FloatArray, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]
-) -> Scale:
+def _unit(points: FloatArray, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]) -> Scale:
     leg = leg_length(points, body_map) if body_map else None
     if options.unit is not None:
         return unit_called(options.unit, leg)
     if leg is None:
-        guesses.append(
-            Guess("unit", "cm", "Without a human body nothing tells the unit; most files are in cm.")
-        )
+        guesses.append(Guess("unit", "cm", "Without a human body nothing tells the unit; most files are in cm."))
         return Scale("cm", 0.01)
     scale, guess = guess_unit(leg)
     guesses.append(guess)
@@ -126,18 +120,14 @@ def _up_axis(
             raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
         return axis
     if body_map is None:
-        guesses.append(
-            Guess("up axis", "Y", "Without a human body nothing tells what is up; most files have Y up.")
-        )
+        guesses.append(Guess("up axis", "Y", "Without a human body nothing tells what is up; most files have Y up."))
         return "Y"
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     guesses.append(guess_up_axis(joint_world(skeleton, still)[0][0], points, body_map))
     return guesses[-1].value
 
 
-def _frame_rate(
-    frame_time: float | None, digit: float, options: ImportOptions, guesses: list[Guess]
-) -> float:
+def _frame_rate(frame_time: float | None, digit: float, options: ImportOptions, guesses: list[Guess]) -> float:
     if options.frame_rate is not None:
         return options.frame_rate
     rate, guess = guess_frame_rate(frame_time, digit)
@@ -172,9 +162,7 @@ def _reference(
     if options.reference is not None:
         return _chosen_reference(skeleton, poses, body_map, options.reference, zero)
     if body_map is None:
-        reference = ReferencePose(
-            zero, "zero pose", "Without a human body no other pose is known to be upright."
-        )
+        reference = ReferencePose(zero, "zero pose", "Without a human body no other pose is known to be upright.")
     else:
         reference = find_reference_pose(skeleton, poses, body_map)
     guesses.append(Guess("reference pose", reference.source, reference.reason))

@@ -46,9 +46,7 @@ class _Words:
 
     def take(self, expected: str) -> str:
         if not self:
-            raise StudioError(
-                f"{self.where}: the file ends where {expected} should stand. It seems to be cut off."
-            )
+            raise StudioError(f"{self.where}: the file ends where {expected} should stand. It seems to be cut off.")
         self._next += 1
         return self._words[self._next - 1][0]
 
@@ -57,8 +55,8 @@ class _Words:
         return number(self.take(expected), where)
 
     def take_name(self) -> str:
-        """All words up to the brace: names may hold spaces."""
-        words: list[str] = []
+        """All words up to the brace: names may hold spaces, and the first word may be any but a brace."""
+        words = [] if self.peek() in ("{", "}", "") else [self.take("a name")]
         while self and self.peek().upper() not in _KEYWORDS:
             words.append(self.take("a name"))
         return " ".join(words)
@@ -69,9 +67,7 @@ def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
     words = _Words(name, lines)
     hierarchy = Hierarchy()
     if words.take("HIERARCHY").lstrip("\ufeff").upper() != "HIERARCHY":
-        raise StudioError(
-            f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file."
-        )
+        raise StudioError(f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file.")
     open_joints: list[int] = []
     while words:
         where = words.where
@@ -93,9 +89,7 @@ def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
         raise StudioError(f"{words.where}: no ROOT joint is declared. Choose a complete BVH file.")
     if open_joints:
         joint = hierarchy.names[open_joints[-1]]
-        hierarchy.repairs.append(
-            f"The brace of joint '{joint}' is never closed; it was closed before MOTION."
-        )
+        hierarchy.repairs.append(f"The brace of joint '{joint}' is never closed; it was closed before MOTION.")
     _make_names_unique(hierarchy)
     return hierarchy
 
@@ -112,25 +106,19 @@ def _begin_joint(hierarchy: Hierarchy, words: _Words, open_joints: list[int], ki
     name = words.take_name()
     if not name:
         name = f"joint{len(hierarchy.names)}"
-        hierarchy.repairs.append(
-            f"The joint on line {where.rsplit(' ', 1)[1]} has no name; it was called '{name}'."
-        )
+        hierarchy.repairs.append(f"The joint on line {where.rsplit(' ', 1)[1]} has no name; it was called '{name}'.")
     return _begin(hierarchy, words, name, open_joints, False, where)
 
 
 def _begin_end_site(hierarchy: Hierarchy, words: _Words, open_joints: list[int], where: str) -> int:
-    words.take_name()
     parent = _innermost(open_joints, "End Site", where)
+    words.take_name()
     return _begin(hierarchy, words, f"{hierarchy.names[parent]}_end", open_joints, True, where)
 
 
-def _begin(
-    hierarchy: Hierarchy, words: _Words, name: str, open_joints: list[int], end_site: bool, where: str
-) -> int:
+def _begin(hierarchy: Hierarchy, words: _Words, name: str, open_joints: list[int], end_site: bool, where: str) -> int:
     if len(hierarchy.names) >= _MOST_JOINTS:
-        raise StudioError(
-            f"{where}: more than {_MOST_JOINTS} joints are declared. That is no body; check the file."
-        )
+        raise StudioError(f"{where}: more than {_MOST_JOINTS} joints are declared. That is no body; check the file.")
     if words.peek() != "{":
         raise StudioError(f"{words.where}: '{{' is missing after joint '{name[:40]}'. Correct that line.")
     words.take("'{'")
@@ -151,9 +139,7 @@ def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) 
     name = hierarchy.names[joint]
     count = words.take_number("the number of channels")
     if count not in range(7):
-        raise StudioError(
-            f"{where}: joint '{name}' declares {count:g} channels; a joint has 0 to 6. Correct it."
-        )
+        raise StudioError(f"{where}: joint '{name}' declares {count:g} channels; a joint has 0 to 6. Correct it.")
     channels: list[str] = []
     for _ in range(int(count)):
         at, word = words.where, words.take("a channel")

@@ -56,16 +56,19 @@ def _hierarchy(skeleton: Skeleton, positioned: frozenset[int], scale: float) -> 
     for joint in _depth_first(skeleton):
         depth = skeleton.depths[joint]
         while open_depths and open_depths[-1] >= depth:
-            yield "\t" * open_depths.pop() + "}\n"
+            yield _indent(open_depths.pop()) + "}\n"
         open_depths.append(depth)
-        yield from _joint(skeleton, joint, "\t" * depth, offsets[joint], joint in positioned)
+        yield from _joint(skeleton, joint, _indent(depth), offsets[joint], joint in positioned)
     while open_depths:
-        yield "\t" * open_depths.pop() + "}\n"
+        yield _indent(open_depths.pop()) + "}\n"
 
 
-def _joint(
-    skeleton: Skeleton, joint: int, indent: str, offset: FloatArray, positioned: bool
-) -> Iterator[str]:
+def _indent(depth: int) -> str:
+    """Tabs as deep as the joint, but no deeper than anybody reads."""
+    return "\t" * min(depth, 40)
+
+
+def _joint(skeleton: Skeleton, joint: int, indent: str, offset: FloatArray, positioned: bool) -> Iterator[str]:
     if skeleton.end_sites[joint]:
         yield f"{indent}End Site\n{indent}{{\n"
     else:
@@ -76,9 +79,7 @@ def _joint(
         moves = "6 Xposition Yposition Zposition" if positioned else "3"
         yield f"{indent}\tCHANNELS {moves} {turns}\n"
     elif skeleton.children[joint]:
-        raise StudioError(
-            f"'{skeleton.names[joint]}' carries joints and cannot be written as the end of a bone."
-        )
+        raise StudioError(f"'{skeleton.names[joint]}' carries joints and cannot be written as the end of a bone.")
 
 
 def _depth_first(skeleton: Skeleton) -> Iterator[int]:
@@ -100,7 +101,8 @@ def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], s
             columns.append(positions[:, joint])
         if not skeleton.end_sites[joint]:
             columns.append(angles[:, joint])
-    return np.concatenate(columns, axis=1)
+    rows: FloatArray = np.concatenate(columns, axis=1) + 0.0  # no "-0"
+    return rows
 
 
 def _replace(path: Path, text: str) -> None:

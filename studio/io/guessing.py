@@ -48,9 +48,7 @@ def leg_length(positions: FloatArray, body_map: BodyMap) -> float:
     """Mean of thigh and shank together over frames and sides, in the unit of ``positions`` (F, J, 3)."""
     total = 0.0
     for side in ("LEFT", "RIGHT"):
-        hip, knee, ankle = (
-            positions[:, body_map[BodyPart[f"{side}_{part}"]]] for part in ("THIGH", "SHANK", "FOOT")
-        )
+        hip, knee, ankle = (positions[:, body_map[BodyPart[f"{side}_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
         total += np.linalg.norm(knee - hip, axis=1).mean() + np.linalg.norm(ankle - knee, axis=1).mean()
     return float(total / 2)
 
@@ -109,9 +107,7 @@ def guess_up_axis(rest: FloatArray, positions: FloatArray, body_map: BodyMap) ->
 def _upright(positions: FloatArray, body_map: BodyMap) -> FloatArray:
     """(F, 3) unit directions from the ankles to the shoulders."""
     ankles = positions[:, [body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]]].mean(axis=1)
-    shoulders = positions[:, [body_map[BodyPart.LEFT_UPPER_ARM], body_map[BodyPart.RIGHT_UPPER_ARM]]].mean(
-        axis=1
-    )
+    shoulders = positions[:, [body_map[BodyPart.LEFT_UPPER_ARM], body_map[BodyPart.RIGHT_UPPER_ARM]]].mean(axis=1)
     direction = shoulders - ankles
     length: FloatArray = np.linalg.norm(direction, axis=1, keepdims=True)
     return np.asarray(direction / np.maximum(length, 1e-9))

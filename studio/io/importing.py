@@ -30,9 +30,7 @@ class ImportOptions:
 GUESS_ALL = ImportOptions()
 
 
-def load_capture(
-    path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
-) -> Capture:
+def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> Capture:
     """The capture in the file at ``path``, in world axes and metres.
 
     ``progress`` hears a share from 0 to 1 and what is being done. Raises StudioError with file, line and what

@@ -48,9 +48,7 @@ def format_of(path: Path) -> CaptureFormat:
         with path.open("rb") as file:
             head = file.read(_SNIFFED)
     except OSError as error:
-        raise StudioError(
-            f"{path.name} could not be read: {error.strerror}. Check the file and try again."
-        ) from error
+        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
     by_content = [known for known in CAPTURE_FORMATS if known.sniff(head)]
     by_suffix = [known for known in CAPTURE_FORMATS if path.suffix.lower() in known.suffixes]
     if not by_content and not by_suffix:

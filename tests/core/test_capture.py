@@ -1,0 +1,42 @@
+"""A capture agrees with itself, and what the user overrules is no longer a guess."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.core.capture import Capture, Guess
+from studio.core.errors import StudioError
+from studio.core.humanoid import BodyPart
+from tests.builders import BODY_MAP, make_capture
+
+
+def test_what_the_user_overrules_is_no_longer_a_guess() -> None:
+    guesses = (Guess("floor", "0 m", "near zero"), Guess("unit", "cm", "legs"))
+    capture = replace(make_capture(), guesses=guesses).with_floor(-0.2)
+    assert capture.floor == -0.2
+    assert [guess.subject for guess in capture.guesses] == ["unit"]
+
+
+def test_body_map_rate_and_start_can_be_overruled() -> None:
+    capture = make_capture()
+    changed = capture.with_body_map(BODY_MAP | {"head": "Neck", "neck": "Neck"})
+    assert changed.body_map is not None
+    assert capture.skeleton.names[changed.body_map[BodyPart.HEAD]] == "Neck"
+    assert capture.with_frame_rate(24.0).frame_rate == 24.0
+    assert capture.with_first_frame(1).duration == pytest.approx((capture.frame_count - 2) / capture.frame_rate)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"frame_rate": 0.0}, "frame rate or the floor"),
+        ({"floor": np.nan}, "frame rate or the floor"),
+        ({"first_frame": 10_000}, "has no frame 10000"),
+        ({"reference_rotations": np.zeros((2, 4))}, "do not fit"),
+    ],
+)
+def test_a_capture_that_contradicts_itself_is_refused(changes: dict[str, object], sentence: str) -> None:
+    capture: Capture = make_capture()
+    with pytest.raises(StudioError, match=sentence):
+        replace(capture, **changes)  # type: ignore[arg-type]

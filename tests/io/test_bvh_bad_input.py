@@ -1,0 +1,250 @@
+"""Files nobody vetted: each case is repaired and listed, or refused in a sentence with file and line.
+
+The list never shrinks.
+"""
+
+import random
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from studio.core.errors import StudioError
+from studio.io.bvh import BvhFile, read_bvh
+from studio.io.importing import load_capture
+from tests.io.bvh_text import HIERARCHY, ROW, bvh_text
+
+
+def _read(tmp_path: Path, content: str | bytes) -> BvhFile:
+    path = tmp_path / "take.bvh"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return read_bvh(path)
+
+
+def _rows(bad: str) -> str:
+    """The file with ``bad`` in the place of 90 on its second row, line 20."""
+    return bvh_text([ROW, ROW.replace("90", bad), ROW])
+
+
+REFUSED = {
+    "empty": ("", "take.bvh is empty"),
+    "only spaces": (" \n\t\n", "take.bvh is empty"),
+    "binary": (b"\x7fELF\0\0\1\2", "take.bvh, byte 4: this is binary data"),
+    "binary in the motion": (bvh_text().encode() + b"\0\0", "this is binary data"),
+    "another format": ("ply\nformat ascii 1.0\n", "take.bvh, line 1: a BVH file begins with HIERARCHY"),
+    "another format with motion": ("solid x\nMOTION\n1 2\n", "line 1: a BVH file begins with HIERARCHY"),
+    "no motion": (HIERARCHY, "take.bvh, line 15: the file ends before MOTION"),
+    "cut in the hierarchy": (HIERARCHY[:100], "the file ends before MOTION"),
+    "no root": ("HIERARCHY\nMOTION\nFrames: 0\n", "no ROOT joint is declared"),
+    "no frames": (
+        bvh_text([], header="Frames: 0\nFrame Time: 0.01\n"),
+        "there is no complete frame",
+    ),
+    "nothing after motion": (HIERARCHY + "MOTION\n", "there is no complete frame"),
+    "nan": (_rows("nan"), "take.bvh, line 20: 'nan' is not a number"),
+    "inf": (_rows("-inf"), "take.bvh, line 20: '-inf' is not a number"),
+    "underscore": (_rows("1_000"), "take.bvh, line 20: '1_000' is not a number"),
+    "arabic digits": (_rows("٩٠"), "take.bvh, line 20: '٩٠' is not a number"),
+    "hexadecimal": (_rows("0x5a"), "line 20: '0x5a' is not a number"),
+    "two signs": (_rows("--90"), "line 20: '--90' is not a number"),
+    "joined numbers": (_rows("90-1"), "line 20: '90-1' is not a number"),
+    "two points": (_rows("9.0.1"), "line 20: '9.0.1' is not a number"),
+    "lone point": (_rows("."), "line 20: '.' is not a number"),
+    "cut exponent": (_rows("1e"), "line 20: '1e' is not a number"),
+    "word": (_rows("NaN#QNAN"), "line 20: 'NaN#QNAN' is not a number"),
+    "endless word": (_rows("x" * 5000), "line 20: 'x{40}…' is not a number"),
+    "too large": (_rows("1e300"), "line 20: '1e300' is too large to be true"),
+    "overflow": (_rows("1e999"), "line 20: '1e999' is too large to be true"),
+    "comma decimals": (_rows("90,5"), "line 20: '90,5' is not a number. Commas seem to be decimals"),
+    "comma offset": (
+        bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0 20,5 0")),
+        "line 8: '20,5' is not a number. Commas seem",
+    ),
+    "nan offset": (
+        bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0 nan 0")),
+        "line 8: 'nan' is not a number",
+    ),
+    "short offset": (
+        bvh_text(hierarchy=HIERARCHY.replace("0 20 0", "0 20")),
+        "line 9: 'CHANNELS' is not a number",
+    ),
+    "short row": (bvh_text([ROW, ROW[:-4], ROW]), "line 20: 8 numbers stand here where 9 should stand"),
+    "long row": (bvh_text([ROW, ROW + " 7", ROW]), "line 20: 10 numbers stand here where 9 should stand"),
+    "rows that make up for each other": (bvh_text([ROW[:-4], ROW + " 7", ROW]), "line 19: 8 numbers"),
+    "only a part of a row": (bvh_text(["1 2 3"], header="Frame Time: 0.01\n"), "there is no complete frame"),
+    "unknown channel": (
+        bvh_text(hierarchy=HIERARCHY.replace("Zposition", "Wposition")),
+        "line 5: 'Wposition' is no channel",
+    ),
+    "channel twice": (
+        bvh_text(hierarchy=HIERARCHY.replace("Yposition", "Xposition")),
+        "line 5: joint 'Hips' declares Xposition twice",
+    ),
+    "too few channels named": (
+        bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 4")),
+        "line 10: 'End' is no channel",
+    ),
+    "too many channels": (
+        bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 700000000")),
+        "line 9: joint 'Spine' declares 7e\\+08 channels",
+    ),
+    "half a channel": (
+        bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 2.5")),
+        "declares 2.5 channels",
+    ),
+    "no channels": (
+        bvh_text(hierarchy="HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\n}\n"),
+        "no joint declares channels",
+    ),
+    "second root": (
+        bvh_text(hierarchy=HIERARCHY + "ROOT Other\n{\nOFFSET 0 0 0\n}\n"),
+        "line 16: a second root stands in this file",
+    ),
+    "missing brace": (
+        bvh_text(hierarchy=HIERARCHY.replace("Hips\n{", "Hips\n")),
+        "line 4: '{' is missing after",
+    ),
+    "brace too many": (bvh_text(hierarchy=HIERARCHY + "}\n"), "line 16: } stands outside every joint"),
+    "offset outside": ("HIERARCHY\nOFFSET 1 2 3\nMOTION\n", "line 2: OFFSET stands outside every joint"),
+    "end site outside": (
+        "HIERARCHY\nEnd Site\n{\n}\nMOTION\n",
+        "line 2: End Site stands outside every joint",
+    ),
+    "unknown word": (
+        bvh_text(hierarchy=HIERARCHY.replace("OFFSET 0 20", "OFSET 0 20")),
+        "line 8: 'OFSET' is not",
+    ),
+    "unknown header": (bvh_text(header="Frames: 3\nColour: red\n"), "line 18: 'colour' is not part of"),
+    "frame time in words": (
+        bvh_text(header="Frames: 3\nFrame Time: fast\n"),
+        "line 18: 'fast' is not a number",
+    ),
+    "frame time with a comma": (
+        bvh_text(header="Frame Time: 0,033\n"),
+        "line 17: '0,033' is not a number. Commas",
+    ),
+    "too many joints": (
+        bvh_text(hierarchy="HIERARCHY\n" + "ROOT a\n{\n" + "JOINT b\n{\n" * 5000 + "}\n" * 5001),
+        "more than 4096 joints are declared",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_it_is_refused_in_a_sentence(tmp_path: Path, case: str) -> None:
+    content, sentence = REFUSED[case]
+    with pytest.raises(StudioError, match=sentence.replace(". ", r"\. ").replace("} stands", r"\} stands")) as refusal:
+        _read(tmp_path, content)
+    assert str(refusal.value).startswith("take.bvh")
+    assert str(refusal.value).rstrip().endswith(".")
+
+
+REPAIRED = {
+    "more rows than said": (bvh_text([ROW] * 4), 4, "says Frames: 3, but 4 were found"),
+    "fewer rows than said": (bvh_text([ROW] * 2), 2, "says Frames: 3, but 2 were found"),
+    "absurd frames": (
+        bvh_text(header="Frames: 999999999999\nFrame Time: 0.01\n"),
+        3,
+        "says Frames: 999999999999",
+    ),
+    "negative frames": (bvh_text(header="Frames: -1\nFrame Time: 0.01\n"), 3, "says Frames: -1"),
+    "no frames line": (bvh_text(header="Frame Time: 0.01\n"), 3, "does not say how many frames"),
+    "no frame time": (bvh_text(header="Frames: 3\n"), 3, "has no Frame Time"),
+    "frame time zero": (
+        bvh_text(header="Frames: 3\nFrame Time: 0\n"),
+        3,
+        "Frame Time 0 on line 18 cannot be true",
+    ),
+    "frame time negative": (
+        bvh_text(header="Frames: 3\nFrame Time: -1\n"),
+        3,
+        "Frame Time -1 on line 18 cannot",
+    ),
+    "frame time in milliseconds": (
+        bvh_text(header="Frames: 3\nFrame Time: 33.3\n"),
+        3,
+        "33.3 on line 18 cannot",
+    ),
+    "cut row": (
+        bvh_text([ROW, ROW, "1.5 90"], end=""),
+        2,
+        "The last row, line 21, is cut off and was dropped",
+    ),
+    "cut row before a line break": (bvh_text([ROW, ROW, "1.5 90"]), 2, "The last row, line 21, is cut off"),
+    "cut number": (
+        bvh_text([ROW, ROW, ROW[:-1]], header="Frames: 9\nFrame Time: 0.01\n", end=""),
+        2,
+        "line 21",
+    ),
+    "joint names twice": (
+        bvh_text(hierarchy=HIERARCHY.replace("JOINT Spine", "JOINT Hips")),
+        3,
+        "A second joint is called 'Hips'; it was renamed 'Hips_2'",
+    ),
+    "joint without a name": (
+        bvh_text(hierarchy=HIERARCHY.replace("JOINT Spine", "JOINT")),
+        3,
+        "The joint on line 6 has no name",
+    ),
+    "brace never closed": (
+        bvh_text(hierarchy=HIERARCHY[:-2]),
+        3,
+        "The brace of joint 'Hips' is never closed",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REPAIRED)
+def test_it_is_repaired_and_listed(tmp_path: Path, case: str) -> None:
+    content, frames, repair = REPAIRED[case]
+    file = _read(tmp_path, content)
+    assert len(file.frames) == frames
+    assert any(repair in listed for listed in file.repairs), file.repairs
+
+
+def test_two_ends_of_one_joint_get_names_of_their_own(tmp_path: Path) -> None:
+    end = "    End Site\n    {\n      OFFSET 0 30 0\n    }\n"
+    file = _read(tmp_path, bvh_text(hierarchy=HIERARCHY.replace(end, end + end)))
+    assert file.skeleton.names == ("Hips", "Spine", "Spine_end", "Spine_end_2")
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.bvh", tmp_path):
+        with pytest.raises(StudioError, match="could not be read"):
+            load_capture(path)
+
+
+def test_a_file_of_another_kind_is_refused_with_the_kinds_there_are(tmp_path: Path) -> None:
+    path = tmp_path / "notes.txt"
+    path.write_text("hello")
+    with pytest.raises(StudioError, match=r"notes\.txt is no capture the studio reads\. It reads BVH"):
+        load_capture(path)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_mutated_files_load_or_are_refused_and_nothing_else(tmp_path: Path, seed: int) -> None:
+    generator = random.Random(seed)
+    original = bvh_text().encode()
+    pieces = [
+        b"{",
+        b"}",
+        b"\n",
+        b" ",
+        b"-",
+        b"1e400",
+        b"nan",
+        b"\0",
+        b"MOTION",
+        b"JOINT x",
+        b"\xff",
+        b"99999999999",
+        b",",
+    ]
+    for _ in range(25):
+        content = bytearray(original)
+        for _ in range(generator.randint(1, 6)):
+            at = generator.randrange(len(content))
+            content[at : at + generator.randint(0, 12)] = generator.choice(pieces)
+        (tmp_path / "take.bvh").write_bytes(content)
+        with suppress(StudioError):
+            assert load_capture(tmp_path / "take.bvh").frame_count >= 1
