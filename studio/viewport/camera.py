@@ -58,6 +58,12 @@ class OrbitCamera:
         """Brought ``factor`` times nearer to its target."""
         return replace(self, distance=min(max(self.distance / factor, CLOSEST), FARTHEST))
 
+    def zoomed_at(self, factor: float, x: float, y: float, size: tuple[float, float]) -> Self:
+        """Brought ``factor`` times nearer, what is under pixel (x, y) at the target's depth staying there."""
+        nearer = self.zoomed(factor)
+        gain = self.metres_per_pixel(size[1]) - nearer.metres_per_pixel(size[1])
+        return nearer.panned((x - size[0] / 2) * gain, (size[1] / 2 - y) * gain)
+
     def metres_per_pixel(self, height: float, depth: float | None = None) -> float:
         """How long one pixel is at ``depth`` metres before the eye, in a picture ``height`` pixels high."""
         reach = self.distance if depth is None or self.parallel else max(depth, 1e-6)
@@ -100,9 +106,7 @@ class OrbitCamera:
         middle = float((local[:, 2].max() + local[:, 2].min()) / 2)
         distance = eye_depth if self.parallel else eye_depth - middle
         target = np.array([centre[0], centre[1], middle]) @ self.axes
-        return replace(
-            self, target=tuple(target.tolist()), distance=min(max(distance, 4 * CLOSEST), FARTHEST)
-        )
+        return replace(self, target=tuple(target.tolist()), distance=min(max(distance, 4 * CLOSEST), FARTHEST))
 
     def towards(self, other: "OrbitCamera", share: float) -> "OrbitCamera":
         """The camera ``share`` (0 to 1) of the way to ``other``, turning the short way round."""

@@ -15,7 +15,6 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QResizeEvent,
-    QShowEvent,
 )
 from PySide6.QtWidgets import QWidget
 
@@ -102,11 +101,6 @@ class Canvas(QWidget):
     def paint_over(self, painter: QPainter) -> None:
         """Paint over the picture in logical pixels; for the subclass."""
 
-    def showEvent(self, event: QShowEvent) -> None:
-        """The widget comes first, VTK as soon as the event loop is free."""
-        super().showEvent(event)
-        QTimer.singleShot(0, self, self.start)
-
     def closeEvent(self, event: QCloseEvent) -> None:
         """Closed for good."""
         self.stop()
@@ -122,6 +116,7 @@ class Canvas(QWidget):
         painter = QPainter(self)
         if self._image.isNull():
             self._paint_waiting(painter)
+            QTimer.singleShot(0, self, self.start)  # VTK comes when the window has been seen
         else:
             painter.drawImage(self.rect(), self._image)
             self.paint_over(painter)

@@ -21,9 +21,7 @@ _CALL = f"QPushButton {{ background: {colours.SELECTED_CONTROL}; color: #ffffff;
 class Chip(QPushButton):
     """A word to click."""
 
-    def __init__(
-        self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = ""
-    ) -> None:
+    def __init__(self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = "") -> None:
         super().__init__(text, parent)
         self.setObjectName(name.replace(" ", "_").lower())
         self.setAccessibleName(name)
@@ -44,9 +42,7 @@ class Chip(QPushButton):
 class ToggleChip(Chip):
     """A word that is on, with a full dot before it, or off, with an empty one."""
 
-    def __init__(
-        self, text: str, name: str, on: bool, toggled: Callable[[], object], parent: QWidget
-    ) -> None:
+    def __init__(self, text: str, name: str, on: bool, toggled: Callable[[], object], parent: QWidget) -> None:
         super().__init__(text, name, toggled, parent)
         self._word = text
         self.setCheckable(True)

@@ -1,5 +1,6 @@
 """A mesh whose points and normals are numpy arrays that VTK reads in place."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,10 @@ from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 
+from studio.document import colours
+from studio.viewport.paths import StagePath
+
 FloatBuffer = NDArray[np.float32]
-Path = NDArray[np.float64]
 
 
 class LiveMesh:
@@ -43,19 +46,18 @@ class LiveLines:
         self.actor = flat_actor(self._polydata)
         self.actor.prop.line_width = width
 
-    def show_paths(self, paths: list[Path], hues: list[tuple[str, NDArray[np.float64]]]) -> None:
-        """Draw each path (N, 3); its hue is a colour and the strength of each point (N,)."""
+    def show_paths(self, paths: Sequence[StagePath]) -> None:
+        """Draw these paths and no others."""
         self.actor.SetVisibility(bool(paths))
         if not paths:
             return
-        ends = np.cumsum([len(path) for path in paths])
+        ends = np.cumsum([len(path.points) for path in paths])
         first = np.concatenate(
-            [np.arange(end - len(path), end - 1) for path, end in zip(paths, ends, strict=True)]
+            [np.arange(end - len(path.points), end - 1) for path, end in zip(paths, ends, strict=True)]
         )
-        self._polydata.points = np.concatenate(paths).astype(np.float32)
+        self._polydata.points = np.concatenate([path.points for path in paths]).astype(np.float32)
         self._polydata.lines = np.column_stack([np.full(len(first), 2), first, first + 1]).ravel()
-        tints = [_faded(colour, strength) for colour, strength in hues]
-        self._polydata.point_data["colour"] = np.concatenate(tints)
+        self._polydata.point_data["colour"] = np.concatenate([_faded(path) for path in paths])
         self._polydata.point_data.active_scalars_name = "colour"
 
 
@@ -69,6 +71,6 @@ def flat_actor(polydata: pv.PolyData) -> Any:
     return actor
 
 
-def _faded(colour: str, strength: NDArray[np.float64]) -> NDArray[np.uint8]:
-    full, away = (np.array(pv.Color(hue).int_rgb, dtype=np.float64) for hue in (colour, "#22272d"))
-    return np.round(away + np.clip(strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)
+def _faded(path: StagePath) -> NDArray[np.uint8]:
+    full, away = (np.array(pv.Color(hue).int_rgb, dtype=np.float64) for hue in (path.colour, colours.BAR))
+    return np.round(away + np.clip(path.strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)

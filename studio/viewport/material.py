@@ -16,9 +16,7 @@ _SHADED = """//VTK::Light::Impl
 def light_like_a_studio(plotter: pv.Plotter) -> None:
     """One lamp that goes with the camera, above and to the left of it."""
     plotter.remove_all_lights()
-    lamp = pv.Light(
-        light_type="camera light", position=(-0.45, 0.75, 1.0), focal_point=(0, 0, 0), intensity=0.95
-    )
+    lamp = pv.Light(light_type="camera light", position=(-0.45, 0.75, 1.0), focal_point=(0, 0, 0), intensity=0.95)
     plotter.add_light(lamp)
 
 

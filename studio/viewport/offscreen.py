@@ -7,6 +7,7 @@ from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import opening_camera
+from studio.viewport.paths import trails
 from studio.viewport.performance import posed_performers
 from studio.viewport.scene import Pixels, StageScene
 from studio.viewport.stills import SAMPLES, Still
@@ -58,7 +59,7 @@ def _frames(
         for time in times:
             posed = posed_performers(project, results.get, time)
             camera = camera or opening_camera(posed, size)
-            scene.sync(project, posed, trail=trail)
+            scene.sync(project, posed, paths=trails(project, posed, trail))
             still = Still(scene, camera, size)
             while still.count < samples:
                 still.refine()

@@ -25,9 +25,7 @@ def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
     return np.concatenate(paths) if paths else np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.8]])
 
 
-def opening_camera(
-    posed: Mapping[str, Posed], size: tuple[float, float], parallel: bool = False
-) -> OrbitCamera:
+def opening_camera(posed: Mapping[str, Posed], size: tuple[float, float], parallel: bool = False) -> OrbitCamera:
     """The first camera for these performers."""
     places = np.array([pose.points[0] for pose in posed.values()]).reshape(-1, 3)
     cameras = [replace(OrbitCamera(), azimuth=azimuth, parallel=parallel) for azimuth in AZIMUTHS]

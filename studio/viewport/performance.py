@@ -45,9 +45,7 @@ class Placement:
 
 def motion_time(clip: Clip, frame_rate: float, time: float) -> float:
     """Seconds of the clip's motion that play at stage ``time``, held at the clip's ends."""
-    return min(
-        max(time - clip.start + clip.first / frame_rate, clip.first / frame_rate), clip.last / frame_rate
-    )
+    return min(max(time - clip.start + clip.first / frame_rate, clip.first / frame_rate), clip.last / frame_rate)
 
 
 def stage_time(clip: Clip, frame_rate: float, time: float) -> float:
@@ -95,9 +93,11 @@ def pose_of(performer: Performer, motion: AdaptedMotion, time: float) -> Posed:
 
 def posed_performers(project: Project, result_of: Results, time: float) -> dict[str, Posed]:
     """Every visible performer that has an adapted motion, at stage ``time``."""
-    found = {
-        key: (one, result_of(key))
-        for key, one in project.performers.items()
-        if one.visible and one.character_id in project.characters
-    }
-    return {key: pose_of(one, motion, time) for key, (one, motion) in found.items() if motion is not None}
+    posed = {}
+    for performer_id, performer in project.performers.items():
+        character = project.characters.get(performer.character_id) if performer.visible else None
+        motion = result_of(performer_id) if character is not None else None
+        # A result may still be of the body that the performer had before.
+        if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
+            posed[performer_id] = pose_of(performer, motion, time)
+    return posed

@@ -28,9 +28,7 @@ class PickedJoint:
     joint: BodyJoint
 
 
-def joint_at(
-    posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float
-) -> PickedJoint | None:
+def joint_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> PickedJoint | None:
     """The joint nearest to pixel (x, y) and in reach of it; of two as near, the one in front."""
     best, found = JOINT_REACH, None
     for performer_id, pose in posed.items():

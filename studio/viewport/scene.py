@@ -1,7 +1,7 @@
 """The stage in VTK: floor, bodies, trails and props, drawn off screen into an array of pixels."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,18 +11,16 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
 from studio.core.character import Character
-from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
 from studio.viewport.bodies import BodyVisual
-from studio.viewport.body_points import point_path
 from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
 from studio.viewport.floor import SoftShadows, make_lines, make_plane, make_sky
 from studio.viewport.live_mesh import LiveLines, flat_actor
 from studio.viewport.material import SkyShading, light_like_a_studio
+from studio.viewport.paths import StagePath
 from studio.viewport.performance import Posed
 
 Pixels = NDArray[np.uint8]
-TRAIL_SECONDS = 0.8
 PROP_COLOUR = "#8a8f96"
 
 
@@ -51,26 +49,22 @@ class StageScene:
         project: Project,
         posed: Mapping[str, Posed],
         bones: bool = False,
-        trail: BodyPoint | None = None,
+        paths: Sequence[StagePath] = (),
     ) -> None:
-        """Show performers as skins or bones, the paths of one point, props."""
+        """Show performers as skins or bones, their shadows, lines on the stage, props."""
         self._drop_bodies(project, posed)
         for performer_id, pose in posed.items():
             body = self._body(performer_id, project.characters[pose.performer.character_id])
             if bones and body.bones_actor is None:
                 self._add_shaded(body.make_bones(pose.motion.morphology.layout))
             body.pose(pose, bones)
-        self._draw_trails(project, posed, trail)
-        self._shadows.cast(
-            [(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground.height
-        )
+        self._lines.show_paths(paths)
+        self._shadows.cast([(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground.height)
         self._sync_props(project)
         for actor in (self._plane, self._grid):
             actor.SetPosition(0.0, 0.0, project.ground.height)
 
-    def render(
-        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)
-    ) -> Pixels:
+    def render(self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)) -> Pixels:
         """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel."""
         window, lens = self._window, self.plotter.renderer.GetActiveCamera()
         if tuple(window.GetSize()) != size:
@@ -131,16 +125,6 @@ class StageScene:
         body.take(character)
         return body
 
-    def _draw_trails(self, project: Project, posed: Mapping[str, Posed], point: BodyPoint | None) -> None:
-        paths: list[NDArray[np.float64]] = []
-        hues: list[tuple[str, NDArray[np.float64]]] = []
-        for pose in posed.values():
-            if point is not None:
-                path, away = _recent_path(pose, point)
-                paths.append(path)
-                hues.append((project.characters[pose.performer.character_id].colour, 1 - away))
-        self._lines.show_paths(paths, hues)
-
     def _sync_props(self, project: Project) -> None:
         for prop_id in [key for key in self._props if key not in project.props]:
             self._remove(self._props.pop(prop_id))
@@ -154,11 +138,3 @@ class StageScene:
             actor.SetScale(*prop.size)
             actor.SetOrientation(0.0, 0.0, math.degrees(prop.heading))
             actor.SetPosition(*prop.position)
-
-
-def _recent_path(pose: Posed, point: BodyPoint) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Stage points (N, 3) of ``point`` in the frames round this one, and how far in time each is (N,)."""
-    reach = round(TRAIL_SECONDS * pose.motion.frame_rate)
-    rows = slice(max(pose.row - reach, 0), pose.row + reach + 1)
-    path = pose.placement.to_stage(point_path(pose.motion, point, rows))
-    return path, np.abs(np.arange(rows.start, rows.start + len(path)) - pose.row) / (reach + 1)

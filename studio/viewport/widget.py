@@ -27,6 +27,7 @@ from studio.viewport.live import Live
 from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
+from studio.viewport.paths import StagePath, contact_marks, selection_rings, trails
 from studio.viewport.performance import Placement, Posed, pose_of, posed_performers
 from studio.viewport.picking import PickedJoint
 from studio.viewport.problem import Problem, worst_problem
@@ -56,6 +57,7 @@ class Viewport(Canvas):
         self._bones = False
         self._framed = False
         self._problem: Problem | None = None
+        self._problem_stale = True
         self._glide = Glide(self.set_camera, self)
         self._chips = Chips(
             self,
@@ -206,7 +208,9 @@ class Viewport(Canvas):
         if self.posed and not self._framed:
             self._framed = True
             self.camera = opening_camera(self.posed, self.view_size, self.camera.parallel)
-        scene.sync(project, self.posed, self._bones, self._trail_point())
+        if self._problem_stale:
+            self._problem, self._problem_stale = worst_problem(project, self._live.result), False
+        scene.sync(project, self.posed, self._bones, self._paths())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
@@ -246,6 +250,14 @@ class Viewport(Canvas):
         source = self._live.source(pose.motion_id)
         return pose_of(pose.performer, source, self._document.playhead.time) if source else None
 
+    def _paths(self) -> list[StagePath]:
+        project, selected = self._document.project, self._document.selection.of("performers")
+        return [
+            *trails(project, self.posed, self._trail_point()),
+            *selection_rings(project, self.posed, selected),
+            *contact_marks(project, self.posed),
+        ]
+
     def _trail_point(self) -> BodyPoint | None:
         """The point whose paths are drawn: the selected constraint's, else the picked joint's."""
         if not self._chips.trails.isChecked():
@@ -261,9 +273,7 @@ class Viewport(Canvas):
         selection = self._document.selection
         points = [self.posed[key].points for key in selection.of("performers") if key in self.posed]
         targets = [
-            one.target
-            for one in self.handles()
-            if one.main and one.constraint_id in selection.of("constraints")
+            one.target for one in self.handles() if one.main and one.constraint_id in selection.of("constraints")
         ]
         props = self._document.project.props
         targets += [np.array(props[key].position) for key in selection.of("props") if key in props]
@@ -277,7 +287,7 @@ class Viewport(Canvas):
     def _connect(self) -> list[Callable[[], object]]:
         document = self._document
         links = (
-            (document.entity_changed, self.show_again),
+            (document.entity_changed, self._entity_changed),
             (document.project_opened, self._project_opened),
             (document.selection.changed, self._selection_changed),
             (document.playhead.changed, self.show_again),
@@ -287,10 +297,18 @@ class Viewport(Canvas):
             signal.connect(slot)
         return [partial(signal.disconnect, slot) for signal, slot in links]
 
+    def _entity_changed(self, collection: str, entity_id: str) -> None:
+        if self.gesture is not None and self._document.project.get(collection, entity_id) is None:
+            self.gesture.finish()  # what was dragged may be gone
+            self.gesture = None
+        self._problem_stale = True
+        self.show_again()
+
     def _project_opened(self) -> None:
-        self._framed = False
-        self._problem = None
-        self.cancel_gesture()
+        self._framed, self._problem_stale = False, True
+        if self.gesture is not None:
+            self.gesture.finish()  # there is nothing left to take back
+            self.gesture = None
         self.pick(None)
 
     def _selection_changed(self) -> None:
@@ -300,7 +318,7 @@ class Viewport(Canvas):
         self.show_again()
 
     def _adapted(self, _performer_id: str) -> None:
-        self._problem = worst_problem(self._document.project, self._live.result)
+        self._problem_stale = True
         self.show_again()
 
     # Mouse and keys
@@ -334,9 +352,10 @@ class Viewport(Canvas):
         self.update()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom towards the middle of the view."""
+        """Zoom towards what is under the mouse."""
         self._glide.stop()
-        self.set_camera(self.camera.zoomed(WHEEL_ZOOM ** (event.angleDelta().y() / 120.0)))
+        where, turn = event.position(), event.angleDelta().y() / 120.0
+        self.set_camera(self.camera.zoomed_at(WHEEL_ZOOM**turn, where.x(), where.y(), self.view_size))
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -1,0 +1,76 @@
+"""Lines on the stage: trails of a point, rings round who is selected, marks where feet touch the ground."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import BodyPoint
+from studio.core.contacts import ContactInterval
+from studio.core.project import Project
+from studio.document import colours
+from studio.viewport.body_points import point_path
+from studio.viewport.performance import FloatArray, Posed
+
+TRAIL_SECONDS = 0.8
+RING_RADIUS, MARK_RADIUS = 0.20, 0.045
+"""In parts of the leg's length, and in metres."""
+LIFT = 0.005
+_TURN = np.linspace(0.0, 2 * np.pi, 41)
+_CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class StagePath:
+    """A line through stage ``points`` (N, 3), its colour as strong at each as ``strength`` (N,) says."""
+
+    points: FloatArray
+    colour: str
+    strength: NDArray[np.float64]
+
+
+def trails(project: Project, posed: Mapping[str, Posed], point: BodyPoint | None) -> list[StagePath]:
+    """The way of ``point`` on every body in the moments round this one, in the body's colour."""
+    found = []
+    for pose in posed.values() if point is not None else ():
+        assert point is not None
+        reach = round(TRAIL_SECONDS * pose.motion.frame_rate)
+        rows = slice(max(pose.row - reach, 0), pose.row + reach + 1)
+        path = pose.placement.to_stage(point_path(pose.motion, point, rows))
+        away = np.abs(np.arange(rows.start, rows.start + len(path)) - pose.row) / (reach + 1)
+        found.append(StagePath(path, project.characters[pose.performer.character_id].colour, 1 - away))
+    return found
+
+
+def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Collection[str]) -> list[StagePath]:
+    """A ring on the ground round each selected performer."""
+    chosen = [posed[key] for key in selected if key in posed]
+    return [
+        _ring(
+            pose.points[0], RING_RADIUS * 2 * pose.motion.morphology.leg_length, project, colours.SELECTED_HANDLE, 0.7
+        )
+        for pose in chosen
+    ]
+
+
+def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
+    """A small ring on the ground where a heel or toe is in contact now."""
+    found = []
+    for pose in posed.values():
+        frame = pose.row + pose.motion.first_frame
+        for contact in project.contacts_of(pose.motion_id or "").values():
+            if contact.first <= frame <= contact.last:
+                colour = colours.kind_colour("contact")
+                found.append(_ring(_touching_point(pose, contact), MARK_RADIUS, project, colour, 0.9))
+    return found
+
+
+def _touching_point(pose: Posed, contact: ContactInterval) -> FloatArray:
+    layout, side = pose.motion.morphology.layout, contact.point.side
+    return pose.points[layout.ankle(side) if contact.point.is_heel else layout.toe(side)]
+
+
+def _ring(centre: FloatArray, radius: float, project: Project, colour: str, strength: float) -> StagePath:
+    middle = np.array([centre[0], centre[1], project.ground.height + LIFT])
+    return StagePath(middle + radius * _CIRCLE, colour, np.full(len(_CIRCLE), strength))
