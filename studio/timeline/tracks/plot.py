@@ -18,6 +18,7 @@ from studio.timeline.tracks.brush import font, paint_label, translucent
 
 LEAST_HEIGHT, MOST_HEIGHT = 54, 120
 HEADROOM = 1.12
+LINE = 1.25
 
 
 class Quantity(StrEnum):
@@ -129,7 +130,7 @@ class PlotPicture:
         for place, line in enumerate(self._lines):
             line.setVisible(place < len(self.curves))
         for line, curve in zip(self._lines, self.curves, strict=False):
-            line.setData(curve.times, curve.values, pen=pg.mkPen(QColor(curve.colour), width=1.25))
+            line.setData(curve.times, curve.values)
 
     def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
         """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
@@ -143,6 +144,8 @@ class PlotPicture:
         low, high = self.y_of(row, 0.0), self.y_of(row, self.top)
         for y in (low, high):
             painter.fillRect(area.left(), round(y), area.width(), 1, translucent(colours.EDGE, 0.7))
+        for line, curve in zip(self._lines, self.curves, strict=False):
+            line.setPen(pg.mkPen(QColor(curve.colour), width=LINE * painter.device().devicePixelRatio()))
         scene = self._widget.scene()
         scene.prepareForPaint()
         scene.render(painter, QRectF(area), QRectF(0, 0, area.width(), area.height()))

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF
+from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainter
 
 from studio.document import colours
@@ -32,12 +32,15 @@ def paint_strip(
     if not len(xs) or not len(active):
         return
     states, heights = _columns(shown, strip, xs, int(active[0]), int(active[-1]))
+    # On whole pixels of the screen, so that all lines are equally thick at any scale.
+    scale = painter.device().devicePixelRatio()
+    bottom = round((top + PITCH) * scale) / scale
     edges = np.flatnonzero((np.diff(states) != 0) | (np.diff(heights) != 0)) + 1
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     for begin, end in zip([0, *edges.tolist()], [*edges.tolist(), len(xs)], strict=True):
-        height = int(heights[begin])
-        area = (int(xs[begin]), top + PITCH - height, end - begin, height)
-        painter.fillRect(*area, QColor(COLOURS[states[begin]]))
+        height = max(round(float(heights[begin]) * scale), 1) / scale
+        area = QRectF(float(xs[begin]), bottom - height, end - begin, height)
+        painter.fillRect(area, QColor(COLOURS[states[begin]]))
     paint_dot(painter, QPointF(max(left - 8.0, LABEL_WIDTH + 4.0), top + PITCH - 0.5), 2.0, colour)
 
 
