@@ -1,0 +1,82 @@
+"""The table of actions as Qt's actions: made once, kept true, put into menus and toolbar."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QMenu, QMenuBar
+
+from studio.app.actions import ACTIONS, MENUS, Action
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+
+
+class ActionSet(QObject):
+    """All QActions by id."""
+
+    def __init__(self, bench: Workbench, parent: QObject) -> None:
+        super().__init__(parent)
+        self._bench = bench
+        self.menus: dict[str, QMenu] = {}
+        self.by_id: dict[str, QAction] = {row.id: self._make(row) for row in ACTIONS}
+        document = bench.document
+        for signal in (
+            document.undo_stack.indexChanged,
+            document.selection.changed,
+            document.entity_changed,
+            document.project_opened,
+            bench.views_changed,
+        ):
+            signal.connect(self.refresh)
+        self.refresh()
+
+    def refresh(self, *_: object) -> None:
+        """Fetch what can be done now, what is switched on, and what undo would take back."""
+        for row in ACTIONS:
+            action = self.by_id[row.id]
+            action.setEnabled(row.enabled(self._bench))
+            if row.checked is not None:
+                action.setChecked(row.checked(self._bench))
+        stack = self._bench.document.undo_stack
+        self.by_id["undo"].setText(f"Undo {_uncapitalised(stack.undoText())}".strip())
+        self.by_id["redo"].setText(f"Redo {_uncapitalised(stack.redoText())}".strip())
+
+    def fill(self, bar: QMenuBar) -> None:
+        """Put all actions into their menus."""
+        self.menus = {name: bar.addMenu(f"&{name}") for name in MENUS}
+        for row in ACTIONS:
+            self.menus[row.menu].addAction(self.by_id[row.id])
+            if row.ends_group:
+                self.menus[row.menu].addSeparator()
+
+    def by_menu(self) -> dict[str, list[QAction]]:
+        """All actions by menu, for the sheet."""
+        return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
+
+    def tools(self) -> list[tuple[str, QAction]]:
+        """(short text, action) of what stands on the toolbar."""
+        return [(row.tool, self.by_id[row.id]) for row in ACTIONS if row.tool]
+
+    def _make(self, row: Action) -> QAction:
+        action = QAction(row.text, self)
+        action.setShortcuts([QKeySequence(keys) for keys in row.shortcuts])
+        action.setAutoRepeat(row.repeats)
+        action.setCheckable(row.checked is not None)
+        keys = f"  {row.shortcuts[0]}" if row.shortcuts else ""
+        action.setToolTip((row.tooltip or row.text) + keys)
+        action.triggered.connect(self._runner(row))
+        return action
+
+    def _runner(self, row: Action) -> Callable[[], None]:
+        def run() -> None:
+            try:
+                row.run(self._bench)
+            except StudioError as error:
+                self._bench.said.emit(str(error))
+            self.refresh()
+
+        return run
+
+
+def _uncapitalised(text: str) -> str:
+    return text[:1].lower() + text[1:]

@@ -1,0 +1,156 @@
+"""One table of actions, behind menus, toolbar, command palette and shortcut sheet."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from studio.app.verbs import editing, files, playback, view
+from studio.app.workbench import Workbench
+
+Run = Callable[[Workbench], object]
+Test = Callable[[Workbench], bool]
+
+MENUS = ("File", "Edit", "Character", "Constraint", "Play", "View", "Help")
+
+
+def _always(_: Workbench) -> bool:
+    return True
+
+
+def _viewing(bench: Workbench) -> bool:
+    return bench.viewport is not None
+
+
+def _performing(bench: Workbench) -> bool:
+    return bench.document.active_motion_id is not None
+
+
+def _with_bodies(bench: Workbench) -> bool:
+    return bool(bench.document.project.performers)
+
+
+def _any_selected(bench: Workbench) -> bool:
+    return any(collection != "grounds" for collection, _ in bench.document.selection.items)
+
+
+def _constraint_selected(bench: Workbench) -> bool:
+    return bool(bench.document.selection.of("constraints"))
+
+
+def _picked(bench: Workbench) -> bool:
+    return _viewing(bench) and _performing(bench)
+
+
+@dataclass(frozen=True)
+class Action:
+    """One thing the user can do. ``checked`` makes it a switch; ``tool`` puts it on the toolbar."""
+
+    id: str
+    menu: str
+    text: str
+    run: Run
+    shortcuts: tuple[str, ...] = ()
+    tooltip: str = ""
+    enabled: Test = _always
+    checked: Test | None = None
+    tool: str = ""
+    repeats: bool = False
+    ends_group: bool = False
+
+
+def _tool_is(tool: str) -> Test:
+    return lambda bench: _viewing(bench) and bench.viewport.tool == tool
+
+
+FILE = (
+    Action("new", "File", "New", files.new, ("Ctrl+N",), "Begin with the bundled characters and no capture"),
+    Action("open", "File", "Open…", files.open_project, ("Ctrl+O",), "Open a project"),
+    Action("open_sample", "File", "Open sample", files.open_sample, tooltip="The bundled motion on five bodies"),
+    Action("save", "File", "Save", files.save, ("Ctrl+S",), "Write the project"),
+    Action("save_as", "File", "Save as…", files.save_as, ("Ctrl+Shift+S",), "Write the project under another name"),
+    Action(
+        "save_increment", "File", "Save increment", files.save_increment, ("Ctrl+Alt+S",),
+        "Write the next numbered version beside this one", ends_group=True,
+    ),
+    Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture; or drop it here"),
+    Action(
+        "export", "File", "Export adapted motion…", files.export_motion, ("Ctrl+E",),
+        "Write the selected bodies, or all that are shown, as BVH", _performing, ends_group=True,
+    ),
+    Action("quit", "File", "Quit", files.leave, ("Ctrl+Q",), "Close the studio"),
+)  # fmt: skip
+
+EDIT = (
+    Action(
+        "undo", "Edit", "Undo", editing.undo, ("Ctrl+Z",), "Take the last step back",
+        lambda bench: bench.document.undo_stack.canUndo(), repeats=True,
+    ),
+    Action(
+        "redo", "Edit", "Redo", editing.redo, ("Ctrl+Shift+Z", "Ctrl+Y"), "Do again what was taken back",
+        lambda bench: bench.document.undo_stack.canRedo(), repeats=True, ends_group=True,
+    ),
+    Action("delete", "Edit", "Delete", editing.delete, ("Del", "Backspace"), "Remove what is selected", _any_selected),
+    Action("escape", "Edit", "Select nothing", editing.escape, ("Esc",), "Leave what was begun"),
+    Action(
+        "report", "Edit", "Show import report", editing.select_capture,
+        tooltip="What was read and guessed of the motion that plays", enabled=_performing,
+    ),
+    Action("ground", "Edit", "Edit ground", editing.select_ground, tooltip="Show the ground in the inspector"),
+)  # fmt: skip
+
+CHARACTER = (
+    Action("hide", "Character", "Hide or show", editing.hide, ("H",), "Hide the selected bodies, or show them",
+           _with_bodies),
+    Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every body", _with_bodies),
+)  # fmt: skip
+
+CONSTRAINT = (
+    Action("add_constraint", "Constraint", "Add position constraint", editing.add_constraint, ("C",),
+           "Give the joint picked in the viewport a target", _picked),
+    Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",), "Copy the selected constraints",
+           _constraint_selected),
+)  # fmt: skip
+
+PLAY = (
+    Action("play", "Play", "Play or pause", playback.toggle, ("Space",)),
+    Action("next_frame", "Play", "Next frame", playback.next_frame, ("Right",), repeats=True),
+    Action("previous_frame", "Play", "Previous frame", playback.previous_frame, ("Left",), repeats=True),
+    Action("first_frame", "Play", "To the start", playback.first_frame, ("Shift+Left", "Home")),
+    Action("last_frame", "Play", "To the end", playback.last_frame, ("Shift+Right", "End")),
+    Action("next_event", "Play", "Next contact or key", playback.next_event, ("Down", "."), repeats=True,
+           enabled=_performing),
+    Action("previous_event", "Play", "Previous contact or key", playback.previous_event, ("Up", ","), repeats=True,
+           enabled=_performing, ends_group=True),
+    Action("range_from_here", "Play", "Range from here", playback.range_from_here, ("I",)),
+    Action("range_to_here", "Play", "Range to here", playback.range_to_here, ("O",)),
+    Action("whole_range", "Play", "Whole range", playback.whole_range, ("Shift+O",), enabled=_performing,
+           ends_group=True),
+    Action("shuttle_back", "Play", "Play backwards", playback.shuttle_back, ("J",), "Again: twice as fast"),
+    Action("stop", "Play", "Stop", playback.stop, ("K",)),
+    Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Again: twice as fast"),
+    Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Begin again at the end of the range",
+           checked=lambda bench: bench.document.playhead.loop),
+)  # fmt: skip
+
+VIEW = (
+    Action("select_tool", "View", "Select tool", view.select_tool, ("Q",), "Click to select", _viewing,
+           _tool_is("select"), tool="Q select"),
+    Action("move_tool", "View", "Move tool", view.move_tool, ("W",), "Drag targets by their arrows", _viewing,
+           _tool_is("move"), tool="W move", ends_group=True),
+    Action("frame_selection", "View", "Frame selection", view.frame_selection, ("F",), enabled=_viewing),
+    Action("frame_all", "View", "Frame all", view.frame_all, ("A",), enabled=_viewing),
+    Action("front", "View", "Front", view.front, ("1",), enabled=_viewing),
+    Action("side", "View", "Side", view.side, ("3",), enabled=_viewing),
+    Action("top", "View", "Top", view.top, ("7",), enabled=_viewing, ends_group=True),
+    Action("ghost", "View", "Ghost of source", view.toggle_ghost, ("G",), "The capture on its actor's own body",
+           _viewing, lambda bench: _viewing(bench) and bench.viewport.ghost_shown, ends_group=True),
+    Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Title bars by which panels can be moved",
+           checked=lambda bench: bool(bench.window and bench.window.arranging)),
+    Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
+)  # fmt: skip
+
+HELP = (
+    Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find anything by its name"),
+    Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
+)
+
+ACTIONS: tuple[Action, ...] = (*FILE, *EDIT, *CHARACTER, *CONSTRAINT, *PLAY, *VIEW, *HELP)

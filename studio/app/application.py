@@ -1,0 +1,82 @@
+"""The application: window first, then 3D and kernels, then the sample or the files that were named."""
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+
+from studio.app import recovery, sample
+from studio.app.main_window import MainWindow
+from studio.app.problems import ProblemHooks, start_log
+from studio.app.settings import Settings
+from studio.app.theme import apply_theme
+from studio.app.workbench import Workbench
+from studio.document.document import Document
+from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.tasks import TaskRunner
+from studio.engine.warm_up import start_warm_up
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Open the window with the files named in ``argv`` (without the program's name), else the sample; the exit code."""
+    names = list(sys.argv[1:] if argv is None else argv)
+    start_log()
+    application = make_application()
+    problems = ProblemHooks()
+    warm_up = start_warm_up()
+    window = make_window(Settings())
+    problems.told.connect(window.bench.said)
+    window.show()
+    QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names]))
+    code = application.exec()
+    problems.close()
+    warm_up.join()
+    return code
+
+
+def make_application() -> QApplication:
+    """The one QApplication, in the studio's look."""
+    found = QApplication.instance()
+    application = found if isinstance(found, QApplication) else QApplication(["Morpho Studio"])
+    application.setApplicationName("Morpho Studio")
+    application.setDesktopFileName("morpho-studio")
+    apply_theme(application)
+    return application
+
+
+def make_window(settings: Settings, document: Document | None = None) -> MainWindow:
+    """The window with its document and engine, still without the views of the motion."""
+    document = document or Document()
+    live = LiveAdaptation(document)
+    return MainWindow(Workbench(document, live, TaskRunner(), settings))
+
+
+def fill_window(window: MainWindow, paths: list[Path]) -> None:
+    """Begin what may take longer than a moment: offer recovery, open files, make the views."""
+    bench = window.bench
+    recovery.offer(bench)
+    if paths:
+        window.open_paths(paths)
+    else:
+        sample.open_sample(bench)
+    # The imports take a second or more; the interpreter does them beside the window.
+    bench.runner.run("Starting the 3D view", lambda _: import_views(), lambda _: show_views(window))
+
+
+def import_views() -> None:
+    """Load what the views are made of."""
+    import_module("studio.timeline.timeline")
+    import_module("studio.viewport.widget")
+
+
+def show_views(window: MainWindow) -> None:
+    """Make the views and put them into the window."""
+    from studio.timeline.timeline import Timeline
+    from studio.viewport.widget import Viewport
+
+    bench = window.bench
+    window.show_timeline(Timeline(bench.document, bench.live))
+    window.show_viewport(Viewport(bench.document, bench.live))

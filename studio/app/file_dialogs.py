@@ -1,0 +1,56 @@
+"""The system's file dialogs, asked without stopping the studio: the answer comes to a function."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog
+
+from studio.app.workbench import Workbench
+
+PROJECTS = "Morpho Studio projects (*.studio)"
+MOTIONS = "Motions (*.bvh)"
+EVERYTHING = "All files (*)"
+
+
+def ask_file(bench: Workbench, title: str, kind: str, then: Callable[[Path], object]) -> QFileDialog:
+    """An existing file."""
+    dialog = _make(bench, title, kind)
+    dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+    return _open(bench, dialog, then)
+
+
+def ask_new_file(bench: Workbench, title: str, kind: str, name: str, then: Callable[[Path], object]) -> QFileDialog:
+    """A file to be written; the system asks before one is overwritten."""
+    dialog = _make(bench, title, kind)
+    dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+    dialog.setDefaultSuffix("studio" if kind == PROJECTS else "bvh")
+    dialog.selectFile(name)
+    return _open(bench, dialog, then)
+
+
+def ask_folder(bench: Workbench, title: str, then: Callable[[Path], object]) -> QFileDialog:
+    """A folder to write into."""
+    dialog = _make(bench, title, EVERYTHING)
+    dialog.setFileMode(QFileDialog.FileMode.Directory)
+    dialog.setOption(QFileDialog.Option.ShowDirsOnly)
+    return _open(bench, dialog, then)
+
+
+def _make(bench: Workbench, title: str, kind: str) -> QFileDialog:
+    dialog = QFileDialog(bench.window, title, bench.settings.folder)
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    if kind != EVERYTHING:
+        dialog.setNameFilters([kind, EVERYTHING])
+    return dialog
+
+
+def _open(bench: Workbench, dialog: QFileDialog, then: Callable[[Path], object]) -> QFileDialog:
+    def chosen(name: str) -> None:
+        path = Path(name)
+        bench.settings.folder = path if path.is_dir() else path.parent
+        then(path)
+
+    dialog.fileSelected.connect(chosen)
+    dialog.open()
+    return dialog

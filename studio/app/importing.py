@@ -1,0 +1,150 @@
+"""Captures in: read in the background, contacts detected, shown on the visible bodies as one undo step."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from studio.app.workbench import Workbench
+from studio.core.capture import Capture
+from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.errors import StudioError
+from studio.core.normalized.normalize import capture_contacts
+from studio.core.project import Clip, Motion, Project
+from studio.document.document import Document
+from studio.io.importing import ImportOptions, load_capture
+
+UNCHANGED = "Your project was not changed."
+READ_SHARE = 0.7
+
+Spans = dict[FootPoint, list[tuple[int, int]]]
+
+
+@dataclass(frozen=True)
+class ReadMotion:
+    """What the background hands back: a capture and when its feet stand."""
+
+    capture: Capture
+    contacts: Spans
+
+
+def read_motion(path: Path, options: ImportOptions, progress: Callable[[float, str], None]) -> ReadMotion:
+    """Read and look for contacts. Raises StudioError whose last sentence says that nothing was changed."""
+    try:
+        capture = load_capture(path, options, lambda share, text: progress(READ_SHARE * share, text))
+        progress(READ_SHARE, "looking for contacts")
+        return ReadMotion(capture, capture_contacts(capture))
+    except StudioError as error:
+        raise StudioError(f"{error} {UNCHANGED}") from error
+
+
+def import_motion(bench: Workbench, path: Path, options: ImportOptions | None = None) -> int:
+    """Read a file, then show it on the bodies that are shown; returns the task."""
+
+    def done(motion: ReadMotion) -> None:
+        put_motion(bench.document, motion, f"Import {path.name}")
+        capture_id = list(bench.document.project.captures)[-1]
+        bench.sources[capture_id] = path
+
+    task: int = bench.runner.run(
+        f"Import {path.name}", lambda progress: read_motion(path, options or ImportOptions(), progress), done
+    )
+    return task
+
+
+def put_motion(document: Document, read: ReadMotion, text: str) -> str:
+    """Capture, motion and contacts into the project, and the clip onto the visible bodies: one undo step."""
+    bodies = [] if document.project.performers else _bundled_bodies()
+    with document.group(text):
+        for character, performer in bodies:
+            character_id = document.add("characters", character, text)
+            document.add("performers", replace(performer, character_id=character_id), text)
+        capture_id = document.add("captures", read.capture, text)
+        motion_id = document.add("motions", Motion(read.capture.name, capture_id), text)
+        _add_contacts(document, motion_id, read.contacts, text)
+        _perform(document, motion_id, text)
+    show_motion(document)
+    return motion_id
+
+
+def perform_capture(bench: Workbench, capture_id: str) -> None:
+    """Let the visible bodies play a capture that is already in the project."""
+    document = bench.document
+    motions = document.project.motions
+    motion_id = next((key for key, motion in motions.items() if motion.capture_id == capture_id), None)
+    if motion_id is None:
+        return
+    text = f"Play {motions[motion_id].name}"
+    with document.group(text):
+        _perform(document, motion_id, text)
+    show_motion(document)
+
+
+def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
+    """Read the file again as the user says; the answer takes the capture's place as one undo step."""
+    capture = bench.document.project.captures[capture_id]
+    path = bench.sources.get(capture_id)
+    if path is None:
+        raise StudioError(f"Where '{capture.source}' lies is not known any more. Import it again to read it otherwise.")
+    what, value = next(iter(option.items()))
+    text = f"Read {capture.name} with {what.replace('_', ' ')} {value}"
+
+    def done(read: ReadMotion) -> None:
+        if capture_id in bench.document.project.captures:
+            _replace_motion(bench.document, capture_id, read, text)
+
+    options = ImportOptions(
+        **{"unit": capture.unit if capture.unit != "unknown" else None, "up_axis": capture.up_axis} | option
+    )
+    bench.runner.run(text, lambda progress: read_motion(path, options, progress), done)
+
+
+def show_motion(document: Document) -> None:
+    """Range and rate of the motion that plays now, from its beginning."""
+    motion = document.project.motions.get(document.active_motion_id or "")
+    if motion is not None:
+        capture = document.project.captures[motion.capture_id]
+        document.playhead.frame_rate = capture.frame_rate
+        document.playhead.set_range(capture.first_frame, capture.frame_count - 1)
+        document.playhead.set_frame(capture.first_frame)
+
+
+def contacts_of(motion_id: str, spans: Spans) -> list[ContactInterval]:
+    """Detected spans as contacts of a motion."""
+    return [ContactInterval(motion_id, point, first, last) for point, many in spans.items() for first, last in many]
+
+
+def _replace_motion(document: Document, capture_id: str, read: ReadMotion, text: str) -> None:
+    old = document.project.captures[capture_id]
+    with document.group(text):
+        document.replace("captures", capture_id, replace(read.capture, name=old.name), text)
+        for motion_id, motion in document.project.motions.items():
+            if motion.capture_id == capture_id:
+                for key in document.project.contacts_of(motion_id):
+                    document.remove("contacts", key, text)
+                _add_contacts(document, motion_id, read.contacts, text)
+
+
+def _add_contacts(document: Document, motion_id: str, spans: Spans, text: str) -> None:
+    for contact in contacts_of(motion_id, spans):
+        document.add("contacts", contact, text)
+
+
+def _perform(document: Document, motion_id: str, text: str) -> None:
+    project: Project = document.project
+    capture = project.captures[project.motions[motion_id].capture_id]
+    if capture.body_map is None:
+        return
+    clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1)
+    performers = project.performers
+    shown = {key for key, each in performers.items() if each.visible} or set(performers)
+    for key in (key for key in performers if key in shown):
+        document.replace("performers", key, replace(performers[key], clips=(clip,)), text)
+
+
+def _bundled_bodies() -> list[Any]:
+    from studio.app.sample import side_by_side
+    from studio.io.character_file import bundled_characters
+
+    characters = bundled_characters()
+    return list(zip(characters.values(), side_by_side(characters).values(), strict=True))

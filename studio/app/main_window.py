@@ -1,0 +1,268 @@
+"""The main window: puts bar, docks, views and strips together, and takes what is dropped."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QVBoxLayout, QWidget
+
+from studio.app import importing
+from studio.app.action_set import ActionSet
+from studio.app.top_bar import TopBar
+from studio.app.verbs import files
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.panels.command_palette import CommandPalette, ShortcutSheet
+from studio.panels.fields import labelled
+from studio.panels.history import History
+from studio.panels.inspector import Inspector
+from studio.panels.library import Library
+from studio.panels.message_strip import MessageStrip, RecoveryBar
+from studio.panels.status_line import StatusLine
+
+SIZE = (1680, 1050)
+LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
+TIMELINE_SHARE = 0.35
+HISTORY_HEIGHT = 160
+READABLE = (".bvh", ".studio")
+
+Area = Qt.DockWidgetArea
+
+
+class MainWindow(QMainWindow):
+    """The one window. Views of the motion come later, through ``show_viewport`` and ``show_timeline``."""
+
+    closed = Signal()
+
+    def __init__(self, bench: Workbench) -> None:
+        super().__init__()
+        self.bench = bench
+        bench.window = self
+        self.arranging = False
+        self._leaving = False
+        self.setAcceptDrops(True)
+        self.setDockNestingEnabled(True)
+        self.actions_by_id = ActionSet(bench, self)
+        self.addActions(list(self.actions_by_id.by_id.values()))
+        self._make_bars()
+        self._make_centre()
+        self._make_docks()
+        self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
+        self._connect()
+        self.resize(*SIZE)
+        self._restore_layout()
+        self._show_title()
+
+    def show_viewport(self, viewport: QWidget) -> None:
+        """Put the 3D view in the place that is kept for it."""
+        self._stage_layout.replaceWidget(self._waiting, viewport)
+        self._waiting.hide()
+        self.bench.viewport = viewport
+        self.bench.views_changed.emit()
+
+    def show_timeline(self, timeline: QWidget) -> None:
+        """Put the timeline in its dock."""
+        self.docks["Timeline"].setWidget(timeline)
+        self.bench.timeline = timeline
+        self.bench.views_changed.emit()
+
+    def show_shortcuts(self) -> None:
+        """The sheet of all shortcuts."""
+        self._sheet = ShortcutSheet(self, self.actions_by_id.by_menu())
+        self._sheet.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._sheet.show()
+
+    def arrange(self, on: bool) -> None:
+        """Docks with title bars can be moved; without, they are quiet."""
+        self.arranging = on
+        for dock in self.docks.values():
+            dock.setTitleBarWidget(None if on else QWidget(dock))
+
+    def reset_layout(self) -> None:
+        """All docks where they were in the beginning."""
+        self.bench.settings.forget_layout()
+        self.restoreState(self._first_state)
+        self._size_docks()
+
+    def when_saved(self, then: Callable[[], object]) -> None:
+        """Run ``then`` now, or after the user has said what to do with unsaved changes. The journal keeps them anyhow."""
+        document = self.bench.document
+        if not document.dirty:
+            then()
+            return
+
+        def save_first() -> None:
+            files.save(self.bench)
+            if not document.dirty:
+                then()
+            else:
+                self._after_save = then
+
+        self.question.say(
+            f"{self._document_name()} has changes that are not saved.",
+            ("Save", save_first),
+            ("Don't save", then),
+            ("Cancel", lambda: None),
+        )
+
+    # How it is made
+
+    def _make_bars(self) -> None:
+        self.top_bar = TopBar(self.bench.document, self.actions_by_id)
+        self.setMenuWidget(self.top_bar)
+        self.status = StatusLine(self.bench.document)
+        self.setStatusBar(self.status)
+
+    def _make_centre(self) -> None:
+        self.strip, self.question, self.recovery = MessageStrip(), MessageStrip("recovery_bar"), RecoveryBar()
+        self._after_save: Callable[[], object] | None = None
+        centre = QWidget()
+        column = QVBoxLayout(centre)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        self._stage_layout = column
+        self._waiting = labelled("Starting the 3D view", "hint")
+        self._waiting.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        column.addWidget(self.recovery)
+        column.addWidget(self.question)
+        column.addWidget(self._waiting, 1)
+        column.addWidget(self.strip)
+        self.setCentralWidget(centre)
+
+    def _make_docks(self) -> None:
+        self.setCorner(Qt.Corner.BottomLeftCorner, Area.BottomDockWidgetArea)
+        self.setCorner(Qt.Corner.BottomRightCorner, Area.BottomDockWidgetArea)
+        self.library = Library(self.bench.document)
+        self.inspector = Inspector(self.bench.document, self.bench.live)
+        self.history = History(self.bench.document.undo_stack)
+        self.docks: dict[str, QDockWidget] = {}
+        for name, widget, area in (
+            ("Library", self.library, Area.LeftDockWidgetArea),
+            ("History", self.history, Area.LeftDockWidgetArea),
+            ("Inspector", self.inspector, Area.RightDockWidgetArea),
+            ("Timeline", QWidget(), Area.BottomDockWidgetArea),
+        ):
+            dock = QDockWidget(name, self)
+            dock.setObjectName(name)
+            dock.setWidget(widget)
+            self.addDockWidget(area, dock)
+            self.docks[name] = dock
+            self._add_dock_action(dock)
+        self.arrange(False)
+        self._first_state = self.saveState()
+
+    def _add_dock_action(self, dock: QDockWidget) -> None:
+        action: QAction = dock.toggleViewAction()
+        action.setText(f"{dock.windowTitle()} panel")
+        self.actions_by_id.menus["View"].addAction(action)
+
+    def _size_docks(self) -> None:
+        docks = self.docks
+        self.resizeDocks(
+            [docks["Library"], docks["Inspector"]], [LIBRARY_WIDTH, INSPECTOR_WIDTH], Qt.Orientation.Horizontal
+        )
+        height = round(self.height() * TIMELINE_SHARE)
+        self.resizeDocks([docks["Timeline"]], [height], Qt.Orientation.Vertical)
+        left = self.height() - height
+        self.resizeDocks(
+            [docks["Library"], docks["History"]], [left - HISTORY_HEIGHT, HISTORY_HEIGHT], Qt.Orientation.Vertical
+        )
+
+    def _connect(self) -> None:
+        bench, document, runner = self.bench, self.bench.document, self.bench.runner
+        bench.said.connect(self.strip.say)
+        document.saved_state_changed.connect(self._saved_state_changed)
+        document.project_opened.connect(self._show_title)
+        runner.started.connect(self.status.progress.begin)
+        runner.progressed.connect(self.status.progress.show_share)
+        for over in (runner.finished, runner.failed, runner.cancelled):
+            over.connect(lambda task, *_: self.status.progress.end(task))
+        self.status.progress.cancel_wanted.connect(runner.cancel)
+        self.library.wanted.connect(lambda capture: importing.perform_capture(bench, capture))
+        self.inspector.reimport_wanted.connect(self._reimport)
+
+    def _restore_layout(self) -> None:
+        layout = self.bench.settings.layout()
+        if layout is not None:
+            self.restoreGeometry(layout[0])
+            self.restoreState(layout[1])
+
+    # What it answers to
+
+    def _saved_state_changed(self) -> None:
+        self._show_title()
+        if not self.bench.document.dirty and self._after_save is not None:
+            then, self._after_save = self._after_save, None
+            then()
+
+    def _show_title(self) -> None:
+        document = self.bench.document
+        name = self._document_name()
+        self.setWindowTitle(f"{'• ' if document.dirty else ''}{name} - Morpho Studio")
+        state = "not saved" if document.dirty else "saved" if document.path else "new"
+        self.top_bar.refresh(name, state)
+
+    def _document_name(self) -> str:
+        path = self.bench.document.path
+        return path.name if path else "Untitled"
+
+    def _reimport(self, capture_id: str, option: dict[str, Any]) -> None:
+        try:
+            importing.reimport(self.bench, capture_id, option)
+        except StudioError as error:
+            self.strip.say(str(error))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """A click beside everything takes the keyboard out of a field."""
+        self.setFocus()
+        super().mousePressEvent(event)
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Take what can be read; say no to the rest by the cursor alone."""
+        if _dropped(event):
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Open or import, without a dialog."""
+        event.acceptProposedAction()
+        self.open_paths(_dropped(event))
+
+    def open_paths(self, paths: list[Path]) -> None:
+        """A project is opened, captures are imported; what goes wrong is a sentence in the strip."""
+        for path in paths:
+            try:
+                files.open_path(self.bench, path)
+            except StudioError as error:
+                self.strip.say(str(error))
+
+    def showEvent(self, event: Any) -> None:
+        """Docks take their measures only once there is a window."""
+        super().showEvent(event)
+        if self.bench.settings.layout() is None:
+            self._size_docks()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask about unsaved work beside it; then stop everything, views first."""
+        if self.bench.document.dirty and not self._leaving:
+            event.ignore()
+            self.when_saved(self._leave)
+            return
+        self.bench.settings.remember_layout(self.saveGeometry(), self.saveState())
+        if self.bench.viewport is not None:
+            self.bench.viewport.stop()
+        if self.bench.timeline is not None:
+            self.bench.timeline.close()
+        self.bench.close()
+        event.accept()
+        self.closed.emit()
+
+    def _leave(self) -> None:
+        self._leaving = True
+        self.close()
+
+
+def _dropped(event: QDragEnterEvent | QDropEvent) -> list[Path]:
+    names = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+    return [Path(name) for name in names if name.lower().endswith(READABLE)]

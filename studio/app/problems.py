@@ -1,0 +1,71 @@
+"""Every exception that nobody caught is logged, and told as a sentence. Nothing is swallowed."""
+
+import logging
+import sys
+import threading
+from collections.abc import Callable
+from logging.handlers import RotatingFileHandler
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import platformdirs
+from PySide6.QtCore import QObject, Signal
+
+from studio.core.errors import StudioError
+
+LOG_BYTES = 1_000_000
+_log = logging.getLogger("studio")
+
+
+def log_file() -> Path:
+    """Where faults of the program are written down."""
+    return Path(platformdirs.user_log_dir("morpho-studio", appauthor=False)) / "studio.log"
+
+
+def start_log() -> None:
+    """Write warnings and worse to the log file and to standard error."""
+    file = log_file()
+    file.parent.mkdir(parents=True, exist_ok=True)
+    handlers: list[logging.Handler] = [RotatingFileHandler(file, maxBytes=LOG_BYTES, backupCount=2, encoding="utf-8")]
+    if sys.stderr is not None:
+        handlers.append(logging.StreamHandler())
+    logging.basicConfig(
+        level=logging.WARNING, format="%(asctime)s %(name)s %(levelname)s %(message)s", handlers=handlers
+    )
+
+
+def sentence_of(error: BaseException) -> str:
+    """An error in words: one of ours as it is, a fault of the program by its kind and what to do."""
+    if isinstance(error, StudioError):
+        return str(error)
+    what = f"{type(error).__name__}: {error}".rstrip(": ")
+    return f"The studio made a mistake: {what}. Your work is in the journal; the details are in {log_file()}."
+
+
+class ProblemHooks(QObject):
+    """Catches what reaches the end of a thread, and gives the interpreter its own hooks back when closed."""
+
+    told = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._hooks: tuple[Callable[..., Any], Callable[..., Any]] = (sys.excepthook, threading.excepthook)
+        sys.excepthook = self._on_error
+        threading.excepthook = self._on_thread_error
+
+    def close(self) -> None:
+        """Put the former hooks back."""
+        sys.excepthook, threading.excepthook = self._hooks
+
+    def _on_error(self, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        if issubclass(kind, KeyboardInterrupt):
+            self._hooks[0](kind, error, trace)
+            return
+        if not isinstance(error, StudioError):
+            _log.error("An exception reached the event loop", exc_info=(kind, error, trace))
+        self.told.emit(sentence_of(error))
+
+    def _on_thread_error(self, failure: threading.ExceptHookArgs) -> None:
+        if failure.exc_value is not None:
+            self._on_error(failure.exc_type, failure.exc_value, failure.exc_traceback)

@@ -1,0 +1,70 @@
+"""What the studio opens with: one bundled motion on five characters, side by side and playing."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from studio.app import importing
+from studio.app.workbench import Workbench
+from studio.core.character import Character
+from studio.core.project import Clip, Motion, Performer, Project
+from studio.io.character_file import bundled_characters
+from studio.io.importing import ImportOptions
+from studio.resources_folder import example_captures_folder
+
+SPACING = 1.15
+FIRST_CHOICE = "front_kick"
+
+
+def side_by_side(characters: Mapping[str, Character]) -> dict[str, Performer]:
+    """One performer a character, in a row across the direction of the motion."""
+    middle = (len(characters) - 1) / 2
+    return {
+        key: Performer(character.name, key, (), (0.0, SPACING * (middle - place)))
+        for place, (key, character) in enumerate(characters.items())
+    }
+
+
+def empty_project() -> Project:
+    """The bundled characters, waiting for a capture."""
+    characters = bundled_characters()
+    return Project(characters=characters, performers=side_by_side(characters))
+
+
+def sample_file() -> Path | None:
+    """The capture to begin with; None where none is bundled."""
+    files = sorted(example_captures_folder().glob("*.bvh"))
+    return next((file for file in files if file.stem == FIRST_CHOICE), next(iter(files), None))
+
+
+def sample_project(read: importing.ReadMotion) -> Project:
+    """The bundled characters performing one motion."""
+    capture = read.capture
+    project = empty_project()
+    clips = (Clip("sample", capture.first_frame, capture.frame_count - 1),)
+    performers = {key: Performer(p.name, p.character_id, clips, p.position) for key, p in project.performers.items()}
+    contacts = importing.contacts_of("sample", read.contacts)
+    return Project(
+        captures={"sample": capture},
+        motions={"sample": Motion(capture.name, "sample")},
+        characters=project.characters,
+        performers=performers,
+        contacts={f"contact{place}": contact for place, contact in enumerate(contacts)},
+    )
+
+
+def open_sample(bench: Workbench) -> None:
+    """Read the bundled motion in the background, show it and play."""
+    file = sample_file()
+    if file is None:
+        bench.document.new(empty_project())
+        return
+
+    def show(project: Project) -> None:
+        bench.document.new(project)
+        bench.sources["sample"] = file
+        bench.document.playhead.play()
+
+    def work(progress):  # type: ignore[no-untyped-def]
+        return sample_project(importing.read_motion(file, ImportOptions(), progress))
+
+    bench.runner.run("Open sample", work, show)

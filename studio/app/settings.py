@@ -1,0 +1,56 @@
+"""What the studio remembers of the user between runs: windows and recent files. Never the work itself."""
+
+from pathlib import Path
+
+import platformdirs
+from PySide6.QtCore import QByteArray, QSettings
+
+MOST_RECENT = 10
+LAYOUT_VERSION = 1
+
+
+class Settings:
+    """A small file in the user's settings folder."""
+
+    def __init__(self, file: Path | None = None) -> None:
+        folder = Path(platformdirs.user_config_dir("morpho-studio", appauthor=False))
+        self._store = QSettings(str(file or folder / "studio.ini"), QSettings.Format.IniFormat)
+
+    @property
+    def recent(self) -> tuple[Path, ...]:
+        """Projects opened or saved last, newest first."""
+        stored = self._store.value("recent", [])
+        names = [stored] if isinstance(stored, str) else list(stored or [])
+        return tuple(Path(str(name)) for name in names)
+
+    def remember(self, path: Path) -> None:
+        """Put a project at the head of the recent ones."""
+        path = path.resolve()
+        names = [str(path), *(str(other) for other in self.recent if other != path)]
+        self._store.setValue("recent", names[:MOST_RECENT])
+
+    @property
+    def folder(self) -> str:
+        """Where the user last opened or saved something."""
+        return str(self._store.value("folder", str(Path.home())))
+
+    @folder.setter
+    def folder(self, folder: Path) -> None:
+        self._store.setValue("folder", str(folder))
+
+    def layout(self) -> tuple[QByteArray, QByteArray] | None:
+        """Geometry and dock state of the window; None before the first close."""
+        geometry, state = self._store.value("geometry"), self._store.value(f"state {LAYOUT_VERSION}")
+        if isinstance(geometry, QByteArray) and isinstance(state, QByteArray):
+            return geometry, state
+        return None
+
+    def remember_layout(self, geometry: QByteArray, state: QByteArray) -> None:
+        """Keep the window as it is."""
+        self._store.setValue("geometry", geometry)
+        self._store.setValue(f"state {LAYOUT_VERSION}", state)
+
+    def forget_layout(self) -> None:
+        """The next window has the layout it was made with."""
+        self._store.remove("geometry")
+        self._store.remove(f"state {LAYOUT_VERSION}")

@@ -1,0 +1,84 @@
+"""The look of the application: Fusion, four greys, one type, written once for every widget."""
+
+from string import Template
+
+from PySide6.QtGui import QColor, QFont, QFontDatabase, QIcon, QPalette
+from PySide6.QtWidgets import QApplication
+
+from studio.document import colours
+from studio.resources_folder import resources_folder
+
+FAMILIES = ("Inter", "Segoe UI", "SF Pro Text", "Noto Sans")
+BODY_PIXELS = 13
+WIDE_FAMILY = "DejaVu Sans"
+NARROWED = 92  # percent: DejaVu is a good deal wider than the faces that the measures were made for
+
+
+def apply_theme(application: QApplication) -> None:
+    """Put style, palette, type and style sheet upon the application."""
+    application.setStyle("Fusion")
+    application.setPalette(make_palette())
+    application.setFont(make_font())
+    application.setStyleSheet(style_sheet())
+    application.setWindowIcon(QIcon(str(resources_folder() / "icons" / "studio.svg")))
+
+
+def make_font() -> QFont:
+    """Inter where present, else the system's sans; figures of one width come with all of them."""
+    present = set(QFontDatabase.families())
+    font = QFont(next((family for family in FAMILIES if family in present), QFont().defaultFamily()))
+    if font.family() not in present and WIDE_FAMILY in present:
+        font = QFont(WIDE_FAMILY)
+        font.setStretch(NARROWED)
+    font.setPixelSize(BODY_PIXELS)
+    return font
+
+
+def make_palette() -> QPalette:
+    """The greys as Qt's roles, for what the style sheet does not name."""
+    roles = QPalette.ColorRole
+    palette = QPalette()
+    for role, colour in (
+        (roles.Window, colours.PANEL),
+        (roles.WindowText, colours.TEXT),
+        (roles.Base, colours.WELL),
+        (roles.AlternateBase, colours.PANEL),
+        (roles.Text, colours.TEXT),
+        (roles.PlaceholderText, colours.TEXT_THIRD),
+        (roles.Button, colours.CONTROL),
+        (roles.ButtonText, colours.TEXT),
+        (roles.ToolTipBase, colours.CONTROL),
+        (roles.ToolTipText, colours.TEXT),
+        (roles.Highlight, colours.SELECTED_CONTROL),
+        (roles.HighlightedText, "#ffffff"),
+        (roles.Link, colours.kind_colour("position")),
+        (roles.Mid, colours.EDGE),
+        (roles.Dark, colours.WINDOW),
+        (roles.Light, colours.CONTROL),
+    ):
+        palette.setColor(role, QColor(colour))
+    for role in (roles.Text, roles.WindowText, roles.ButtonText):
+        palette.setColor(QPalette.ColorGroup.Disabled, role, QColor(colours.TEXT_THIRD))
+    return palette
+
+
+def style_sheet() -> str:
+    """``resources/theme/studio.qss`` with the colours filled in."""
+    text = (resources_folder() / "theme" / "studio.qss").read_text(encoding="utf-8")
+    return Template(text).substitute(
+        icons=(resources_folder() / "icons").as_posix(),
+        window=colours.WINDOW,
+        well=colours.WELL,
+        panel=colours.PANEL,
+        bar=colours.BAR,
+        control=colours.CONTROL,
+        edge=colours.EDGE,
+        text=colours.TEXT,
+        second=colours.TEXT_SECOND,
+        third=colours.TEXT_THIRD,
+        selected_row=colours.SELECTED_ROW,
+        selected_control=colours.SELECTED_CONTROL,
+        selected_handle=colours.SELECTED_HANDLE,
+        partly=colours.PARTLY,
+        kind_position=colours.kind_colour("position"),
+    )

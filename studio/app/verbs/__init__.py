@@ -1,0 +1,1 @@
+"""What the actions do: one function a verb, each takes the workbench."""

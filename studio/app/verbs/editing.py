@@ -1,0 +1,98 @@
+"""Edits: undo, constraints, what is shown."""
+
+from dataclasses import replace
+
+from studio.app.workbench import Workbench
+from studio.core.contacts import ContactInterval
+from studio.core.errors import StudioError
+from studio.core.project import GROUND_ID
+
+
+def undo(bench: Workbench) -> None:
+    """Take the last step back."""
+    bench.document.undo_stack.undo()
+
+
+def redo(bench: Workbench) -> None:
+    """Do again what was taken back."""
+    bench.document.undo_stack.redo()
+
+
+def add_constraint(bench: Workbench) -> None:
+    """A position constraint at the joint picked in the viewport."""
+    if bench.viewport.add_position_constraint_at_pick() is None:
+        raise StudioError("Click a joint in the viewport first, then press C to give it a target.")
+
+
+def duplicate(bench: Workbench) -> None:
+    """A copy of each selected constraint, last in priority."""
+    document = bench.document
+    copies = []
+    with document.group("Duplicate constraint"):
+        for key in document.selection.of("constraints"):
+            constraint = document.project.constraints[key]
+            last = max(each.priority for each in document.project.constraints.values())
+            copy = replace(constraint, name=f"{constraint.name} copy", priority=last + 1)
+            copies.append(("constraints", document.add("constraints", copy, "Duplicate constraint")))
+    document.selection.set(*copies)
+
+
+def delete(bench: Workbench) -> None:
+    """Remove what is selected, and what cannot be without it."""
+    document = bench.document
+    items = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
+    text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} things"
+    with document.group(text):
+        for collection, key in items:
+            if document.project.get(collection, key) is not None:
+                document.remove(collection, key, text)
+
+
+def hide(bench: Workbench) -> None:
+    """Hide the selected bodies; if they are hidden, show them."""
+    document = bench.document
+    keys = document.selection.of("performers") or filter(None, (document.active_performer_id,))
+    performers = {key: document.project.performers[key] for key in keys}
+    visible = not any(performer.visible for performer in performers.values())
+    names = ", ".join(performer.name for performer in performers.values())
+    with document.group(f"{'Show' if visible else 'Hide'} {names}"):
+        for key, performer in performers.items():
+            document.replace("performers", key, replace(performer, visible=visible), "Hide")
+
+
+def show_all(bench: Workbench) -> None:
+    """Show every body."""
+    document = bench.document
+    with document.group("Show all characters"):
+        for key, performer in document.project.performers.items():
+            document.replace("performers", key, replace(performer, visible=True), "Show")
+
+
+def escape(bench: Workbench) -> None:
+    """Leave a gesture, close what was said, else select nothing."""
+    view = bench.viewport
+    if view is not None and (view.cancel_gesture() or view.joint_picked is not None):
+        view.pick(None)
+    elif bench.window.strip.text:
+        bench.window.strip.clear()
+    else:
+        bench.document.selection.clear()
+
+
+def select_ground(bench: Workbench) -> None:
+    """Show the ground in the inspector."""
+    bench.document.selection.set(("grounds", GROUND_ID))
+
+
+def select_capture(bench: Workbench) -> None:
+    """Show the import report of the capture that plays."""
+    motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
+    if motion is not None:
+        bench.document.selection.set(("captures", motion.capture_id))
+
+
+def _name(bench: Workbench, collection: str, key: str) -> str:
+    entity = bench.document.project.get(collection, key)
+    if isinstance(entity, ContactInterval):
+        return f"{entity.point.value.replace('_', ' ')} contact"
+    return str(getattr(entity, "name", "selection"))

@@ -1,0 +1,106 @@
+"""Files: projects opened and saved, captures read, adapted motions written. All long work is done beside the window."""
+
+import re
+from pathlib import Path
+
+from studio.app import exporting, importing, sample
+from studio.app.file_dialogs import MOTIONS, PROJECTS, ask_file, ask_folder, ask_new_file
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+
+NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
+
+
+def new(bench: Workbench) -> None:
+    """A project with the bundled characters and no capture."""
+    bench.window.when_saved(lambda: bench.document.new(sample.empty_project()))
+
+
+def open_sample(bench: Workbench) -> None:
+    """The bundled motion on five bodies."""
+    bench.window.when_saved(lambda: sample.open_sample(bench))
+
+
+def open_project(bench: Workbench) -> None:
+    """Ask which."""
+    ask_file(bench, "Open project", PROJECTS, lambda path: open_path(bench, path))
+
+
+def open_path(bench: Workbench, path: Path) -> None:
+    """A project takes the place of this one; a capture comes into this one."""
+    if path.suffix.lower() == ".studio":
+        bench.window.when_saved(lambda: _open(bench, path))
+    else:
+        importing.import_motion(bench, path)
+
+
+def save(bench: Workbench) -> None:
+    """To its own file; a project without one asks for it."""
+    if bench.document.path is None:
+        save_as(bench)
+    else:
+        save_to(bench, bench.document.path)
+
+
+def save_as(bench: Workbench) -> None:
+    """Ask where."""
+    name = bench.document.path.name if bench.document.path else "untitled.studio"
+    ask_new_file(bench, "Save project", PROJECTS, name, lambda path: save_to(bench, path))
+
+
+def save_increment(bench: Workbench) -> None:
+    """``walk.studio`` becomes ``walk_002.studio``, which becomes ``walk_003.studio``."""
+    if bench.document.path is None:
+        save_as(bench)
+    else:
+        save_to(bench, next_increment(bench.document.path))
+
+
+def next_increment(path: Path) -> Path:
+    """The next numbered name that no file has."""
+    found = NUMBERED.match(path.stem)
+    name, number = (found[1], int(found[2])) if found else (path.stem, 1)
+    while True:
+        number += 1
+        candidate = path.with_name(f"{name}_{number:03d}{path.suffix}")
+        if not candidate.exists():
+            return candidate
+
+
+def save_to(bench: Workbench, path: Path) -> None:
+    """Write the project; what cannot be written is said in a sentence."""
+    bench.document.save(path)
+    bench.settings.remember(path)
+
+
+def import_motion(bench: Workbench) -> None:
+    """Ask which."""
+    ask_file(bench, "Import motion", MOTIONS, lambda path: importing.import_motion(bench, path))
+
+
+def export_motion(bench: Workbench) -> None:
+    """The selected bodies that are shown, else all that are: one to a file, several to a folder."""
+    keys = exporting.chosen_performers(bench)
+    if not keys:
+        raise StudioError("Nothing to export: no character with a motion is shown. Show one, then export again.")
+    if len(keys) == 1:
+        name = exporting.file_name(bench, keys[0])
+        ask_new_file(
+            bench, "Export adapted motion", MOTIONS, name, lambda path: exporting.export(bench, {keys[0]: path})
+        )
+        return
+
+    def into(folder: Path) -> None:
+        exporting.export(bench, {key: folder / exporting.file_name(bench, key) for key in keys})
+
+    ask_folder(bench, "Export adapted motions into a folder", into)
+
+
+def leave(bench: Workbench) -> None:
+    """Close the window."""
+    bench.window.close()
+
+
+def _open(bench: Workbench, path: Path) -> None:
+    bench.document.open(path)
+    bench.settings.remember(path)

@@ -1,0 +1,109 @@
+"""Time: play, step, jump, range, shuttle."""
+
+from studio.app.workbench import Workbench
+
+FASTEST = 8.0
+
+
+def toggle(bench: Workbench) -> None:
+    """Play or pause."""
+    bench.document.playhead.toggle()
+
+
+def next_frame(bench: Workbench) -> None:
+    """One frame on."""
+    bench.document.playhead.step(1)
+
+
+def previous_frame(bench: Workbench) -> None:
+    """One frame back."""
+    bench.document.playhead.step(-1)
+
+
+def first_frame(bench: Workbench) -> None:
+    """To the start of the range."""
+    bench.document.playhead.set_frame(bench.document.playhead.first)
+
+
+def last_frame(bench: Workbench) -> None:
+    """To the end of the range."""
+    bench.document.playhead.set_frame(bench.document.playhead.last)
+
+
+def next_event(bench: Workbench) -> None:
+    """To the next contact or constraint key."""
+    here = bench.document.playhead.frame
+    later = [frame for frame in event_frames(bench) if frame > here]
+    if later:
+        bench.document.playhead.set_frame(min(later))
+
+
+def previous_event(bench: Workbench) -> None:
+    """To the contact or constraint key before."""
+    here = bench.document.playhead.frame
+    earlier = [frame for frame in event_frames(bench) if frame < here]
+    if earlier:
+        bench.document.playhead.set_frame(max(earlier))
+
+
+def event_frames(bench: Workbench) -> set[int]:
+    """Frames where a contact or an activation of the active motion begins or ends."""
+    project, motion_id = bench.document.project, bench.document.active_motion_id
+    if motion_id is None:
+        return set()
+    rate = bench.document.playhead.frame_rate
+    contacts = project.contacts_of(motion_id).values()
+    frames = {frame for contact in contacts for frame in (contact.first, contact.last)}
+    for constraint in project.constraints_of(motion_id).values():
+        curve = constraint.activation
+        frames |= {round(time * rate) for time in (curve.start, curve.full, curve.full_end, curve.end)}
+    return frames
+
+
+def range_from_here(bench: Workbench) -> None:
+    """Begin the range at the playhead."""
+    playhead = bench.document.playhead
+    playhead.set_range(playhead.frame, max(playhead.last, playhead.frame))
+
+
+def range_to_here(bench: Workbench) -> None:
+    """End the range at the playhead."""
+    playhead = bench.document.playhead
+    playhead.set_range(min(playhead.first, playhead.frame), playhead.frame)
+
+
+def whole_range(bench: Workbench) -> None:
+    """The range is all of the motion."""
+    project = bench.document.project
+    motion = project.motions.get(bench.document.active_motion_id or "")
+    if motion is not None:
+        capture = project.captures[motion.capture_id]
+        bench.document.playhead.set_range(capture.first_frame, capture.frame_count - 1)
+
+
+def shuttle_back(bench: Workbench) -> None:
+    """Play backwards; again, twice as fast."""
+    _shuttle(bench, -1.0)
+
+
+def shuttle_on(bench: Workbench) -> None:
+    """Play forwards; again, twice as fast."""
+    _shuttle(bench, 1.0)
+
+
+def stop(bench: Workbench) -> None:
+    """Pause, and play at real time next."""
+    bench.document.playhead.pause()
+    bench.document.playhead.speed = 1.0
+
+
+def toggle_loop(bench: Workbench) -> None:
+    """Begin again at the end of the range, or stop there."""
+    bench.document.playhead.loop = not bench.document.playhead.loop
+
+
+def _shuttle(bench: Workbench, direction: float) -> None:
+    playhead = bench.document.playhead
+    along = playhead.playing and playhead.speed * direction > 0
+    playhead.speed = max(min(2.0 * playhead.speed, FASTEST), -FASTEST) if along else direction
+    playhead.play()

@@ -1,0 +1,68 @@
+"""What is seen: camera, ghost, tools, panels, palette."""
+
+from studio.app.workbench import Workbench
+
+
+def frame_selection(bench: Workbench) -> None:
+    """The selected thing fills the view."""
+    bench.viewport.frame_selection()
+
+
+def frame_all(bench: Workbench) -> None:
+    """All bodies fill the view."""
+    bench.viewport.frame_all()
+
+
+def front(bench: Workbench) -> None:
+    """From the front."""
+    bench.viewport.set_view("front")
+
+
+def side(bench: Workbench) -> None:
+    """From the side."""
+    bench.viewport.set_view("side")
+
+
+def top(bench: Workbench) -> None:
+    """From above."""
+    bench.viewport.set_view("top")
+
+
+def toggle_ghost(bench: Workbench) -> None:
+    """The capture on its own actor's body, beside what was made of it."""
+    bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
+
+
+def select_tool(bench: Workbench) -> None:
+    """Click to select."""
+    _take_tool(bench, "select")
+
+
+def move_tool(bench: Workbench) -> None:
+    """Drag targets and props by the gizmo."""
+    _take_tool(bench, "move")
+
+
+def palette(bench: Workbench) -> None:
+    """Find an action by its name."""
+    bench.window.palette_panel.open()
+
+
+def shortcuts(bench: Workbench) -> None:
+    """All shortcuts on one sheet."""
+    bench.window.show_shortcuts()
+
+
+def arrange(bench: Workbench) -> None:
+    """Give the panels title bars by which they can be moved, or take them away."""
+    bench.window.arrange(not bench.window.arranging)
+
+
+def reset_layout(bench: Workbench) -> None:
+    """All panels where they were in the beginning."""
+    bench.window.reset_layout()
+
+
+def _take_tool(bench: Workbench, tool: str) -> None:
+    bench.viewport.set_tool(tool)
+    bench.views_changed.emit()

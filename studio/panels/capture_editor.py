@@ -1,0 +1,122 @@
+"""A capture and its import report: what the file says, what was guessed and why, what was repaired."""
+
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QWidget
+
+from studio.core.capture import Capture, Guess
+from studio.document.document import Document
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.live import Live
+
+UNITS = (("m", "metres"), ("cm", "centimetres"), ("mm", "millimetres"), ("inch", "inches"), ("cmu", "5.64 cm units"))
+AXES = tuple((axis, f"{axis} up") for axis in "XYZ")
+
+
+class CaptureEditor(Editor):
+    """Facts, guesses that can be overruled, repairs. Unit and axis need the file to be read again."""
+
+    reimport_wanted = Signal(str, object)
+    """Capture id, {option: value}."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        self._facts = Section("Capture")
+        self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}
+        for name, value in self._values.items():
+            self._facts.add_row(name, value)
+        self.column.addWidget(self._facts)
+        self._add_options()
+        self._report: QWidget | None = None
+        self.finish()
+
+    def _add_options(self) -> None:
+        section = Section("Read as")
+        self._unit = Choice("Unit", UNITS)
+        self._unit.chosen.connect(lambda unit: self._ask(unit=unit))
+        self._axis = Choice("Up axis", AXES)
+        self._axis.chosen.connect(lambda axis: self._ask(up_axis=axis))
+        self._rate = self.bind(
+            NumberField("Frame rate", "Hz", 1.0, 1000.0, 1.0, 3),
+            self._changer("Set frame rate", lambda capture, value: capture.with_frame_rate(value)),
+        )
+        self._floor = self.bind(
+            NumberField("Floor", "m", -10.0, 10.0, 0.005, 3),
+            self._changer("Set floor", lambda capture, value: capture.with_floor(value)),
+        )
+        self._first = self.bind(
+            NumberField("First frame", "", 0, 1e6, 1, 0),
+            self._changer("Set first frame", lambda capture, value: capture.with_first_frame(round(value))),
+        )
+        for label, field in (
+            ("Unit", self._unit),
+            ("Up axis", self._axis),
+            ("Frame rate", self._rate),
+            ("Floor", self._floor),
+            ("First frame", self._first),
+        ):
+            section.add_row(label, field)
+        self.column.addWidget(section)
+
+    def refresh(self) -> None:
+        """Fetch facts, guesses and repairs."""
+        capture: Capture | None = self.entity
+        if capture is None:
+            return
+        facts = (
+            capture.source,
+            f"{capture.frame_count} at {capture.frame_rate:.5g} Hz",
+            f"{capture.duration:.2f} s",
+            f"{capture.skeleton.joint_count}",
+        )
+        for label, text in zip(self._values.values(), facts, strict=True):
+            label.setText(text)
+        _show(self._unit, capture.unit)
+        _show(self._axis, capture.up_axis)
+        self._rate.show_value(capture.frame_rate)
+        self._floor.show_value(capture.floor)
+        self._first.show_value(capture.first_frame)
+        self._show_report(capture)
+
+    def _show_report(self, capture: Capture) -> None:
+        report = _make_report(capture)
+        if self._report is None:
+            self.column.insertWidget(2, report)
+        else:
+            self.column.replaceWidget(self._report, report)
+            self._report.deleteLater()
+        self._report = report
+
+    def _changer(self, text: str, make: Callable[[Capture, float], Capture]) -> Callable[[float], None]:
+        return lambda value: self.put(lambda: make(self.entity, value), f"{text} of {self.entity.name}")
+
+    def _ask(self, **option: Any) -> None:
+        self.reimport_wanted.emit(self.entity_id, option)
+        self.refresh()
+
+
+def _show(choice: Choice, value: str) -> None:
+    if choice.findData(value) < 0:
+        choice.addItem(value, value)
+    choice.show_value(value)
+
+
+def _make_report(capture: Capture) -> QWidget:
+    """The guesses with their reasons, then the repairs."""
+    section = Section(f"Guessed · {len(capture.guesses)}")
+    for guess in capture.guesses:
+        section.add_wide(_guess_lines(guess))
+    if not capture.guesses:
+        section.add_wide(labelled("Nothing: the file says it all.", "hint"))
+    for repair in capture.repairs:
+        section.add_wide(labelled(f"Repaired: {repair}", "hint"))
+    return section
+
+
+def _guess_lines(guess: Guess) -> QWidget:
+    line = labelled("", "hint")
+    line.setText(f"<b>{guess.subject.capitalize()}: {guess.value}</b><br>{guess.reason}")
+    return line

@@ -1,0 +1,118 @@
+"""The body of a character: sliders for stature and every part, presets, back to the build."""
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+
+from PySide6.QtWidgets import QLineEdit
+
+from studio.core.character import Character
+from studio.core.morphology import Morphology, Proportions
+from studio.document.document import Document
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, Section, press_button
+from studio.panels.live import Live
+from studio.panels.sliders import ValueSlider
+
+LOW, HIGH = 0.5, 1.6
+CENTIMETRES = 100.0
+BUILD = Proportions()
+PRESETS: dict[str, Proportions] = {
+    "As built": BUILD,
+    "Child": Proportions(stature=0.68, head=1.35, thighs=0.92, shanks=0.92, hands=0.95, shoulders=0.9),
+    "Stocky": Proportions(stature=0.96, trunk=1.06, shoulders=1.18, hips=1.16, thighs=0.92, shanks=0.92),
+    "Tall": Proportions(stature=1.14, thighs=1.05, shanks=1.05, head=0.94),
+    "Long-armed": Proportions(upper_arms=1.25, forearms=1.28, hands=1.1),
+}
+
+
+def measure_of(name: str, body: Morphology) -> float:
+    """The length in metres that a slider is about."""
+    lengths: dict[str, Callable[[], float]] = {
+        "stature": lambda: body.stature,
+        "trunk": lambda: body.spine_length,
+        "shoulders": lambda: float(body.clavicle.sum()),
+        "hips": lambda: float(abs(body.hip_offset[0, 1] - body.hip_offset[1, 1])),
+        "upper_arms": lambda: float(body.arm[0, 0]),
+        "forearms": lambda: float(body.arm[0, 1]),
+        "hands": lambda: float((body.hand[0] ** 2).sum() ** 0.5),
+        "thighs": lambda: float(body.leg[0, 0]),
+        "shanks": lambda: float(body.leg[0, 1]),
+        "feet": lambda: float((body.foot[0] ** 2).sum() ** 0.5 + (body.toe[0] ** 2).sum() ** 0.5),
+        "head": lambda: body.head,
+    }
+    return lengths[name]()
+
+
+class BodySection(Section):
+    """All proportions of one character; every picture follows while a slider moves."""
+
+    def __init__(self, editor: Editor, character_id: Callable[[], str]) -> None:
+        super().__init__("Body")
+        self._editor, self._character_id = editor, character_id
+        reset = press_button("Reset", lambda: self._put(BUILD, f"Reset body of {self._character.name}"), "link")
+        reset.setToolTip("All lengths as built")
+        self.head.addWidget(reset)
+        self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
+        self._preset.chosen.connect(self._choose)
+        self.add_row("Preset", self._preset)
+        self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
+
+    @property
+    def _character(self) -> Character:
+        return self._editor.document.project.characters[self._character_id()]
+
+    def _make_slider(self, name: str) -> ValueSlider:
+        words = name.replace("_", " ").capitalize()
+        slider = ValueSlider(words, LOW, HIGH)
+        slider.begun.connect(self._editor.begin)
+        slider.edited.connect(lambda factor: self._set(name, words, factor))
+        slider.ended.connect(self._editor.end)
+        slider.restored.connect(lambda: self._set(name, words, 1.0))
+        self.add_row(words, slider)
+        return slider
+
+    def refresh(self) -> None:
+        """Fetch all lengths."""
+        character = self._character
+        for name, slider in self._sliders.items():
+            metres = measure_of(name, character.morphology)
+            words = f"{metres:.2f} m" if name == "stature" else f"{metres * CENTIMETRES:.1f} cm"
+            slider.show_value(getattr(character.proportions, name), words)
+        self._preset.show_value(character.proportions)
+
+    def _set(self, name: str, words: str, factor: float) -> None:
+        proportions = replace(self._character.proportions, **{name: factor})
+        self._put(proportions, f"Set {words.lower()} of {self._character.name}")
+
+    def _choose(self, values: Proportions) -> None:
+        self._put(values, f"Give {self._character.name} the body '{self._preset.currentText().lower()}'")
+
+    def _put(self, proportions: Proportions, text: str) -> None:
+        make = lambda: replace(self._character, proportions=proportions)  # noqa: E731
+        self._editor.put_other("characters", self._character_id(), make, text)
+
+
+class CharacterEditor(Editor):
+    """A character that nobody plays."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Character")
+        self._name = QLineEdit()
+        self._name.editingFinished.connect(self._rename)
+        section.add_row("Name", self._name)
+        self._body = BodySection(self, lambda: self.entity_id)
+        self.column.addWidget(section)
+        self.column.addWidget(self._body)
+        self.finish()
+
+    def refresh(self) -> None:
+        """Fetch name and lengths."""
+        if self.entity is not None:
+            self._name.setText(self.entity.name)
+            self._body.refresh()
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        if name and name != self.entity.name:
+            self.change(f"Rename {self.entity.name}", name=name)

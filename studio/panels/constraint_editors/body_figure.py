@@ -1,0 +1,111 @@
+"""A body drawn from behind, whose segments can be clicked; its own left is the picture's left."""
+
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Signal
+from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
+
+from studio.core.canonical import BodyPart
+from studio.document import colours
+
+WIDTH, HEIGHT = 104, 172
+MIDDLE = WIDTH / 2
+
+
+def _mirrored(name: str, left: QRectF) -> dict[BodyPart, QRectF]:
+    right = QRectF(2 * MIDDLE - left.right(), left.y(), left.width(), left.height())
+    return {BodyPart(f"left_{name}"): left, BodyPart(f"right_{name}"): right}
+
+
+SHAPES: dict[BodyPart, QRectF] = {
+    BodyPart.HEAD: QRectF(MIDDLE - 11, 2, 22, 24),
+    BodyPart.THORAX: QRectF(MIDDLE - 17, 40, 34, 30),
+    BodyPart.ABDOMEN: QRectF(MIDDLE - 14, 72, 28, 14),
+    BodyPart.PELVIS: QRectF(MIDDLE - 16, 88, 32, 15),
+    **_mirrored("clavicle", QRectF(MIDDLE - 24, 30, 21, 8)),
+    **_mirrored("upper_arm", QRectF(MIDDLE - 31, 40, 11, 29)),
+    **_mirrored("forearm", QRectF(MIDDLE - 34, 71, 10, 27)),
+    **_mirrored("hand", QRectF(MIDDLE - 36, 100, 11, 13)),
+    **_mirrored("thigh", QRectF(MIDDLE - 16, 105, 14, 30)),
+    **_mirrored("shank", QRectF(MIDDLE - 15, 137, 12, 24)),
+    **_mirrored("foot", QRectF(MIDDLE - 19, 163, 16, 8)),
+}
+
+
+class BodyFigure(QWidget):
+    """Segments filled by their weight; those without one cannot be clicked."""
+
+    clicked = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setAccessibleName("Chain, drawn on a body")
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        self.setMouseTracking(True)
+        self._weights: dict[BodyPart, float] = {}
+        self._point: BodyPart | None = None
+        self._under: BodyPart | None = None
+
+    def sizeHint(self) -> QSize:
+        return QSize(WIDTH, HEIGHT)
+
+    def show_weights(self, weights: dict[BodyPart, float], point: BodyPart) -> None:
+        """Weights from 0 (locked) to 1 (free) by segment, and the segment that carries the point."""
+        self._weights, self._point = weights, point
+        self.update()
+
+    def part_at(self, place: QPointF) -> BodyPart | None:
+        """The segment under a point of the picture, if it can be clicked."""
+        grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SHAPES.items())
+        return next((part for part, shape in grown if shape.contains(place) and part in self._weights), None)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        part = self.part_at(event.position())
+        if part is not None:
+            self.clicked.emit(part)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        part = self.part_at(event.position())
+        if part != self._under:
+            self._under = part
+            self.update()
+
+    def leaveEvent(self, _: QEvent) -> None:
+        self._under = None
+        self.update()
+
+    def event(self, event: QEvent) -> bool:
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
+            part = self.part_at(QPointF(event.pos()))
+            if part is None:
+                QToolTip.hideText()
+            else:
+                state = "moves" if self._weights[part] > 0.0 else "is locked"
+                QToolTip.showText(event.globalPos(), f"{part.label} {state}. Click to change.", self)
+            return True
+        return bool(super().event(event))
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for part, shape in SHAPES.items():
+            colour = colours.EDGE
+            if self._weights.get(part, 0.0) > 0.0:
+                share = 0.35 + 0.65 * self._weights[part]
+                colour = colours.mixed(colours.EDGE, colours.KINDS["position"], share)
+            if part == self._under:
+                colour = colours.mixed(colour, "#ffffff", 0.18)
+            painter.setPen(QColor(colour))
+            painter.setBrush(QColor(colour))
+            radius = min(shape.width(), shape.height()) / 2 if part == BodyPart.HEAD else 4
+            painter.drawRoundedRect(shape, radius, radius)
+        if self._point in SHAPES:
+            painter.setPen(QColor(colours.WINDOW))
+            painter.setBrush(QColor(colours.SELECTED_HANDLE))
+            painter.drawEllipse(SHAPES[self._point].center(), 3.5, 3.5)
+        painter.setPen(QColor(colours.TEXT_THIRD))
+        font = painter.font()
+        font.setPixelSize(10)
+        painter.setFont(font)
+        painter.drawText(QPointF(8, 24), "L")
+        painter.drawText(QPointF(WIDTH - 14, 24), "R")
+        painter.end()

@@ -1,0 +1,110 @@
+"""Which parts may move for a constraint: a figure to click, and a weight for each part."""
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import Chain
+from studio.panels.constraint_editors.body_figure import BodyFigure
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section, labelled
+
+LINKS = tuple(field.name for field in fields(Chain))
+TRUNK = (BodyPart.ABDOMEN, BodyPart.THORAX)
+
+
+def link_words(point: BodyPart) -> dict[str, str]:
+    """What each link of the chain is called for a point on that part."""
+    side, _, bone = point.value.partition("_")
+    if bone in ("clavicle", "upper_arm", "forearm", "hand"):
+        names = (f"{side.capitalize()} arm", f"{side.capitalize()} hand", f"{side.capitalize()} clavicle")
+    elif bone in ("thigh", "shank", "foot", "toe"):
+        names = (f"{side.capitalize()} leg", f"{side.capitalize()} foot", "Clavicle")
+    else:
+        names = ("Neck, head", "End segment", "Clavicle")
+    return dict(zip(LINKS, (*names, "Trunk", "Pelvis, root"), strict=True))
+
+
+def link_parts(point: BodyPart) -> dict[str, tuple[BodyPart, ...]]:
+    """The segments of each link, for a point on that part."""
+    side, _, bone = point.value.partition("_")
+    links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK, "root": (BodyPart.PELVIS,)}
+    if bone in ("clavicle", "upper_arm", "forearm", "hand"):
+        links["limb"] = (BodyPart(f"{side}_upper_arm"), BodyPart(f"{side}_forearm"))
+        links["end_segment"] = (BodyPart(f"{side}_hand"),)
+        links["clavicle"] = (BodyPart(f"{side}_clavicle"),)
+    elif bone in ("thigh", "shank", "foot", "toe"):
+        links["limb"] = (BodyPart(f"{side}_thigh"), BodyPart(f"{side}_shank"))
+        links["end_segment"] = (BodyPart(f"{side}_foot"),)
+    else:
+        links["limb"] = (BodyPart.HEAD,)
+    return links
+
+
+class ChainSection(Section):
+    """Click a segment to lock or free it; the numbers beside say how freely it moves."""
+
+    def __init__(self, editor: Editor) -> None:
+        super().__init__("Chain")
+        self._editor = editor
+        self._figure = BodyFigure()
+        self._figure.clicked.connect(self._toggle)
+        self._names: dict[str, QLabel] = {}
+        self._weights: dict[str, NumberField] = {}
+        row = QWidget()
+        line = QHBoxLayout(row)
+        line.setContentsMargins(0, 0, 0, 0)
+        line.setSpacing(12)
+        line.addWidget(self._figure)
+        line.addLayout(self._make_weights(), 1)
+        self.add_wide(row)
+
+    def _make_weights(self) -> QGridLayout:
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        for place, link in enumerate(LINKS):
+            name = labelled("", "second")
+            field = NumberField("Weight", "", 0.0, 1.0, 0.05, 2)
+            field.setFixedWidth(56)
+            field.setAlignment(Qt.AlignmentFlag.AlignRight)
+            self._editor.bind(field, self._setter(link))
+            grid.addWidget(name, place, 0)
+            grid.addWidget(field, place, 1)
+            self._names[link], self._weights[link] = name, field
+        grid.addWidget(labelled("Click segments to lock or free them", "hint"), len(LINKS), 0, 1, 2)
+        grid.setRowStretch(len(LINKS) + 1, 1)
+        return grid
+
+    def refresh(self) -> None:
+        """Fetch weights and names."""
+        constraint = self._editor.entity
+        part, chain = constraint.point.part, constraint.chain
+        parts = link_parts(part)
+        for link, words in link_words(part).items():
+            self._names[link].setText(words)
+            self._names[link].setVisible(link in parts)
+            self._weights[link].setVisible(link in parts)
+            self._weights[link].setAccessibleName(f"Weight of {words}")
+            self._weights[link].show_value(getattr(chain, link))
+        weights = {segment: getattr(chain, link) for link, many in parts.items() for segment in many}
+        self._figure.show_weights(weights, part)
+
+    def _setter(self, link: str) -> Callable[[float], None]:
+        return lambda weight: self._set(link, weight)
+
+    def _set(self, link: str, weight: float) -> None:
+        editor = self._editor
+        words = link_words(editor.entity.point.part)[link].lower()
+        editor.put(
+            lambda: replace(editor.entity, chain=replace(editor.entity.chain, **{link: weight})),
+            f"Set weight of {words} for {editor.entity.name}",
+        )
+
+    def _toggle(self, part: BodyPart) -> None:
+        links = link_parts(self._editor.entity.point.part)
+        link = next(link for link, parts in links.items() if part in parts)
+        self._set(link, 0.0 if getattr(self._editor.entity.chain, link) > 0.0 else 1.0)

@@ -1,0 +1,122 @@
+"""The form that all kinds of constraint share: name, point, activation, chain, priority, how well it holds."""
+
+from dataclasses import replace
+
+from PySide6.QtWidgets import QCheckBox, QLineEdit
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.document.document import Document
+from studio.panels.constraint_editors.activation import ActivationSection
+from studio.panels.constraint_editors.chain import ChainSection
+from studio.panels.constraint_editors.priority import PrioritySection
+from studio.panels.constraint_editors.residuals import ResidualSection
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, NumberField, Section
+from studio.panels.library_rows import point_words
+from studio.panels.live import Live
+
+CENTIMETRE = 0.01
+
+
+def point_choices() -> list[tuple[object, str]]:
+    """Every place on the body that can be named: a segment's origin, or its far end."""
+    points = [
+        (part, at_end)
+        for part in BodyPart
+        for at_end in (False, True)
+        if at_end or not part.value.endswith(("thigh", "shank", "forearm", "hand", "foot", "toe"))
+    ]
+    return [(point, point_words(BodyPoint(point[0], at_end=point[1])).capitalize()) for point in points]
+
+
+class ConstraintEditor(Editor):
+    """A constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        self._section = Section("Constraint")
+        self._add_names()
+        self._add_point()
+        self.add_kind_rows(self._section)
+        self._activation = ActivationSection(self)
+        self._chain = ChainSection(self)
+        self._residuals = ResidualSection(self)
+        self._priority = PrioritySection(self)
+        for section in (self._section, self._residuals, self._activation, self._chain, self._priority):
+            self.column.addWidget(section)
+        self.finish()
+
+    def add_kind_rows(self, section: Section) -> None:
+        """What only this kind has."""
+
+    def _add_names(self) -> None:
+        self._enabled = QCheckBox("on")
+        self._enabled.setAccessibleName("Constraint is on")
+        self._enabled.toggled.connect(self._set_enabled)
+        self._section.head.addWidget(self._enabled)
+        self._name = QLineEdit()
+        self._name.editingFinished.connect(self._rename)
+        self._section.add_row("Name", self._name)
+        kind = self.entity.kind
+        self._kind = Choice("Kind", [(kind, kind.replace("_", "-").capitalize())])
+        self._section.add_row("Kind", self._kind)
+
+    def _add_point(self) -> None:
+        self._point = Choice("Point", point_choices())
+        self._point.setToolTip("Where on the body. Or click a joint in the viewport and press C.")
+        self._point.chosen.connect(self._set_point)
+        self._section.add_row("Point", self._point)
+        self._offset = [
+            self.bind(
+                NumberField(f"Offset {axis}", "", -100.0, 100.0, 0.5, 1),
+                lambda value, k=k: self._set_offset(k, value),
+            )
+            for k, axis in enumerate("XYZ")
+        ]
+        self._section.add_row("Offset  cm", *self._offset)
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        constraint = self.entity
+        if constraint is None:
+            return
+        self._enabled.blockSignals(True)
+        self._enabled.setChecked(constraint.enabled)
+        self._enabled.blockSignals(False)
+        if not self._name.hasFocus() or not self._name.isModified():
+            self._name.setText(constraint.name)
+        self._kind.show_value(constraint.kind)
+        self._show_point(constraint.point)
+        for field, value in zip(self._offset, constraint.point.offset, strict=True):
+            field.show_value(value / CENTIMETRE)
+        for section in (self._activation, self._chain, self._residuals, self._priority):
+            section.refresh()
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """Priorities are an order among all constraints; residuals name the performers."""
+        return collection in ("constraints", "performers", "characters")
+
+    def _show_point(self, point: BodyPoint) -> None:
+        if self._point.findData((point.part, point.at_end)) < 0:
+            self._point.addItem(point_words(point).capitalize(), (point.part, point.at_end))
+        self._point.show_value((point.part, point.at_end))
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        if name and name != self.entity.name:
+            self.change(f"Rename {self.entity.name}", name=name)
+        self._name.setModified(False)
+
+    def _set_enabled(self, enabled: bool) -> None:
+        self.change(f"Turn {'on' if enabled else 'off'} {self.entity.name}", enabled=enabled)
+
+    def _set_point(self, choice: tuple[BodyPart, bool]) -> None:
+        point = BodyPoint(choice[0], at_end=choice[1])
+        self.change(f"Choose point of {self.entity.name}", point=point)
+
+    def _set_offset(self, axis: int, centimetres: float) -> None:
+        offset = list(self.entity.point.offset)
+        offset[axis] = centimetres * CENTIMETRE
+        point = replace(self.entity.point, offset=tuple(offset))
+        self.change(f"Move point of {self.entity.name}", point=point)

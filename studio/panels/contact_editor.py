@@ -1,0 +1,50 @@
+"""A contact: which point of which foot stands still, from frame to frame."""
+
+from studio.core.contacts import FootPoint
+from studio.document.document import Document
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.live import Live
+
+
+def contact_words(point: FootPoint) -> str:
+    """``Left heel``."""
+    return point.value.replace("_", " ").capitalize()
+
+
+class ContactEditor(Editor):
+    """Point, first and last frame."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Contact")
+        self._point = Choice("Point", [(point, contact_words(point)) for point in FootPoint])
+        self._point.chosen.connect(lambda point: self.change(f"Move contact to {contact_words(point)}", point=point))
+        section.add_row("Point", self._point)
+        self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
+        self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
+        section.add_row("Frames", self._first, self._last)
+        self._words = labelled("", "hint")
+        section.add_wide(self._words)
+        self.column.addWidget(section)
+        self.finish()
+
+    def refresh(self) -> None:
+        """Fetch the contact."""
+        contact = self.entity
+        if contact is None:
+            return
+        self._point.show_value(contact.point)
+        self._first.show_value(contact.first)
+        self._last.show_value(contact.last)
+        seconds = (contact.last - contact.first + 1) / self.document.playhead.frame_rate
+        what = contact_words(contact.point).lower()
+        self._words.setText(f"The {what} stands still on the ground for {seconds:.2f} s, on every body.")
+
+    def _set_first(self, frame: float) -> None:
+        text = f"Trim {contact_words(self.entity.point).lower()} contact"
+        self.change(text, first=min(round(frame), self.entity.last))
+
+    def _set_last(self, frame: float) -> None:
+        text = f"Trim {contact_words(self.entity.point).lower()} contact"
+        self.change(text, last=max(round(frame), self.entity.first))

@@ -1,0 +1,93 @@
+"""Editor: what every form of the inspector has in common: an entity, a gesture, one way to change it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from studio.core.errors import StudioError
+from studio.document.document import Document
+from studio.panels.fields import NumberField, labelled
+from studio.panels.live import Live
+
+
+class Editor(QWidget):
+    """The form of one entity. It keeps no copy: ``refresh`` fetches, ``change`` replaces."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        self.document, self.live = document, live
+        self.collection, self.entity_id = collection, entity_id
+        self.column = QVBoxLayout(self)
+        self.column.setContentsMargins(0, 0, 0, 12)
+        self.column.setSpacing(0)
+        self._gesture: int | None = None
+
+    @property
+    def entity(self) -> Any:
+        """The entity as it is now."""
+        return self.document.project.get(self.collection, self.entity_id)
+
+    def refresh(self) -> None:
+        """Show the entity as it is now."""
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """Whether a change of that entity is to be shown here."""
+        return (collection, entity_id) == (self.collection, self.entity_id)
+
+    def change(self, text: str, **values: Any) -> None:
+        """Put the entity with some values changed in its place; what is refused is said in a sentence."""
+        self.put(lambda: replace(self.entity, **values), text)
+
+    def put(self, make: Callable[[], Any], text: str) -> None:
+        """As ``change``, for a new entity that is made in another way."""
+        self.put_other(self.collection, self.entity_id, make, text)
+
+    def put_other(self, collection: str, entity_id: str, make: Callable[[], Any], text: str) -> None:
+        """As ``put``, for an entity that belongs to this one."""
+        try:
+            self.document.replace(collection, entity_id, make(), text, self._gesture)
+        except (ValueError, StudioError) as error:
+            self.document.problem.emit(f"{error}")
+            self.refresh()
+
+    def begin(self) -> None:
+        """From here all changes are one undo step, solved round the playhead first."""
+        self._gesture = self.document.new_gesture()
+        self.live.interactive = True
+
+    def end(self) -> None:
+        """The gesture is over."""
+        self._gesture = None
+        self.live.interactive = False
+
+    def bind(self, field: NumberField, change: Callable[[float], None]) -> NumberField:
+        """Let a number field change the entity, one undo step a drag."""
+        field.begun.connect(self.begin)
+        field.edited.connect(change)
+        field.ended.connect(self.end)
+        return field
+
+    def finish(self) -> None:
+        """The form is complete: what is left over stays empty below it."""
+        self.column.addStretch(1)
+        self.refresh()
+
+
+class PlainEditor(Editor):
+    """The fall-back for a kind that brings no editor of its own: what it is, in words."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        self._words = labelled("", "hint")
+        self._words.setContentsMargins(12, 12, 12, 0)
+        self.column.addWidget(self._words)
+        self.finish()
+
+    def refresh(self) -> None:
+        """Name and values of the entity."""
+        values = vars(self.entity)
+        plain = {key: value for key, value in values.items() if isinstance(value, (str, int, float, tuple))}
+        self._words.setText("\n".join(f"{key.replace('_', ' ')}: {value}" for key, value in plain.items()))

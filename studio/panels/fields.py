@@ -1,0 +1,228 @@
+"""The parts of a form: section heads, labelled rows, number fields to type in or to drag, segments, sliders."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+from PySide6.QtCore import QEvent, QObject, QPointF, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QFont, QKeyEvent, QMouseEvent
+from PySide6.QtWidgets import (
+    QAbstractSpinBox,
+    QButtonGroup,
+    QComboBox,
+    QDoubleSpinBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
+
+LABEL_WIDTH = 84
+ROW_HEIGHT = 26
+SIDE = 12
+SCRUB_START = 3
+
+
+def labelled(text: str, role: str) -> QLabel:
+    """A label in one of the style sheet's roles: head, title, second, hint, value."""
+    label = QLabel(text.upper() if role == "head" else text)
+    label.setProperty("role", role)
+    if role == "head":
+        font = label.font()
+        font.setLetterSpacing(QFont.SpacingType.PercentageSpacing, 106)
+        label.setFont(font)
+        label.setAccessibleName(text)
+    label.setWordWrap(role == "hint")
+    return label
+
+
+class Section(QWidget):
+    """A head and under it rows of label and field, all on the same columns."""
+
+    def __init__(self, title: str) -> None:
+        super().__init__()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(SIDE, 12, SIDE, 0)
+        column.setSpacing(8)
+        self.head = QHBoxLayout()
+        self.head.addWidget(labelled(title, "head"))
+        self.head.addStretch(1)
+        column.addLayout(self.head)
+        self._grid = QGridLayout()
+        self._grid.setHorizontalSpacing(8)
+        self._grid.setVerticalSpacing(6)
+        self._grid.setColumnMinimumWidth(0, LABEL_WIDTH)
+        self._grid.setColumnStretch(1, 1)
+        column.addLayout(self._grid)
+
+    def add_row(self, label: str, *fields: QWidget) -> QLabel:
+        """One row; fields share the width evenly and take the label as accessible name if they have none."""
+        row = self._grid.rowCount()
+        caption = labelled(label, "second")
+        self._grid.addWidget(caption, row, 0)
+        cell = QHBoxLayout()
+        cell.setSpacing(4)
+        for field in fields:
+            cell.addWidget(field, 1 if _stretches(field) else 0)
+            if not field.accessibleName():
+                field.setAccessibleName(label)
+        self._grid.addLayout(cell, row, 1)
+        if fields:
+            caption.setBuddy(fields[0])
+        return caption
+
+    def add_wide(self, widget: QWidget) -> None:
+        """A widget over the whole width."""
+        self._grid.addWidget(widget, self._grid.rowCount(), 0, 1, 2)
+
+
+def _stretches(widget: QWidget) -> bool:
+    return widget.sizePolicy().horizontalPolicy() is not QSizePolicy.Policy.Fixed
+
+
+class NumberField(QDoubleSpinBox):
+    """A number with its unit: type it, step it with the arrow keys, or drag sideways to scrub.
+
+    ``begun`` and ``ended`` frame every change, so that all of one drag can be one undo step.
+    """
+
+    begun = Signal()
+    edited = Signal(float)
+    ended = Signal()
+
+    def __init__(self, name: str, unit: str, low: float, high: float, step: float, decimals: int = 2) -> None:
+        super().__init__()
+        self.setAccessibleName(name)
+        self.setToolTip(f"{name}. Drag sideways to change, click to type.")
+        self.setRange(low, high)
+        self.setSingleStep(step)
+        self.setDecimals(decimals)
+        self.setSuffix(f" {unit}" if unit else "")
+        self.setKeyboardTracking(False)
+        self.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self._press: tuple[QPointF, float] | None = None
+        self._scrubbing = False
+        self.lineEdit().installEventFilter(self)
+        self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
+        self.valueChanged.connect(self._tell)
+
+    def show_value(self, value: float) -> None:
+        """Show a value that comes from the document; nothing is emitted, and a drag is left alone."""
+        if not self._scrubbing:
+            with QSignalBlocker(self):
+                self.setValue(value)
+
+    def _tell(self, value: float) -> None:
+        if self._scrubbing:
+            self.edited.emit(value)
+        else:
+            self.begun.emit()
+            self.edited.emit(value)
+            self.ended.emit()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Turn a sideways drag over the text into scrubbing; a click still sets the cursor."""
+        if isinstance(event, QMouseEvent) and event.type() != QEvent.Type.MouseButtonDblClick:
+            if self._scrub(event):
+                return True
+        elif isinstance(event, QKeyEvent) and self._scrubbing and event.key() == Qt.Key.Key_Escape:
+            self._finish(restore=True)
+            return True
+        return bool(super().eventFilter(watched, event))
+
+    def _scrub(self, event: QMouseEvent) -> bool:
+        kind, place = event.type(), event.globalPosition()
+        if kind == QEvent.Type.MouseButtonPress and event.button() == Qt.MouseButton.LeftButton:
+            self._press = (place, self.value())
+        elif kind == QEvent.Type.MouseMove and self._press is not None:
+            start, value = self._press
+            distance = place.x() - start.x()
+            if not self._scrubbing and abs(distance) >= SCRUB_START:
+                self._scrubbing = True
+                self.begun.emit()
+            if self._scrubbing:
+                fine = 0.1 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
+                self.setValue(value + round(distance) * self.singleStep() * fine)
+            return self._scrubbing
+        elif kind == QEvent.Type.MouseButtonRelease and self._press is not None:
+            was_scrubbing = self._scrubbing
+            self._finish()
+            return was_scrubbing
+        return False
+
+    def _finish(self, restore: bool = False) -> None:
+        press, self._press = self._press, None
+        if self._scrubbing:
+            if restore and press is not None:
+                self.setValue(press[1])
+            self._scrubbing = False
+            self.lineEdit().deselect()
+            self.ended.emit()
+
+    def wheelEvent(self, event: QEvent) -> None:
+        """A wheel over a form scrolls the form; it never changes a number by accident."""
+        event.ignore()
+
+
+class Choice(QComboBox):
+    """A list of (value, text) to choose from; ``chosen`` comes only from the user."""
+
+    chosen = Signal(object)
+
+    def __init__(self, name: str, items: Iterable[tuple[object, str]]) -> None:
+        super().__init__()
+        self.setAccessibleName(name)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setMinimumContentsLength(6)
+        for value, text in items:
+            self.addItem(text, value)
+        self.activated.connect(lambda _: self.chosen.emit(self.currentData()))
+
+    def show_value(self, value: object) -> None:
+        """Show what the document says."""
+        with QSignalBlocker(self):
+            self.setCurrentIndex(self.findData(value))
+
+    def wheelEvent(self, event: QEvent) -> None:
+        """As with numbers: a wheel never chooses by accident."""
+        event.ignore()
+
+
+class Segments(QWidget):
+    """Two to four exclusive buttons in one row."""
+
+    chosen = Signal(object)
+
+    def __init__(self, name: str, items: Sequence[tuple[object, str]]) -> None:
+        super().__init__()
+        self.setAccessibleName(name)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(0)
+        self._group = QButtonGroup(self)
+        self._values = [value for value, _ in items]
+        for index, (_, text) in enumerate(items):
+            button = press_button(text, None, "segment")
+            button.setCheckable(True)
+            button.setAccessibleName(f"{name}: {text}")
+            button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+            self._group.addButton(button, index)
+            row.addWidget(button, 1)
+        self._group.idClicked.connect(lambda index: self.chosen.emit(self._values[index]))
+
+    def show_value(self, value: object) -> None:
+        """Show what the document says."""
+        self._group.button(self._values.index(value)).setChecked(True)
+
+
+def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
+    """A button that takes the keyboard only by Tab, so that Space goes on playing after a click."""
+    button = QPushButton(text)
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    if role:
+        button.setProperty("role", role)
+    if run is not None:
+        button.clicked.connect(lambda _=False: run())
+    return button

@@ -1,0 +1,24 @@
+"""History: every step in words; click one to go back to it."""
+
+from PySide6.QtGui import QUndoStack
+from PySide6.QtWidgets import QUndoView, QVBoxLayout, QWidget
+
+from studio.panels.fields import SIDE, labelled
+
+
+class History(QWidget):
+    """The undo stack as a list."""
+
+    def __init__(self, undo_stack: QUndoStack) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 12, 0, 0)
+        column.setSpacing(4)
+        head = labelled("History", "head")
+        head.setContentsMargins(SIDE, 0, SIDE, 0)
+        column.addWidget(head)
+        self.view = QUndoView(undo_stack)
+        self.view.setEmptyLabel("As opened")
+        self.view.setAccessibleName("History of edits")
+        column.addWidget(self.view)

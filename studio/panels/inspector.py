@@ -1,0 +1,81 @@
+"""Inspector: the form of the selected thing, found by its collection and kind."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
+
+from studio.document.document import Document
+from studio.panels.capture_editor import CaptureEditor
+from studio.panels.character_editor import CharacterEditor
+from studio.panels.constraint_editors import editor_of_kind
+from studio.panels.contact_editor import ContactEditor
+from studio.panels.editor import Editor, PlainEditor
+from studio.panels.ground_editor import GroundEditor
+from studio.panels.live import Live
+from studio.panels.performer_editor import PerformerEditor
+from studio.panels.stage_editor import StageEditor
+
+EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
+    "captures": CaptureEditor,
+    "characters": CharacterEditor,
+    "performers": PerformerEditor,
+    "contacts": ContactEditor,
+    "grounds": GroundEditor,
+}
+
+
+class Inspector(QScrollArea):
+    """Shows one editor and keeps it fresh."""
+
+    reimport_wanted = Signal(str, object)
+    """Capture id, {option: value}: the file is to be read otherwise."""
+
+    def __init__(self, document: Document, live: Live) -> None:
+        super().__init__()
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setAccessibleName("Inspector")
+        self.document, self.live = document, live
+        self.editor: Editor | None = None
+        document.selection.changed.connect(self._show_current)
+        document.entity_changed.connect(self._entity_changed)
+        document.project_opened.connect(self._show_current)
+        self._show_current()
+
+    def _show_current(self) -> None:
+        item = self.document.selection.current
+        if item is not None and self.document.project.get(*item) is None:
+            item = None
+        collection, entity_id = item or ("", "")
+        editor = self.editor
+        if editor is not None and (editor.collection, editor.entity_id) == (collection, entity_id) and item:
+            editor.refresh()
+            return
+        self.editor = self._make(collection, entity_id)
+        if isinstance(self.editor, CaptureEditor):
+            self.editor.reimport_wanted.connect(self.reimport_wanted)
+        self.setWidget(self.editor)
+
+    def _make(self, collection: str, entity_id: str) -> Editor:
+        if not collection:
+            return StageEditor(self.document, self.live)
+        if collection == "constraints":
+            kind = self.document.project.constraints[entity_id].kind
+            return editor_of_kind(kind)(self.document, self.live, collection, entity_id)
+        return EDITORS.get(collection, PlainEditor)(self.document, self.live, collection, entity_id)
+
+    def _entity_changed(self, collection: str, entity_id: str) -> None:
+        editor = self.editor
+        if editor is None:
+            return
+        if editor.collection and editor.entity is None:
+            self._show_current()
+        elif editor.concerns(collection, entity_id):
+            editor.refresh()
+
+    def current_form(self) -> QWidget | None:
+        """The form on show."""
+        return self.editor

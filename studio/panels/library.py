@@ -1,0 +1,203 @@
+"""Library: what is in the project, and which bodies are shown. Selection goes both ways with the document."""
+
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtCore import (
+    QAbstractListModel,
+    QEvent,
+    QItemSelection,
+    QItemSelectionModel,
+    QModelIndex,
+    QPersistentModelIndex,
+    QRect,
+    QSignalBlocker,
+    Qt,
+    Signal,
+)
+from PySide6.QtGui import QKeyEvent, QMouseEvent
+from PySide6.QtWidgets import QAbstractItemView, QListView, QVBoxLayout, QWidget
+
+from studio.core.project import Performer
+from studio.document.document import Document
+from studio.panels.library_delegate import EYE_WIDTH, LibraryDelegate
+from studio.panels.library_rows import Row, rows_of
+
+ROW_ROLE = Qt.ItemDataRole.UserRole
+ROW_HEIGHT = 26
+Index = QModelIndex | QPersistentModelIndex
+
+
+class LibraryModel(QAbstractListModel):
+    """The rows as Qt asks for them; heads and hints cannot be selected."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.rows: list[Row] = []
+
+    def show(self, rows: list[Row]) -> None:
+        """Show these rows; where only texts differ, the view keeps its place."""
+        if [row.item for row in rows] == [row.item for row in self.rows]:
+            self.rows = rows
+            self.dataChanged.emit(self.index(0), self.index(len(rows) - 1))
+        else:
+            self.beginResetModel()
+            self.rows = rows
+            self.endResetModel()
+
+    def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008 - Qt's own default
+        return 0 if parent.isValid() else len(self.rows)
+
+    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        row = self.rows[index.row()]
+        match role:
+            case Qt.ItemDataRole.DisplayRole:
+                return row.text
+            case Qt.ItemDataRole.AccessibleTextRole:
+                shown = {None: "", True: ", shown", False: ", hidden"}[row.shown]
+                return f"{row.text} {row.detail}{shown}".strip()
+            case Qt.ItemDataRole.ToolTipRole if row.item is not None:
+                return f"{row.text}  {row.detail}"
+        return row if role == ROW_ROLE else None
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        item = self.rows[index.row()].item if index.isValid() else None
+        if item is None:
+            return Qt.ItemFlag.NoItemFlags
+        return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+
+
+class LibraryView(QListView):
+    """A list whose eyes can be clicked."""
+
+    eye_clicked = Signal(object)
+    opened = Signal(object)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        row = self._row_at(event)
+        if row is not None and row.shown is not None and self._eye(event).contains(event.position().toPoint()):
+            self.eye_clicked.emit(row)
+            return
+        super().mousePressEvent(event)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        row = self._row_at(event)
+        if row is not None and row.item is not None:
+            self.opened.emit(row)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        index = self.currentIndex()
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and index.isValid():
+            self.opened.emit(index.data(ROW_ROLE))
+        else:
+            super().keyPressEvent(event)
+
+    def event(self, event: QEvent) -> bool:
+        """While the list has the keyboard, the arrow keys walk through it and not through time."""
+        arrows = (Qt.Key.Key_Up, Qt.Key.Key_Down)
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in arrows:
+            event.accept()
+            return True
+        return bool(super().event(event))
+
+    def _row_at(self, event: QMouseEvent) -> Row | None:
+        index = self.indexAt(event.position().toPoint())
+        row: Row | None = index.data(ROW_ROLE) if index.isValid() else None
+        return row
+
+    def _eye(self, event: QMouseEvent) -> QRect:
+        rect = self.visualRect(self.indexAt(event.position().toPoint()))
+        return rect.adjusted(rect.width() - EYE_WIDTH, 0, 0, 0)
+
+
+class Library(QWidget):
+    """The dock's content. ``wanted`` asks to play a capture on the bodies that are shown."""
+
+    wanted = Signal(str)
+
+    def __init__(self, document: Document) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        self.document = document
+        self.model = LibraryModel()
+        self.view = LibraryView()
+        self.view.setAccessibleName("Library")
+        self.view.setModel(self.model)
+        self.view.setItemDelegate(LibraryDelegate(self.view))
+        self.view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.view.setUniformItemSizes(False)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 4, 0, 0)
+        column.addWidget(self.view)
+        self.view.selectionModel().selectionChanged.connect(self._select)
+        self.view.eye_clicked.connect(self._toggle)
+        self.view.opened.connect(self._open)
+        document.entity_changed.connect(self._entity_changed)
+        document.project_opened.connect(self.refresh)
+        document.selection.changed.connect(self._selection_changed)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Fetch all rows."""
+        with QSignalBlocker(self.view.selectionModel()):
+            self.model.show(rows_of(self.document.project, self.document.active_motion_id))
+        self._show_selection()
+
+    def row_rect(self, item: tuple[str, str]) -> QRect:
+        """Where an entity's row stands in the list's viewport."""
+        return self.view.visualRect(self._index(item))
+
+    def _index(self, item: tuple[str, str]) -> QModelIndex:
+        places = [place for place, row in enumerate(self.model.rows) if row.item == item]
+        return self.model.index(places[0]) if places else QModelIndex()
+
+    def _entity_changed(self, collection: str, _: str) -> None:
+        if collection != "contacts":
+            self.refresh()
+
+    def _selection_changed(self) -> None:
+        # Another performer may play another motion, which has other constraints.
+        self.refresh()
+
+    def _show_selection(self) -> None:
+        model = self.view.selectionModel()
+        chosen = QItemSelection()
+        for item in self.document.selection.items:
+            index = self._index(item)
+            if index.isValid():
+                chosen.select(index, index)
+        with QSignalBlocker(model):
+            model.select(chosen, QItemSelectionModel.SelectionFlag.ClearAndSelect)
+            current = self.document.selection.current
+            if current is not None:
+                model.setCurrentIndex(self._index(current), QItemSelectionModel.SelectionFlag.NoUpdate)
+        self.view.viewport().update()
+
+    def _select(self) -> None:
+        rows = [index.data(ROW_ROLE) for index in self.view.selectionModel().selectedIndexes()]
+        self.document.selection.set(*(row.item for row in rows if row.item is not None))
+
+    def _toggle(self, row: Row) -> None:
+        collection, entity_id = row.item or ("", "")
+        if collection == "performers":
+            performer = self.document.project.performers[entity_id]
+            verb = "Hide" if performer.visible else "Show"
+            shown = replace(performer, visible=not performer.visible)
+            self.document.replace("performers", entity_id, shown, f"{verb} {performer.name}")
+        else:
+            self._put_on_stage(entity_id)
+
+    def _put_on_stage(self, character_id: str) -> None:
+        project = self.document.project
+        active = project.performers.get(self.document.active_performer_id or "")
+        side = max((other.position[1] for other in project.performers.values()), default=-1.2)
+        character = project.characters[character_id]
+        performer = Performer(character.name, character_id, active.clips if active else (), (0.0, side + 1.2))
+        self.document.add("performers", performer, f"Show {character.name}")
+
+    def _open(self, row: Row) -> None:
+        if row.item is not None and row.item[0] == "captures":
+            self.wanted.emit(row.item[1])
+        elif row.shown is not None:
+            self._toggle(row)

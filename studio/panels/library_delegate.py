@@ -1,0 +1,116 @@
+"""How a row of the library is drawn: mark, name, detail, eye."""
+
+from pathlib import Path
+
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFont, QIcon, QPainter
+from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
+
+from studio.document import colours
+from studio.panels.library_rows import Row
+from studio.resources_folder import resources_folder
+
+ROW_ROLE = Qt.ItemDataRole.UserRole
+ROW_HEIGHT = 26
+HEAD_HEIGHT = 36
+SIDE = 12
+MARK = 8
+EYE = 16
+EYE_WIDTH = 32
+HEAD_PIXELS = 11
+DETAIL_PIXELS = 11
+
+
+class LibraryDelegate(QStyledItemDelegate):
+    """Quiet rows on a 4 px grid; the only colours are those of bodies and of constraint kinds."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        icons = resources_folder() / "icons"
+        self._eye = _icon(icons / "eye.svg")
+        self._closed_eye = _icon(icons / "eye_closed.svg")
+
+    def sizeHint(self, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex) -> QSize:
+        row: Row = index.data(ROW_ROLE)
+        return QSize(0, ROW_HEIGHT if row.item is not None or row.hint else HEAD_HEIGHT)
+
+    def paint(
+        self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex
+    ) -> None:
+        row: Row = index.data(ROW_ROLE)
+        painter.save()
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if row.item is None:
+            self._paint_head(painter, option.rect, option.font, row)
+        else:
+            self._paint_ground(painter, option)
+            self._paint_row(painter, option.rect, option.font, row)
+        painter.restore()
+
+    def _paint_head(self, painter: QPainter, rect: QRect, font: QFont, row: Row) -> None:
+        painter.setPen(QColor(colours.TEXT_THIRD))
+        place = rect.adjusted(SIDE, 0, -SIDE, 0)
+        if row.hint:
+            painter.setFont(_sized(font, 12))
+            painter.drawText(place, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, row.text)
+            return
+        head = _sized(font, HEAD_PIXELS)
+        head.setWeight(QFont.Weight.DemiBold)
+        head.setLetterSpacing(QFont.SpacingType.PercentageSpacing, 106)
+        painter.setFont(head)
+        place.adjust(0, 12, 0, 0)
+        painter.drawText(place, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, row.text.upper())
+
+    def _paint_ground(self, painter: QPainter, option: QStyleOptionViewItem) -> None:
+        state = QStyle.StateFlag
+        if option.state & state.State_Selected:
+            painter.fillRect(option.rect, QColor(colours.SELECTED_ROW))
+        elif option.state & state.State_MouseOver:
+            painter.fillRect(option.rect, QColor(colours.BAR))
+        if option.state & state.State_HasFocus:
+            painter.fillRect(
+                QRect(option.rect.left(), option.rect.top(), 2, ROW_HEIGHT), QColor(colours.KINDS["position"])
+            )
+
+    def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: Row) -> None:
+        left, right = rect.left() + SIDE, rect.right() - SIDE
+        hidden = row.shown is False
+        if row.colour is not None:
+            left += self._paint_mark(painter, left, rect.center().y(), row, hidden)
+        if row.shown is not None:
+            eye = self._closed_eye if hidden else self._eye
+            eye.paint(painter, QRect(right - EYE + 2, rect.center().y() - EYE // 2 + 1, EYE, EYE))
+            right -= EYE + 6
+        painter.setFont(_sized(font, DETAIL_PIXELS))
+        painter.setPen(QColor(colours.TEXT_THIRD))
+        detail = QRect(left, rect.top(), right - left, rect.height())
+        painter.drawText(detail, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight, row.detail)
+        right -= painter.fontMetrics().horizontalAdvance(row.detail) + 8
+        name = QFont(font)
+        name.setWeight(QFont.Weight.DemiBold if row.strong else QFont.Weight.Normal)
+        painter.setFont(name)
+        painter.setPen(QColor(colours.TEXT_THIRD if hidden else colours.TEXT))
+        text = painter.fontMetrics().elidedText(row.text, Qt.TextElideMode.ElideRight, right - left)
+        place = QRect(left, rect.top(), right - left, rect.height())
+        painter.drawText(place, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, text)
+
+    def _paint_mark(self, painter: QPainter, left: int, middle: int, row: Row, hidden: bool) -> int:
+        colour = QColor(row.colour)
+        painter.setPen(colour if hidden else Qt.PenStyle.NoPen)
+        painter.setBrush(Qt.BrushStyle.NoBrush if hidden else colour)
+        mark = QRectF(left + 0.5, middle - MARK / 2 + 0.5, MARK, MARK)
+        if row.round_mark:
+            painter.drawEllipse(mark)
+        else:
+            painter.drawRoundedRect(mark, 2, 2)
+        return MARK + 8
+
+
+def _icon(file: Path) -> QIcon:
+    return QIcon(str(file))
+
+
+def _sized(font: QFont, pixels: int) -> QFont:
+    sized = QFont(font)
+    sized.setPixelSize(pixels)
+    return sized

@@ -1,0 +1,94 @@
+"""The rows of the library: heads, captures, bodies and constraints of a project, as plain values."""
+
+from dataclasses import dataclass
+
+from studio.core.constraints.base import BodyPoint
+from studio.core.project import GROUND_ID, Project
+from studio.document import colours
+
+Item = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line. A head has no item; a hint is a head in sentence case."""
+
+    text: str
+    detail: str = ""
+    item: Item | None = None
+    colour: str | None = None
+    round_mark: bool = True
+    shown: bool | None = None
+    """Whether the body is on the stage; None where nothing can be shown or hidden."""
+    hint: bool = False
+    strong: bool = False
+
+
+def rows_of(project: Project, motion_id: str | None) -> list[Row]:
+    """All rows in their order; ``motion_id`` names the motion whose constraints are listed."""
+    return [
+        *_section("Captures", _captures(project, motion_id), "Drop a BVH here"),
+        *_section("Characters", _bodies(project), "The bundled characters come with the first capture"),
+        *_section("Constraints", _constraints(project, motion_id), "Pick a joint and press C to add one"),
+        *_section("Stage", _stage(project), ""),
+    ]
+
+
+def point_words(point: BodyPoint) -> str:
+    """Where on the body: ``right wrist`` for the end of a forearm, else the part."""
+    ends = {"upper_arm": "elbow", "forearm": "wrist", "thigh": "knee", "shank": "ankle", "foot": "ball"}
+    side, _, part = point.part.value.partition("_")
+    if point.at_end and part in ends:
+        return f"{side} {ends[part]}"
+    return point.part.label.lower() + (" end" if point.at_end else "")
+
+
+def _section(title: str, rows: list[Row], hint: str) -> list[Row]:
+    return [Row(title), *(rows or [Row(hint, hint=True)])]
+
+
+def _captures(project: Project, motion_id: str | None) -> list[Row]:
+    playing = project.motions[motion_id].capture_id if motion_id in project.motions else None
+    return [
+        Row(
+            capture.name,
+            f"{capture.duration:.1f} s · {capture.frame_rate:.4g} Hz",
+            ("captures", key),
+            strong=key == playing,
+        )
+        for key, capture in project.captures.items()
+    ]
+
+
+def _bodies(project: Project) -> list[Row]:
+    rows = []
+    for key, performer in project.performers.items():
+        character = project.characters[performer.character_id]
+        stature = f"{character.morphology.stature:.2f} m"
+        rows.append(Row(performer.name, stature, ("performers", key), character.colour, shown=performer.visible))
+    on_stage = {performer.character_id for performer in project.performers.values()}
+    for key, character in project.characters.items():
+        if key not in on_stage:
+            stature = f"{character.morphology.stature:.2f} m"
+            rows.append(Row(character.name, stature, ("characters", key), character.colour, shown=False))
+    return rows
+
+
+def _constraints(project: Project, motion_id: str | None) -> list[Row]:
+    if motion_id is None:
+        return []
+    return [
+        Row(
+            f"{place} · {constraint.name}",
+            point_words(constraint.point) if constraint.enabled else "off",
+            ("constraints", key),
+            colours.kind_colour(constraint.kind),
+            round_mark=False,
+        )
+        for place, (key, constraint) in enumerate(project.constraints_of(motion_id).items(), 1)
+    ]
+
+
+def _stage(project: Project) -> list[Row]:
+    props = [Row(prop.name, "prop", ("props", key)) for key, prop in project.props.items()]
+    return [Row("Ground", f"{project.ground.height:.2f} m", ("grounds", GROUND_ID)), *props]

@@ -1,0 +1,78 @@
+"""The line under the viewport that says what went wrong, and the quiet bar that offers a choice. Never modal."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
+
+from studio.panels.fields import press_button
+
+Answer = tuple[str, Callable[[], object]]
+
+
+class MessageStrip(QWidget):
+    """One sentence with a way to close it; hidden while there is nothing to say."""
+
+    def __init__(self, name: str = "message_strip") -> None:
+        super().__init__()
+        self.setObjectName(name)
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(12, 6, 8, 6)
+        self._row.setSpacing(8)
+        self._label = QLabel()
+        self._label.setWordWrap(True)
+        self._label.setTextFormat(Qt.TextFormat.PlainText)
+        self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self._row.addWidget(self._label, 1)
+        self._answers: list[QPushButton] = []
+        self.hide()
+
+    @property
+    def text(self) -> str:
+        """What it says; empty while it is hidden."""
+        return "" if self.isHidden() else self._label.text()
+
+    def say(self, sentence: str, *answers: Answer) -> None:
+        """Show a sentence and buttons; any of them closes the strip."""
+        for button in self._answers:
+            self._row.removeWidget(button)
+            button.deleteLater()
+        chosen = answers or (("Close", self.clear),)
+        self._answers = [
+            self._make_button(*answer, main=place == 0 and bool(answers)) for place, answer in enumerate(chosen)
+        ]
+        self._label.setText(sentence)
+        self.setAccessibleName(sentence)
+        self.show()
+
+    def clear(self) -> None:
+        """Nothing to say any more."""
+        self.hide()
+
+    def press(self, text: str) -> None:
+        """Press one of the buttons by its text."""
+        next(button for button in self._answers if button.text() == text).click()
+
+    def _make_button(self, text: str, run: Callable[[], object], main: bool) -> QPushButton:
+        def answer() -> None:
+            self.hide()
+            run()
+
+        button = press_button(text, answer, "main" if main else "link")
+        self._row.addWidget(button)
+        return button
+
+
+class RecoveryBar(MessageStrip):
+    """Offers what a crashed session left; saying no deletes nothing."""
+
+    refused = Signal()
+
+    def __init__(self) -> None:
+        super().__init__("recovery_bar")
+
+    def offer(self, words: str, recover: Callable[[], object]) -> None:
+        """Ask, beside the work and not across it."""
+        self.say(words, ("Recover", recover), ("Not now", self.refused.emit))

@@ -1,0 +1,79 @@
+"""A body on the stage: whether it is shown, where it stands, what it plays, and how it is built."""
+
+import math
+
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
+
+from studio.document.document import Document
+from studio.panels.character_editor import BodySection
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section, labelled
+from studio.panels.live import Live
+
+FAR = 1000.0
+
+
+class PerformerEditor(Editor):
+    """Performer and character in one form: to the animator they are one body."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Character")
+        self._visible = QCheckBox("shown")
+        self._visible.toggled.connect(self._show_or_hide)
+        section.head.addWidget(self._visible)
+        self._name = QLineEdit()
+        self._name.editingFinished.connect(self._rename)
+        section.add_row("Name", self._name)
+        self._plays: QLabel = labelled("", "value")
+        section.add_row("Plays", self._plays)
+        self._x, self._y = (
+            self.bind(NumberField(f"Place {axis}", "", -FAR, FAR, 0.01), self._mover(k)) for k, axis in enumerate("XY")
+        )
+        section.add_row("Place  m", self._x, self._y)
+        self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
+        section.add_row("Heading", self._heading)
+        self._body = BodySection(self, lambda: self.entity.character_id)
+        self.column.addWidget(section)
+        self.column.addWidget(self._body)
+        self.finish()
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """A performer is shown with its character."""
+        mine = ("characters", self.entity.character_id) if self.entity else None
+        return super().concerns(collection, entity_id) or (collection, entity_id) == mine
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        performer = self.entity
+        if performer is None:
+            return
+        with QSignalBlocker(self._visible):
+            self._visible.setChecked(performer.visible)
+        self._name.setText(performer.name)
+        motions = self.document.project.motions
+        self._plays.setText(", ".join(motions[clip.motion_id].name for clip in performer.clips) or "nothing yet")
+        self._x.show_value(performer.position[0])
+        self._y.show_value(performer.position[1])
+        self._heading.show_value(math.degrees(performer.heading))
+        self._body.refresh()
+
+    def _show_or_hide(self, visible: bool) -> None:
+        self.change(f"{'Show' if visible else 'Hide'} {self.entity.name}", visible=visible)
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        if name and name != self.entity.name:
+            self.change(f"Rename {self.entity.name}", name=name)
+
+    def _mover(self, axis: int):  # type: ignore[no-untyped-def]
+        def move(metres: float) -> None:
+            place = list(self.entity.position)
+            place[axis] = metres
+            self.change(f"Place {self.entity.name}", position=tuple(place))
+
+        return move
+
+    def _turn(self, degrees: float) -> None:
+        self.change(f"Turn {self.entity.name}", heading=math.radians(degrees))

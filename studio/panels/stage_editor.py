@@ -1,0 +1,29 @@
+"""What the inspector shows while nothing is selected: what to do next."""
+
+from studio.document.document import Document
+from studio.panels.editor import Editor
+from studio.panels.fields import Section, labelled
+from studio.panels.live import Live
+
+STEPS = (
+    "Select a character to change its body.",
+    "Click a joint in the viewport and press C to give it a target.",
+    "Select a bar on the timeline to say when it acts.",
+    "Drop a BVH anywhere to see it on these bodies.",
+)
+
+
+class StageEditor(Editor):
+    """A few lines in third grey, no more."""
+
+    def __init__(self, document: Document, live: Live) -> None:
+        super().__init__(document, live, "", "")
+        section = Section("Nothing selected")
+        for step in STEPS:
+            section.add_wide(labelled(step, "hint"))
+        self.column.addWidget(section)
+        self.column.addStretch(1)
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """It says the same whatever changes."""
+        return False

@@ -1,0 +1,114 @@
+"""The status line: where in time, how fast, what was guessed, what is running, whether the work is safe."""
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QStatusBar, QWidget
+
+from studio.document.document import Document
+from studio.panels.fields import press_button
+
+BAR_WIDTH = 120
+SECONDS_BEFORE_PERCENT = 10
+
+
+class ProgressLine(QWidget):
+    """The running job with its share, and a way to stop it."""
+
+    cancel_wanted = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__()
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(8)
+        self._words = QLabel()
+        self._bar = QProgressBar()
+        self._bar.setFixedWidth(BAR_WIDTH)
+        self._bar.setTextVisible(False)
+        self._bar.setRange(0, 1000)
+        self._cancel = press_button("Cancel", self._ask, "link")
+        for widget in (self._words, self._bar, self._cancel):
+            row.addWidget(widget)
+        self._jobs: dict[int, str] = {}
+        self.hide()
+
+    def begin(self, task: int, title: str) -> None:
+        """A job has begun; the newest one is shown."""
+        self._jobs[task] = title
+        self.show_share(task, 0.0, "")
+        self.show()
+
+    def show_share(self, task: int, share: float, words: str) -> None:
+        """How far it is, from 0 to 1."""
+        if task in self._jobs:
+            self._words.setText(" · ".join(filter(None, (self._jobs[task], words))))
+            self._bar.setValue(round(share * 1000))
+            self._bar.setAccessibleName(f"{self._jobs[task]}, {share:.0%}")
+
+    def end(self, task: int) -> None:
+        """It is over, in whichever way."""
+        self._jobs.pop(task, None)
+        self.setVisible(bool(self._jobs))
+        for last in list(self._jobs)[-1:]:
+            self._words.setText(self._jobs[last])
+
+    def _ask(self) -> None:
+        for task in list(self._jobs)[-1:]:
+            self.cancel_wanted.emit(task)
+
+
+class StatusLine(QStatusBar):
+    """Frame, rate and guesses at the left; the journal at the right."""
+
+    def __init__(self, document: Document) -> None:
+        super().__init__()
+        self.setSizeGripEnabled(False)
+        self.document = document
+        self._time, self._rate, self._guesses, self._journal = (QLabel() for _ in range(4))
+        self.progress = ProgressLine()
+        for label in (self._time, self._rate, self._guesses):
+            label.setContentsMargins(8, 0, 8, 0)
+            self.addWidget(label)
+        self._journal.setContentsMargins(8, 0, 12, 0)
+        self.addPermanentWidget(self.progress)
+        self.addPermanentWidget(self._journal)
+        document.playhead.changed.connect(self._show_time)
+        document.playhead.range_changed.connect(self._show_facts)
+        document.entity_changed.connect(self._entity_changed)
+        document.project_opened.connect(self._show_facts)
+        document.selection.changed.connect(self._show_facts)
+        document.saved_state_changed.connect(self._show_journal)
+        document.undo_stack.indexChanged.connect(self._show_journal)
+        self._show_facts()
+        self._show_journal()
+
+    def _entity_changed(self, collection: str, _: str) -> None:
+        if collection in ("captures", "motions", "performers"):
+            self._show_facts()
+
+    def _show_time(self) -> None:
+        playhead = self.document.playhead
+        self._time.setText(f"Frame {playhead.frame} · {playhead.time:.3f} s")
+
+    def _show_facts(self) -> None:
+        self._show_time()
+        project = self.document.project
+        self._rate.setText(f"{self.document.playhead.frame_rate:.4g} Hz")
+        motion = project.motions.get(self.document.active_motion_id or "")
+        if motion is None:
+            self._guesses.setText("")
+            return
+        guesses = project.captures[motion.capture_id].guesses
+        count = f"{len(guesses)} guess" + ("" if len(guesses) == 1 else "es")
+        self._guesses.setText(f"{motion.name} · {count}" if guesses else motion.name)
+        self._guesses.setToolTip("\n".join(f"{guess.subject}: {guess.value}" for guess in guesses))
+
+    def _show_journal(self) -> None:
+        self._journal.setText(journal_words(self.document))
+
+
+def journal_words(document: Document) -> str:
+    """``Journal safe · 14 edits``; without a journal, what would be lost."""
+    count = document.undo_stack.index()
+    edits = f"{count} edit" + ("" if count == 1 else "s")
+    safe = getattr(document, "journal", None) is not None
+    return f"Journal safe · {edits}" if safe else edits
