@@ -23,7 +23,7 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     body = anatomical_frame(reference[layout.hip(0)] - reference[layout.hip(1)])
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = normalized(reference[list(distal)] - reference[list(proximal)])
-    desired[: layout.spine_count] = body
+    desired[: layout.spine_count] = body if marks.reference_is_rest else trunk_lean(marks) @ body
     desired[layout.neck_base] = frame_along(bones[layout.neck_base], body[:, 0])
     desired[layout.head_joint] = body
     for limb in range(4):
@@ -40,6 +40,16 @@ def find_alignments(marks: Landmarks) -> FloatArray:
             desired[upper - 1] = frame_along(bones[upper - 1], body[:, 0])
             desired[upper + 2] = desired[upper + 1]
     return np.asarray(np.einsum("sji,sjk->sik", marks.reference_rotations, desired))
+
+
+def trunk_lean(marks: Landmarks) -> FloatArray:
+    """Turn (3, 3) from upright to how the line from hips to neck lies in the reference pose.
+
+    A reference taken from the motion is hardly ever upright: a fighter's guard leans, and so must the body in it.
+    """
+    layout, reference = marks.layout, marks.reference
+    line = reference[layout.neck_base] - 0.5 * (reference[layout.hip(0)] + reference[layout.hip(1)])
+    return shortest_arc(UP, normalized(line))
 
 
 def anatomical_frame(leftward: FloatArray) -> FloatArray:

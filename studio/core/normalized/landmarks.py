@@ -23,7 +23,8 @@ class Landmarks:
 
     ``points`` (F, P, 3) metres in capture space, ``reference`` (P, 3) the same in the reference pose;
     ``segment_joints`` (S,) as in ``Actor``; ``rotations`` (F, S, 3, 3) and ``reference_rotations`` (S, 3, 3) of
-    those joints in the world (of the carrying segment's joint where there is none).
+    those joints in the world (of the carrying segment's joint where there is none); ``reference_is_rest`` tells
+    whether the reference is the skeleton's own zero pose or a frame of its motion.
     """
 
     layout: BodyLayout
@@ -32,6 +33,7 @@ class Landmarks:
     reference: FloatArray
     rotations: FloatArray
     reference_rotations: FloatArray
+    reference_is_rest: bool
 
 
 def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
@@ -50,6 +52,7 @@ def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
         _points(layout, capture.skeleton, body_map, joints, ref_positions, ref_rotations)[0],
         rotations[:, moving],
         ref_rotations[0, moving],
+        bool((np.abs(capture.reference_rotations[1:, 3]) > 1.0 - 1e-9).all()),
     )
 
 
