@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 REST_MILLISECONDS = 160
 """When nothing has moved for so long, the picture is made smooth."""
+GATHER_MILLISECONDS = 5
 
 
 class Canvas(QWidget):
@@ -78,13 +79,19 @@ class Canvas(QWidget):
     def show_again(self, *_: object) -> None:
         """Bring scene and picture up to date, once in this turn of the event loop."""
         self._stale = True
-        self._frame_timer.start()
+        self._frame_timer.start(0)
+
+    def show_soon(self) -> None:
+        """As ``show_again``, but wait a moment for more of the same, so that one picture shows it all."""
+        self._stale = True
+        if not self._frame_timer.isActive():
+            self._frame_timer.start(GATHER_MILLISECONDS)
 
     def set_camera(self, camera: OrbitCamera) -> None:
         """Look from another place."""
         if camera != self.camera:
             self.camera = camera
-            self._frame_timer.start()
+            self._frame_timer.start(0)
 
     def grab_image(self) -> QImage:
         """The stage alone as a smooth picture, without handles and chips."""
@@ -109,7 +116,7 @@ class Canvas(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         """The picture follows the widget."""
         super().resizeEvent(event)
-        self._frame_timer.start()
+        self._frame_timer.start(0)
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """The picture and what is painted over it."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.contacts import ContactInterval
@@ -13,7 +14,7 @@ from studio.document import colours
 from studio.viewport.body_points import point_path
 from studio.viewport.performance import FloatArray, Posed
 
-TRAIL_SECONDS = 0.8
+TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
 RING_RADIUS, MARK_RADIUS = 0.20, 0.045
 """In parts of the leg's length, and in metres."""
 LIFT = 0.005
@@ -38,7 +39,10 @@ def trails(project: Project, posed: Mapping[str, Posed], point: BodyPoint | None
         reach = round(TRAIL_SECONDS * pose.motion.frame_rate)
         rows = slice(max(pose.row - reach, 0), pose.row + reach + 1)
         path = pose.placement.to_stage(point_path(pose.motion, point, rows))
-        away = np.abs(np.arange(rows.start, rows.start + len(path)) - pose.row) / (reach + 1)
+        frames: FloatArray = np.arange(rows.start, rows.start + len(path), dtype=np.float64)
+        if len(path) > 2:
+            path, frames = _smooth(path, frames, pose.motion.frame_rate)
+        away = np.abs(frames - pose.row) / (reach + 1)
         found.append(StagePath(path, project.characters[pose.performer.character_id].colour, 1 - away))
     return found
 
@@ -64,6 +68,13 @@ def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePat
                 colour = colours.kind_colour("contact")
                 found.append(_ring(_touching_point(pose, contact), MARK_RADIUS, project, colour, 0.9))
     return found
+
+
+def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
+    """The same way, drawn through at least ``TRAIL_RATE`` points a second by a spline through its frames."""
+    steps = int(np.ceil(TRAIL_RATE / frame_rate))
+    finer = np.linspace(frames[0], frames[-1], steps * (len(frames) - 1) + 1)
+    return CubicSpline(frames, path)(finer), finer
 
 
 def _touching_point(pose: Posed, contact: ContactInterval) -> FloatArray:

@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from studio.viewport.scene import StageScene
 
 WHEEL_ZOOM = 1.15
+ADAPTED_FIRST = ("constraints", "contacts")
+"""What changes only handles until the engine has adapted the bodies to it."""
 ROOM_AROUND_TARGET = 0.6
 """Metres shown round a framed constraint or prop."""
 
@@ -74,6 +76,7 @@ class Viewport(Canvas):
         self.setAccessibleName("3D viewport")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
+        self.setFocus()
 
     def stop(self) -> None:
         """Let go of VTK, document and engine. May be called twice."""
@@ -302,7 +305,10 @@ class Viewport(Canvas):
             self.gesture.finish()  # what was dragged may be gone
             self.gesture = None
         self._problem_stale = True
-        self.show_again()
+        if collection in ADAPTED_FIRST:
+            self.update()
+        else:
+            self.show_again()
 
     def _project_opened(self) -> None:
         self._framed, self._problem_stale = False, True
@@ -317,9 +323,17 @@ class Viewport(Canvas):
             self.pick(None)
         self.show_again()
 
-    def _adapted(self, _performer_id: str) -> None:
+    def _adapted(self, performer_id: str) -> None:
         self._problem_stale = True
-        self.show_again()
+        if self.gesture is None or not self._looks_the_same(performer_id):
+            self.show_soon()
+
+    def _looks_the_same(self, performer_id: str) -> bool:
+        """Whether a newer result has the pose on show: while dragging, the rest of the clip comes after it."""
+        shown, motion = self.posed.get(performer_id), self._live.result(performer_id)
+        if shown is None or motion is None or motion.frame_count != shown.motion.frame_count:
+            return False
+        return np.array_equal(motion.positions[shown.row], shown.motion.positions[shown.row])
 
     # Mouse and keys
 
