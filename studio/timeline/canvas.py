@@ -76,7 +76,9 @@ class TrackCanvas(TrackView):
             self._hover(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Finish the drag."""
+        """Finish the drag, once no button is down any more."""
+        if event.buttons():
+            return
         self._pending = None
         if self.gesture is not None:
             self.gesture.finish()
@@ -93,7 +95,8 @@ class TrackCanvas(TrackView):
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """What can be done here."""
-        self._show_menu(QPointF(event.pos()), event.globalPos())
+        if self.gesture is None:
+            self._show_menu(QPointF(event.pos()), event.globalPos())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Ctrl zooms about the mouse, Shift scrolls in time, the plain wheel scrolls the rows."""

@@ -16,9 +16,9 @@ from studio.timeline.tracks.plot import PlotPicture, Quantity
 
 def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     """Empty where there is nothing to say."""
-    if position.x() < LABEL_WIDTH:
-        return "Click to choose what is plotted" if sheet.plot.contains(position.toPoint()) else ""
     hit = sheet.hit(position)
+    if position.x() < LABEL_WIDTH:
+        return _label_text(sheet, hit)
     match hit.kind:
         case "plot":
             return _plot_text(sheet, plot, position)
@@ -48,8 +48,18 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     if strip is None or strip.state_at(frame) == StripState.INACTIVE:
         return ""
     name = sheet.shown.project.performers[performer_id].name
-    easing = " (easing)" if strip.state_at(frame) == StripState.EASING else ""
-    return f"{name}: {millimetres(strip.error_at(frame))} at frame {frame}{easing}"
+    if strip.state_at(frame) == StripState.YIELDING:
+        return f"{name}: gives way to the foot's contact at frame {frame}"
+    return f"{name}: {millimetres(strip.error_at(frame))} at frame {frame}"
+
+
+def _label_text(sheet: Sheet, hit: Hit) -> str:
+    if hit.kind == "plot":
+        return "Click to choose what is plotted"
+    if hit.kind == "constraints":
+        name, (text, _) = sheet.shown.project.constraints[hit.id].name, constraint.verdict(sheet.shown, hit.id)
+        return f"{name}: {text}" if text else name
+    return ""
 
 
 def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:

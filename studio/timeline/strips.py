@@ -17,14 +17,12 @@ PARTLY_BELOW = 0.020
 WORST_SHOWN = 0.1
 """Metres at which a strip has its full height."""
 
-FULLY_ACTIVE = 1.0 - 1e-6
-
 
 class StripState(StrEnum):
-    """What a strip tells of a frame. While the activation eases, nothing is asked in full or missed."""
+    """What a strip tells of a frame: while the activation eases, of what is asked at that moment."""
 
     INACTIVE = "not active"
-    EASING = "easing"
+    YIELDING = "gives way"
     HELD = "held"
     PARTLY = "partly held"
     NOT_REACHED = "not reached"
@@ -32,7 +30,11 @@ class StripState(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Errors (F,) in metres, NaN where not active, and activation (F,), from frame ``first_frame`` on."""
+    """Errors (F,) in metres and activation (F,), from frame ``first_frame`` on.
+
+    An error is NaN where nothing is asked; where the activation is above 0 all the same, a foot's constraint gives
+    way to that foot's contact.
+    """
 
     first_frame: int
     errors: NDArray[np.float64]
@@ -55,18 +57,23 @@ class Strip:
         """(F,) the state of each frame as its place in ``STATES``."""
         return np.select(
             [
+                self.activation <= 0.0,
                 ~np.isfinite(self.errors),
                 self.errors < HELD_BELOW,
-                self.activation < FULLY_ACTIVE,
                 self.errors < PARTLY_BELOW,
             ],
-            [0, 2, 1, 3],
+            range(4),
             default=4,
         )
 
     @property
+    def yields(self) -> bool:
+        """Whether it gives way to a contact in some frame."""
+        return bool((self.state_indices == 1).any())
+
+    @property
     def worst(self) -> tuple[int, float] | None:
-        """Frame and metres of the greatest error while fully active, or None when it is held all the time."""
+        """Frame and metres of the greatest error, or None when it is held wherever it is asked for."""
         missed = np.where(self.state_indices >= 3, self.errors, 0.0)
         if not missed.any():
             return None

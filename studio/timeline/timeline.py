@@ -4,6 +4,7 @@ from PySide6.QtCore import QPoint, QRect, Signal
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from studio.core.contacts import FootPoint
 from studio.document.document import Document
 from studio.timeline import edits
 from studio.timeline.canvas import TrackCanvas
@@ -11,6 +12,7 @@ from studio.timeline.sheet import Sheet
 from studio.timeline.shown import Live, Part
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import constraint, feet
+from studio.timeline.tracks.strip import PITCH
 from studio.timeline.transport import Transport
 
 
@@ -69,6 +71,13 @@ class Timeline(QWidget):
         row = self.row_rect("feet", feet.side_of(contact.point))
         return feet.contact_bar(sheet.shown, row, contact).toRect()
 
+    def strip_point(self, constraint_id: str, performer_id: str, frame: int) -> QPoint:
+        """Where a body's strip lies at a frame of the motion."""
+        shown = self._sheet().shown
+        place = [body.performer_id for body in shown.subject.bodies].index(performer_id)
+        top = constraint.strip_top(self.row_rect("constraints", constraint_id), place)
+        return QPoint(round(shown.x_of_frame(frame)), top + PITCH - 1)
+
     def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:
         """What a body's strip shows at a frame of the motion."""
         strip = self._sheet().shown.strip(constraint_id, performer_id)
@@ -77,6 +86,13 @@ class Timeline(QWidget):
     def fit(self) -> None:
         """Show all of time."""
         self.tracks.axis.fit()
+
+    def add_contact(self, point: FootPoint) -> str | None:
+        """Add a contact at the playhead and return its id; None where one stands already, or without a motion."""
+        shown = self.tracks.shown
+        if shown is None:
+            return None
+        return edits.add_contact(shown, point, round(shown.subject.motion_frame(shown.document.playhead.time)))
 
     def go_to_key(self, direction: int) -> None:
         """Bring the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""

@@ -289,6 +289,13 @@ def test_a_double_click_on_a_contact_adds_nothing(document, timeline):
     assert set(document.project.contacts) == {"early", "late"}
 
 
+def test_a_contact_can_be_added_at_the_playhead_without_the_mouse(document, timeline):
+    document.playhead.set_frame(40)
+    added = timeline.add_contact(FootPoint.LEFT_HEEL)
+    assert contact_frames(document, added) == (31, 49)
+    assert timeline.add_contact(FootPoint.LEFT_HEEL) is None
+
+
 def test_the_menu_of_a_foot_adds_and_that_of_a_contact_deletes(document, timeline):
     menu = menu_at(timeline.tracks, QPointF(in_lane(timeline, 40)))
     assert [action.text() for action in menu.actions()] == ["Add left heel contact here"]
@@ -394,22 +401,27 @@ def test_the_strip_of_a_body_follows_its_residual(timeline, live):
     live.errors["performer 1"] = {"kick": 0.042}
     assert timeline.strip_state("kick", "performer 0", 40) == StripState.HELD
     assert timeline.strip_state("kick", "performer 1", 40) == StripState.NOT_REACHED
-    assert timeline.strip_state("kick", "performer 1", 25) == StripState.EASING
     assert timeline.strip_state("kick", "performer 1", 80) == StripState.INACTIVE
 
 
 def test_pointing_at_a_strip_tells_the_millimetres(timeline, live, qtbot):
     live.errors["performer 1"] = {"kick": 0.042}
-    row = timeline.row_rect("constraints", "kick")
-    place = QPoint(round(timeline.x_of_frame(43)), row.bottom() - 5)
     with qtbot.waitSignal(timeline.told) as told:
-        QTest.mouseMove(timeline.tracks, place)
+        QTest.mouseMove(timeline.tracks, timeline.strip_point("kick", "performer 1", 43))
     assert told.args == ["Body 1: 42 mm at frame 43"]
 
 
-def strip_colour(timeline, frame):
+def test_pointing_at_a_name_tells_who_misses_the_constraint_most(timeline, live, qtbot):
+    live.errors = {"performer 0": {"kick": 0.004}, "performer 1": {"kick": 0.042}}
     row = timeline.row_rect("constraints", "kick")
-    return timeline.tracks.grab().toImage().pixelColor(round(timeline.x_of_frame(frame)), row.bottom() - 4)
+    with qtbot.waitSignal(timeline.told) as told:
+        QTest.mouseMove(timeline.tracks, QPoint(60, row.center().y()))
+    assert told.args == ["Kick target: Body 1 42 mm at frame 21"]
+
+
+def strip_colour(timeline, frame):
+    place = timeline.strip_point("kick", "performer 1", frame)
+    return timeline.tracks.grab().toImage().pixelColor(place)
 
 
 def test_strips_are_painted_anew_soon_after_a_result(qtbot, timeline, live):

@@ -8,7 +8,7 @@ from tests.timeline.fakes import make_result
 
 def make_strip(errors, activation=1.0):
     errors = np.asarray(errors, float)
-    return Strip(0, errors, np.broadcast_to(activation, errors.shape))
+    return Strip(0, errors, np.broadcast_to(float(activation), errors.shape))
 
 
 @pytest.mark.parametrize(
@@ -19,21 +19,26 @@ def make_strip(errors, activation=1.0):
         (0.001, StripState.PARTLY),
         (0.0199, StripState.PARTLY),
         (0.020, StripState.NOT_REACHED),
-        (np.nan, StripState.INACTIVE),
     ],
 )
 def test_states_follow_the_error(error, state):
     assert make_strip([error]).state_at(0) == state
 
 
-def test_while_the_activation_eases_nothing_is_missed():
-    strip = make_strip([0.3, 0.0], activation=0.5)
-    assert [strip.state_at(0), strip.state_at(1)] == [StripState.EASING, StripState.HELD]
+def test_before_it_begins_a_constraint_is_not_active():
+    assert make_strip([np.nan], activation=0.0).state_at(0) == StripState.INACTIVE
+
+
+def test_where_nothing_is_asked_of_an_active_constraint_it_gives_way():
+    strip = make_strip([np.nan, 0.0])
+    assert [strip.state_at(0), strip.state_at(1)] == [StripState.YIELDING, StripState.HELD]
+    assert strip.yields
     assert strip.worst is None
+    assert not make_strip([0.0, 0.0]).yields
 
 
-def test_the_worst_is_looked_for_where_the_constraint_is_fully_active():
-    strip = Strip(10, np.array([0.5, 0.03, 0.042, 0.0005]), np.array([0.9, 1.0, 1.0, 1.0]))
+def test_the_worst_is_the_greatest_error_and_its_frame():
+    strip = Strip(10, np.array([np.nan, 0.03, 0.042, 0.0005]), np.array([0.0, 0.5, 1.0, 1.0]))
     assert strip.worst == (12, 0.042)
 
 
@@ -52,9 +57,7 @@ def test_a_strip_grows_with_the_error_up_to_its_full_height():
 
 def test_residuals_are_found_by_priority_among_the_enabled_constraints():
     project = make_project(constraints=3)
-    project = project.with_entity(
-        "constraints", "constraint 0", make_constraint(name="off", priority=0, enabled=False)
-    )
+    project = project.with_entity("constraints", "constraint 0", make_constraint(name="off", priority=0, enabled=False))
     result = make_result(project, {"constraint 1": 0.5, "constraint 2": 0.0})
     assert strip_of(project, result, "constraint 0") is None
     assert strip_of(project, result, "constraint 1").error_at(10) == 0.5

@@ -6,7 +6,7 @@ from PySide6.QtGui import QColor, QPainter
 from studio.document import colours
 from studio.timeline.figures import rate
 from studio.timeline.shown import Hit, Part, Shown, label_area
-from studio.timeline.tracks.brush import font, paint_bar, paint_label
+from studio.timeline.tracks.brush import LABEL_INDENT, font, paint_bar, paint_dot, paint_label
 
 HEIGHT = 24
 FILL = colours.mixed(colours.CONTROL, colours.KINDS["position"], 0.28)
@@ -41,9 +41,11 @@ def paint_clip(painter: QPainter, row: QRect, shown: Shown) -> None:
 
 
 def paint_clip_label(painter: QPainter, row: QRect, shown: Shown) -> None:
-    """Whose clip it is."""
+    """Whose clip it is, with the body's colour."""
     performer = shown.project.performers[shown.subject.performer_id]
-    paint_label(painter, label_area(row), performer.name, colours.TEXT)
+    colour = shown.project.characters[performer.character_id].colour
+    paint_dot(painter, QPointF(LABEL_INDENT + 3.5, row.center().y() + 0.5), 3.5, colour)
+    paint_label(painter, label_area(row).adjusted(14, 0, 0, 0), performer.name, colours.TEXT)
 
 
 def clip_hit(shown: Shown, row: QRect, point: QPointF) -> Hit:

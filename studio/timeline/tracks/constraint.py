@@ -14,11 +14,12 @@ from studio.timeline.tracks.strip import PITCH, paint_strip
 ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 2, 3
 HANDLE_REACH = 6.0
 RAMP_POINTS = 48
+ROOM_FOR_LABEL = 44
 
 
 def height(body_count: int) -> int:
-    """Pixels of a row with so many strips."""
-    return ABOVE + CURVE + BETWEEN + PITCH * body_count + BELOW
+    """Pixels of a row with so many strips, or of its two lines of text."""
+    return max(ABOVE + CURVE + BETWEEN + PITCH * body_count + BELOW, ROOM_FOR_LABEL)
 
 
 def baseline(row: QRect) -> int:
@@ -62,7 +63,7 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constrai
     top = QRect(area.left(), area.top() + ABOVE - 2, area.width(), 20)
     name_colour = colours.TEXT if constraint.enabled else colours.TEXT_THIRD
     paint_label(painter, top, f"{order}  {constraint.name}", name_colour)
-    text, colour = _verdict(shown, constraint_id)
+    text, colour = verdict(shown, constraint_id)
     paint_label(painter, top.translated(0, 18), text, colour, 11)
 
 
@@ -111,24 +112,28 @@ def _curve_path(shown: Shown, row: QRect, constraint: Constraint) -> QPainterPat
     return path
 
 
+def strip_top(row: QRect, place: int) -> int:
+    """The pixel at which the strip of the ``place``-th body begins."""
+    return baseline(row) + 1 + BETWEEN + PITCH * place
+
+
 def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
     curve = shown.project.constraints[constraint_id].activation
     left, right = shown.x_of_motion_time(curve.start), shown.x_of_motion_time(curve.end)
-    top = baseline(row) + 1 + BETWEEN
     for place, body in enumerate(shown.subject.bodies):
         strip = shown.strip(constraint_id, body.performer_id)
         if strip is not None:
-            paint_strip(painter, shown, strip, left, right, top + PITCH * place, body.colour)
+            paint_strip(painter, shown, strip, left, right, strip_top(row, place), body.colour)
 
 
 def strip_body(shown: Shown, row: QRect, y: float) -> str | None:
     """The performer whose strip lies at a height, or None."""
-    place = int((y - baseline(row) - 1 - BETWEEN) // PITCH)
+    place = int((y - strip_top(row, 0)) // PITCH)
     return shown.subject.bodies[place].performer_id if 0 <= place < len(shown.subject.bodies) else None
 
 
-def _verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
-    """``Child 42 mm at 23`` in the state's colour, or that all hold it."""
+def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
+    """``Child 42 mm at frame 23`` in the state's colour, or that all hold it."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
     strips = [(body, shown.strip(constraint_id, body.performer_id)) for body in shown.subject.bodies]
@@ -136,9 +141,11 @@ def _verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
         return "", colours.TEXT_THIRD
     worst = [(strip.worst, body.name, strip) for body, strip in strips if strip and strip.worst]
     if not worst:
-        return "held by all" if len(strips) > 1 else "held", colours.TEXT_THIRD
+        held = "held by all" if len(strips) > 1 else "held"
+        yields = any(strip.yields for _, strip in strips if strip)
+        return "gives way to contacts" if yields else held, colours.TEXT_THIRD
     (frame, error), name, strip = max(worst, key=lambda each: each[0][1])
-    text = f"{name} {millimetres(error)} at {frame}"
+    text = f"{name} {millimetres(error)} at frame {frame}"
     reached = strip.state_at(frame) != "not reached"
     return text, colours.PARTLY if reached else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
 

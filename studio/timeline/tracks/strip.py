@@ -16,7 +16,7 @@ MISSED = 3
 """From this state on the height tells how much."""
 COLOURS = (
     colours.PANEL,
-    colours.mixed(colours.HELD, colours.EDGE, 0.6),
+    colours.PANEL,
     colours.HELD,
     colours.PARTLY,
     colours.NOT_REACHED,
