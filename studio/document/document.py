@@ -1,51 +1,63 @@
-"""Document: the one thing that changes. It holds an immutable project and replaces it by undo commands."""
+"""Document: the open project with its undo stack, its file and its journal. The one thing that changes."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Signal
-from PySide6.QtGui import QUndoStack
+from PySide6.QtCore import QObject
 
 from studio.core.errors import StudioError
-from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_id
-from studio.document.commands.removal import removal
-from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
-from studio.document.playhead import Playhead
-from studio.document.selection import Selection
+from studio.core.project import Project
+from studio.document.commands.replace import Edit, ReplaceValue
+from studio.document.editing import EditedProject
+from studio.document.file_lock import FileLock
+from studio.document.journal import Journal, StateHash, Step
+from studio.document.recovery import Session, mark_recovered, recover
+from studio.io.archive import Stamp
+from studio.io.project_file import OpenedProject, new_document_id, read_project, write_project
 
 
-class Document(QObject):
-    """The open project with its undo stack, selection and playhead. Views fetch from it and keep no copy."""
+@dataclass(frozen=True, eq=False)
+class Saving:
+    """All that a save needs: values, so that a worker may write while the user goes on editing."""
 
-    entity_changed = Signal(str, str)
-    project_opened = Signal()
-    saved_state_changed = Signal()
-    problem = Signal(str)
+    project: Project
+    path: Path
+    document_id: str
+    revision: int
+    expected: Stamp | None
+    thumbnail: bytes | None = None
 
-    def __init__(self, project: Project | None = None, parent: QObject | None = None) -> None:
-        super().__init__(parent)
-        self._project = project or Project()
-        self._revision = 0
-        self._gesture = 0
-        self._group: list[Edit] | None = None
-        self._shown_already = False
+    def write(self, report: Callable[[float, str], None] = lambda _share, _text: None) -> Stamp:
+        """Write the file; raises as ``write_project``."""
+        return write_project(
+            self.path,
+            self.project,
+            self.document_id,
+            thumbnail=self.thumbnail,
+            expected=self.expected,
+            report=report,
+        )
+
+
+class Document(EditedProject):
+    """Views fetch from it and keep no copy; every change goes through ``replace``, ``add``, ``remove``, ``group``."""
+
+    def __init__(
+        self, project: Project | None = None, parent: QObject | None = None, journal_folder: Path | None = None
+    ) -> None:
+        """Without a ``journal_folder`` nothing is kept for recovery and no lock is taken."""
+        super().__init__(project, parent)
         self._path: Path | None = None
-        self.undo_stack = QUndoStack(self)
-        self.selection = Selection(self)
-        self.playhead = Playhead(self)
-        self.undo_stack.cleanChanged.connect(self._tell_saved_state)
-        self._fit_playhead()
-
-    @property
-    def project(self) -> Project:
-        """The project as it is now: an immutable value that any thread may hold."""
-        return self._project
-
-    @property
-    def revision(self) -> int:
-        """Grows with every change of the project."""
-        return self._revision
+        self._document_id = new_document_id()
+        self._stamp: Stamp | None = None
+        self._read_only = ""
+        self._unsaved_base = False
+        self._folder = journal_folder
+        self._journal: Journal | None = None
+        self._lock: FileLock | None = None
+        self.opened: OpenedProject | None = None
+        self._begin_session()
 
     @property
     def path(self) -> Path | None:
@@ -55,141 +67,152 @@ class Document(QObject):
     @property
     def dirty(self) -> bool:
         """Whether there is something to save."""
-        return not self.undo_stack.isClean()
+        return self._unsaved_base or not self.undo_stack.isClean()
 
     @property
-    def history(self) -> tuple[str, ...]:
-        """The texts of all steps, undone ones too; ``undo_stack.index()`` of them are in force."""
-        return tuple(self.undo_stack.text(step) for step in range(self.undo_stack.count()))
-
-    def replace(
-        self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None
-    ) -> None:
-        """Put ``new`` in the place of an entity: one undo step, or a part of the gesture's step.
-
-        Raises StudioError when there is no such entity or ``new`` refers to something that is not there.
-        """
-        old = self._existing(collection, entity_id)
-        self._check(collection, new)
-        if not same_value(old, new):
-            self._change((Edit(collection, entity_id, old, new),), text, gesture)
-
-    def add(self, collection: str, entity: Entity, text: str) -> str:
-        """Put a new entity at the end of its collection and return its id. Raises as ``replace``."""
-        self._check(collection, entity)
-        entity_id = new_id()
-        place = len(getattr(self._project, collection))
-        self._change((Edit(collection, entity_id, None, entity, place),), text, None)
-        return entity_id
-
-    def remove(self, collection: str, entity_id: str, text: str) -> None:
-        """Take an entity away, and what cannot be without it, as one step."""
-        self._existing(collection, entity_id)
-        if (collection, entity_id) == ("grounds", GROUND_ID):
-            raise StudioError("The stage always has a ground. Set its height instead of removing it.")
-        self._change(removal(self._project, collection, entity_id), text, None)
-
-    @contextmanager
-    def group(self, text: str, gesture: int | None = None) -> Iterator[None]:
-        """Everything changed inside is one undo step; an exception takes back what was changed."""
-        if self._group is not None:
-            yield
-            return
-        self._group = []
-        try:
-            yield
-        except BaseException:
-            undone, self._group = tuple(self._group), None
-            self._show(reverted(undone))
-            raise
-        edits, self._group = tuple(self._group), None
-        edits = merged((), edits)
-        if edits:
-            self._shown_already = True
-            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
-
-    def new_gesture(self) -> int:
-        """A number for the edits of one drag, so that they become one undo step."""
-        self._gesture += 1
-        return self._gesture
+    def read_only(self) -> str:
+        """Why this project may not be saved to its own file; empty when it may."""
+        return self._read_only
 
     @property
-    def active_performer_id(self) -> str | None:
-        """The selected performer, else the first visible one."""
-        performers = self._project.performers
-        selected = [key for key in self.selection.of("performers") if key in performers]
-        visible = [key for key, performer in performers.items() if performer.visible]
-        return next(iter((*reversed(selected), *visible)), None)
-
-    @property
-    def active_motion_id(self) -> str | None:
-        """The motion of the active performer's first clip."""
-        performer = self._project.performers.get(self.active_performer_id or "")
-        return performer.clips[0].motion_id if performer and performer.clips else None
+    def journal_state(self) -> str:
+        """One line for the status bar: how many edits are safe for recovery; empty without a journal."""
+        return self._journal.state if self._journal else ""
 
     def new(self, project: Project) -> None:
         """Begin with another project that has no file yet."""
-        self._open(project, None)
+        self._become(project, None, new_document_id(), None, "")
+
+    def open(self, path: Path) -> OpenedProject:
+        """Read a file and show it. Raises StudioError, and leaves all as it is, when nothing can be read."""
+        opened = read_project(path)
+        self.show_opened(opened)
+        return opened
+
+    def show_opened(self, opened: OpenedProject) -> None:
+        """Show what ``read_project`` found; its problems are told one by one."""
+        reason = ""
+        if opened.read_only or opened.problems:
+            reason = f"'{opened.path.name}' was not opened whole, so it is kept as it is. Use Save As."
+        self._become(opened.project, opened.path, opened.document_id, opened.stamp, reason)
+        self.opened = opened
+        for problem in opened.problems:
+            self.problem.emit(problem)
+
+    def saving(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> Saving:
+        """What is to be written now; give it to a worker, then call ``saved``.
+
+        ``overwrite`` replaces a file that was changed by somebody else. Raises StudioError when there is no place
+        to save to yet, or only another one.
+        """
+        target = path or self._path
+        if target is None:
+            raise StudioError("This project has no file yet. Choose one with Save As.")
+        own = self._path is not None and target.resolve() == self._path.resolve()
+        if own and self._read_only:
+            raise StudioError(self._read_only)
+        document_id = self._document_id if own or self._path is None else new_document_id()
+        expected = self._stamp if own and not overwrite else None
+        return Saving(self.project, target, document_id, self.revision, expected, thumbnail)
+
+    def saved(self, saving: Saving, stamp: Stamp) -> None:
+        """The file of ``saving`` is written: it is this project's file from now on."""
+        self._path, self._stamp, self._read_only = saving.path, stamp, ""
+        self._unsaved_base = False
+        whole = saving.revision == self.revision
+        if self._journal is not None:
+            self._journal.mark_saved(saving.project, saving.path, whole)
+        if saving.document_id != self._document_id:
+            self._document_id = saving.document_id
+            self._take_lock()
+        if whole:
+            self.undo_stack.setClean()
+        else:
+            self.undo_stack.resetClean()
+        self.saved_state_changed.emit()
+
+    def save(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> None:
+        """Save and wait for it; ``engine.saving`` does it in the background. Raises as ``saving`` and its write."""
+        saving = self.saving(path, thumbnail, overwrite)
+        self.saved(saving, saving.write())
+
+    def recover(self, session: Session) -> None:
+        """Show the last state of a session that died, with its undo history where that can be rebuilt."""
+        recovered = recover(session)
+        self._become(recovered.base, session.path, session.document_id, None, "", unsaved=True)
+        self._replay(recovered.steps)
+        hashes = StateHash()
+        if hashes.of(self.project) != hashes.of(recovered.project):
+            self._become(recovered.project, session.path, session.document_id, None, "", unsaved=True)
+        for problem in recovered.problems:
+            self.problem.emit(problem)
+        if self._journal is not None and self._journal.flush():
+            mark_recovered(session)
 
     def close(self) -> None:
-        """Stop playback."""
+        """Stop playback, end the journal, give back the lock. Unsaved edits stay in their journal."""
         self.playhead.pause()
+        if self._journal is not None:
+            self._journal.close()
+            self._journal.deleteLater()
+            self._journal = None
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
 
-    def _open(self, project: Project, path: Path | None) -> None:
-        self.playhead.pause()
-        self._project, self._path = project, path
-        self._revision += 1
-        self.undo_stack.clear()
-        self.undo_stack.setClean()
-        self.selection.clear()
-        self.playhead.set_time(0.0)
-        self._fit_playhead()
-        self.project_opened.emit()
+    def _become(
+        self,
+        project: Project,
+        path: Path | None,
+        document_id: str,
+        stamp: Stamp | None,
+        read_only: str,
+        unsaved: bool = False,
+    ) -> None:
+        self.close()
+        self._path, self._document_id, self._stamp = path, document_id, stamp
+        self._read_only, self._unsaved_base, self.opened = read_only, unsaved, None
+        self._show_other(project)
+        self._begin_session()
         self.saved_state_changed.emit()
 
-    def _tell_saved_state(self) -> None:
-        self.saved_state_changed.emit()
+    def _begin_session(self) -> None:
+        if self._folder is None:
+            return
+        self._take_lock()
+        self._journal = Journal(self._folder, self._document_id, self.project, self._path, self._unsaved_base, self)
+        self._journal.acknowledged_changed.connect(self._tell_saved_state)
+        self._journal.failed.connect(self.problem)
 
-    def _existing(self, collection: str, entity_id: str) -> Entity:
-        entity = self._project.get(collection, entity_id)
-        if entity is None:
-            raise StudioError(f"The project has no {entity_id!r} among its {collection}.")
-        return entity
+    def _take_lock(self) -> None:
+        """One program at a time writes a document; a second one has it for reading."""
+        if self._folder is None:
+            return
+        if self._lock is not None:
+            self._lock.release()
+        try:
+            self._lock = FileLock.taken(self._folder / "locks" / f"{self._document_id}.lock")
+        except OSError as error:
+            self._lock = None
+            self.problem.emit(f"'{self._folder}' cannot be written ({error}): edits are not kept for recovery.")
+            return
+        if self._lock is None:
+            name = self._path.name if self._path else "This project"
+            self._read_only = f"'{name}' is open in another window of Morpho Studio. Use Save As to keep changes."
+            self.problem.emit(self._read_only)
 
-    def _check(self, collection: str, entity: Entity) -> None:
-        if not isinstance(entity, CLASSES[collection]):
-            raise TypeError(f"A {type(entity).__name__} does not belong among the {collection}.")
-        for name, key in self._project.missing_references(entity):
-            raise StudioError(f"It refers to {key!r}, which is not among the project's {name}.")
+    def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
+        if self._journal is not None:
+            self._journal.record(Step(verb, edits, text, gesture, self.project))
+            self.saved_state_changed.emit()
 
-    def _change(self, edits: tuple[Edit, ...], text: str, gesture: int | None) -> None:
-        if self._group is not None:
-            self._show(edits)
-            self._group += edits
-        else:
-            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
-
-    def _step(self, edits: tuple[Edit, ...], verb: str) -> None:
-        """What a command does; the edits of a group are on show before its command is pushed."""
-        if not self._shown_already:
-            self._show(edits)
-        self._shown_already = False
-
-    def _show(self, edits: tuple[Edit, ...]) -> None:
-        had_motion = self.active_motion_id is not None
-        self._project = applied(self._project, edits)
-        self._revision += 1
-        gone = {edit.item for edit in edits if edit.new is None}
-        self.selection.set(*(item for item in self.selection.items if item not in gone))
-        if not had_motion and self.active_motion_id is not None:
-            self._fit_playhead()
-        for item in dict.fromkeys(edit.item for edit in edits):
-            self.entity_changed.emit(*item)
-
-    def _fit_playhead(self) -> None:
-        """The range and frame rate of the active motion."""
-        motion = self._project.motions.get(self.active_motion_id or "")
-        capture = self._project.captures.get(motion.capture_id) if motion else None
-        if capture is not None:
-            self.playhead.frame_rate = capture.frame_rate
-            self.playhead.set_range(capture.first_frame, capture.frame_count - 1)
+    def _replay(self, steps: tuple[Step, ...]) -> None:
+        for step in steps:
+            match step.verb:
+                case "undo":
+                    self.undo_stack.undo()
+                case "redo":
+                    self.undo_stack.redo()
+                case _:
+                    self.undo_stack.push(ReplaceValue(self._step, step.edits, step.text, step.gesture))
+            self._gesture = max(self._gesture, step.gesture or 0)

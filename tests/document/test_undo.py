@@ -28,9 +28,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     """One of the edits an animator makes; some belong to the current gesture."""
     project = document.project
     constraints, contacts = list(project.constraints), list(project.contacts)
-    match chance.choice(
-        ["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group"]
-    ):
+    match chance.choice(["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group"]):
         case "add" if project.motions:
             document.add("constraints", make_constraint(name=f"T{chance.random()}"), "Add target")
         case "add contact" if project.motions:
@@ -89,9 +87,7 @@ def test_a_drag_is_one_undo_step(qapp: Any) -> None:
     gesture = document.new_gesture()
     for x in (0.1, 0.2, 0.3):
         document.replace("constraints", "constraint 0", moved(document, x), "Move target", gesture)
-    document.replace(
-        "constraints", "constraint 0", moved(document, 0.9), "Move target", document.new_gesture()
-    )
+    document.replace("constraints", "constraint 0", moved(document, 0.9), "Move target", document.new_gesture())
     assert document.history == ("Move target", "Move target")
     document.undo_stack.undo()
     assert document.project.constraints["constraint 0"].target[0] == 0.3
@@ -113,9 +109,7 @@ def test_a_drag_of_several_things_is_one_undo_step(qapp: Any) -> None:
         with document.group("Move contacts", gesture):
             for key in ("contact 0", "contact 1"):
                 contact = document.project.contacts[key]
-                document.replace(
-                    "contacts", key, replace(contact, last=contact.last + shift), "Move contacts"
-                )
+                document.replace("contacts", key, replace(contact, last=contact.last + shift), "Move contacts")
     assert document.history == ("Move contacts",)
     document.undo_stack.undo()
     assert state(document) == before
@@ -173,9 +167,7 @@ def test_an_edit_that_refers_to_nothing_is_refused_before_the_push(qapp: Any) ->
 def test_a_change_tells_its_ids_once_the_whole_project_is_in_place(qapp: Any) -> None:
     document = Document(PROJECT)
     heard: list[tuple[str, str, bool]] = []
-    document.entity_changed.connect(
-        lambda name, key: heard.append((name, key, bool(document.project.constraints)))
-    )
+    document.entity_changed.connect(lambda name, key: heard.append((name, key, bool(document.project.constraints))))
     document.remove("motions", "motion", "Remove motion")
     assert ("constraints", "constraint 1", False) in heard
     assert all(not constraints_left for _, _, constraints_left in heard)

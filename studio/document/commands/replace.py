@@ -64,7 +64,7 @@ class ReplaceValue(QUndoCommand):
 
     def __init__(
         self,
-        show: Callable[[tuple[Edit, ...], str], None],
+        show: Callable[[tuple[Edit, ...], str, str, int | None], None],
         edits: tuple[Edit, ...],
         text: str,
         gesture: int | None,
@@ -87,7 +87,7 @@ class ReplaceValue(QUndoCommand):
     def _show(self, edits: tuple[Edit, ...], verb: str) -> None:
         step = self._document_step()
         if step is not None:
-            step(edits, verb)
+            step(edits, verb, self.text(), self.gesture)
 
     def id(self) -> int:
         """Which commands may be offered for merging: all that belong to a gesture."""

@@ -1,0 +1,182 @@
+"""EditedProject: an immutable project that is replaced by undo commands, with its selection and playhead."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtGui import QUndoStack
+
+from studio.core.errors import StudioError
+from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_id
+from studio.document.commands.removal import removal
+from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
+from studio.document.playhead import Playhead
+from studio.document.selection import Selection
+
+
+class EditedProject(QObject):
+    """The part of a document that knows no files: edits, undo, selection, playhead."""
+
+    entity_changed = Signal(str, str)
+    project_opened = Signal()
+    saved_state_changed = Signal()
+    problem = Signal(str)
+
+    def __init__(self, project: Project | None = None, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._project = project or Project()
+        self._revision = 0
+        self._gesture = 0
+        self._group: list[Edit] | None = None
+        self._shown_already = False
+        self.undo_stack = QUndoStack(self)
+        self.selection = Selection(self)
+        self.playhead = Playhead(self)
+        self.undo_stack.cleanChanged.connect(self._tell_saved_state)
+        self._fit_playhead()
+
+    @property
+    def project(self) -> Project:
+        """The project as it is now: an immutable value that any thread may hold."""
+        return self._project
+
+    @property
+    def revision(self) -> int:
+        """Grows with every change of the project."""
+        return self._revision
+
+    @property
+    def dirty(self) -> bool:
+        """Whether there is something to save."""
+        return not self.undo_stack.isClean()
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """The texts of all steps, undone ones too; ``undo_stack.index()`` of them are in force."""
+        return tuple(self.undo_stack.text(step) for step in range(self.undo_stack.count()))
+
+    def replace(self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None) -> None:
+        """Put ``new`` in the place of an entity: one undo step, or a part of the gesture's step.
+
+        Raises StudioError when there is no such entity or ``new`` refers to something that is not there.
+        """
+        old = self._existing(collection, entity_id)
+        self._check(collection, new)
+        if not same_value(old, new):
+            self._change((Edit(collection, entity_id, old, new),), text, gesture)
+
+    def add(self, collection: str, entity: Entity, text: str) -> str:
+        """Put a new entity at the end of its collection and return its id. Raises as ``replace``."""
+        self._check(collection, entity)
+        entity_id = new_id()
+        place = len(getattr(self._project, collection))
+        self._change((Edit(collection, entity_id, None, entity, place),), text, None)
+        return entity_id
+
+    def remove(self, collection: str, entity_id: str, text: str) -> None:
+        """Take an entity away, and what cannot be without it, as one step."""
+        self._existing(collection, entity_id)
+        if (collection, entity_id) == ("grounds", GROUND_ID):
+            raise StudioError("The stage always has a ground. Set its height instead of removing it.")
+        self._change(removal(self._project, collection, entity_id), text, None)
+
+    @contextmanager
+    def group(self, text: str, gesture: int | None = None) -> Iterator[None]:
+        """Everything changed inside is one undo step; an exception takes back what was changed."""
+        if self._group is not None:
+            yield
+            return
+        self._group = []
+        try:
+            yield
+        except BaseException:
+            undone, self._group = tuple(self._group), None
+            self._show(reverted(undone))
+            raise
+        edits, self._group = tuple(self._group), None
+        edits = merged((), edits)
+        if edits:
+            self._shown_already = True
+            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
+
+    def new_gesture(self) -> int:
+        """A number for the edits of one drag, so that they become one undo step."""
+        self._gesture += 1
+        return self._gesture
+
+    @property
+    def active_performer_id(self) -> str | None:
+        """The selected performer, else the first visible one."""
+        performers = self._project.performers
+        selected = [key for key in self.selection.of("performers") if key in performers]
+        visible = [key for key, performer in performers.items() if performer.visible]
+        return next(iter((*reversed(selected), *visible)), None)
+
+    @property
+    def active_motion_id(self) -> str | None:
+        """The motion of the active performer's first clip."""
+        performer = self._project.performers.get(self.active_performer_id or "")
+        return performer.clips[0].motion_id if performer and performer.clips else None
+
+    def _show_other(self, project: Project) -> None:
+        """Let another project take the place of this one; its history begins empty."""
+        self.playhead.pause()
+        self._project = project
+        self._revision += 1
+        self.undo_stack.clear()
+        self.undo_stack.setClean()
+        self.selection.clear()
+        self.playhead.set_time(0.0)
+        self._fit_playhead()
+        self.project_opened.emit()
+
+    def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
+        """Called after every step; the document writes it to its journal."""
+
+    def _tell_saved_state(self) -> None:
+        self.saved_state_changed.emit()
+
+    def _existing(self, collection: str, entity_id: str) -> Entity:
+        entity = self._project.get(collection, entity_id)
+        if entity is None:
+            raise StudioError(f"The project has no {entity_id!r} among its {collection}.")
+        return entity
+
+    def _check(self, collection: str, entity: Entity) -> None:
+        if not isinstance(entity, CLASSES[collection]):
+            raise TypeError(f"A {type(entity).__name__} does not belong among the {collection}.")
+        for name, key in self._project.missing_references(entity):
+            raise StudioError(f"It refers to {key!r}, which is not among the project's {name}.")
+
+    def _change(self, edits: tuple[Edit, ...], text: str, gesture: int | None) -> None:
+        if self._group is not None:
+            self._show(edits)
+            self._group += edits
+        else:
+            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
+
+    def _step(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
+        """What a command does; the edits of a group are on show before its command is pushed."""
+        if not self._shown_already:
+            self._show(edits)
+        self._shown_already = False
+        self._recorded(edits, verb, text, gesture)
+
+    def _show(self, edits: tuple[Edit, ...]) -> None:
+        had_motion = self.active_motion_id is not None
+        self._project = applied(self._project, edits)
+        self._revision += 1
+        gone = {edit.item for edit in edits if edit.new is None}
+        self.selection.set(*(item for item in self.selection.items if item not in gone))
+        if not had_motion and self.active_motion_id is not None:
+            self._fit_playhead()
+        for item in dict.fromkeys(edit.item for edit in edits):
+            self.entity_changed.emit(*item)
+
+    def _fit_playhead(self) -> None:
+        """The range and frame rate of the active motion."""
+        motion = self._project.motions.get(self.active_motion_id or "")
+        capture = self._project.captures.get(motion.capture_id) if motion else None
+        if capture is not None:
+            self.playhead.frame_rate = capture.frame_rate
+            self.playhead.set_range(capture.first_frame, capture.frame_count - 1)

@@ -1,0 +1,47 @@
+"""A lock that the system takes back when its process ends, however it ends."""
+
+import os
+import sys
+from pathlib import Path
+from typing import IO
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _lock(stream: IO[bytes]) -> None:
+        msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)
+else:
+    import fcntl
+
+    def _lock(stream: IO[bytes]) -> None:
+        fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+class FileLock:
+    """Held from ``taken`` on until ``release`` or the end of the process."""
+
+    def __init__(self, stream: IO[bytes]) -> None:
+        self._stream = stream
+
+    @classmethod
+    def taken(cls, path: Path) -> "FileLock | None":
+        """The lock at ``path``, None when somebody else holds it. Raises OSError where nothing can be written."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        stream = open(path, "ab")  # noqa: SIM115 - open as long as the lock is held
+        try:
+            _lock(stream)
+        except OSError:
+            stream.close()
+            return None
+        return cls(stream)
+
+    def release(self) -> None:
+        """Let others have it. The file stays: removing it would let two hold a lock of one name."""
+        self._stream.close()
+
+
+def journal_folder() -> Path:
+    """Where sessions and locks are kept: the user's state folder, never the project's."""
+    import platformdirs
+
+    return Path(os.fspath(platformdirs.user_state_path("morpho-studio"))) / "journal"

@@ -1,0 +1,255 @@
+"""The session journal: every edit is on the disk a moment after it was made, in a database of its own.
+
+SQLite in WAL mode with ``synchronous=FULL``, one connection on one writer thread. A step holds the entities it
+changed and the hash of the state after it; every fiftieth is followed by a snapshot; arrays are stored once.
+"""
+
+import hashlib
+import json
+import os
+import queue
+import sqlite3
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+
+from studio.core.project import COLLECTIONS, Entity, Project
+from studio.document.commands.replace import Edit
+from studio.document.file_lock import FileLock
+from studio.io.entity_json import Members, entity_record, line, npy_bytes, project_json
+
+STEPS_BETWEEN_SNAPSHOTS = 50
+SCHEMA = """
+CREATE TABLE session (key TEXT PRIMARY KEY, value TEXT);
+CREATE TABLE arrays (name TEXT PRIMARY KEY, content BLOB);
+CREATE TABLE snapshots (number INTEGER PRIMARY KEY, project BLOB, state TEXT);
+CREATE TABLE steps (number INTEGER PRIMARY KEY, verb TEXT, text TEXT, gesture INTEGER, edits TEXT, state TEXT);
+CREATE TABLE saves (number INTEGER, path TEXT, state TEXT);
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One thing that happened: ``verb`` is ``edit``, ``undo`` or ``redo``; ``project`` is the state after it."""
+
+    verb: str
+    edits: tuple[Edit, ...]
+    text: str
+    gesture: int | None
+    project: Project
+
+
+@dataclass(frozen=True, eq=False)
+class _Save:
+    project: Project
+    path: Path
+
+
+class StateHash:
+    """SHA-256 of a project's state; entities that stayed the same are not encoded again."""
+
+    def __init__(self) -> None:
+        self._digests: dict[tuple[str, str], tuple[Entity, str]] = {}
+
+    def of(self, project: Project) -> str:
+        """The hash over every entity in its order."""
+        total = hashlib.sha256()
+        for collection in COLLECTIONS:
+            for key, entity in getattr(project, collection).items():
+                known = self._digests.get((collection, key))
+                if known is None or known[0] is not entity:
+                    text = line(entity_record(collection, key, entity, {}))
+                    known = (entity, hashlib.sha256(text.encode()).hexdigest())
+                    self._digests[collection, key] = known
+                total.update(f"{collection}/{key}:{known[1]}\n".encode())
+        return total.hexdigest()
+
+
+class Journal(QObject):
+    """Writes one session of one document. ``acknowledged`` counts the steps that are safe on the disk."""
+
+    acknowledged_changed = Signal()
+    failed = Signal(str)
+
+    def __init__(
+        self,
+        folder: Path,
+        document_id: str,
+        base: Project,
+        path: Path | None,
+        unsaved: bool = False,
+        parent: QObject | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.recorded = 0
+        self.acknowledged = 0
+        self.unsaved = self._unsaved_base = unsaved
+        self._base, self._document_id, self._path = base, document_id, path
+        self._file = folder / f"{document_id}-{os.getpid()}-{time.time_ns():x}.sqlite"
+        self._queue: queue.SimpleQueue[Step | _Save | str | None] = queue.SimpleQueue()
+        self._hash = StateHash()
+        self._stored: set[str] = set(base.carried.get("members", {}))
+        self._begun = threading.Event()
+        self._lock: FileLock | None = None
+        self._thread: threading.Thread | None = None
+        if unsaved:
+            self._start()
+
+    @property
+    def state(self) -> str:
+        """One line for the status bar."""
+        if self.acknowledged == self.recorded:
+            return f"Journal safe - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
+        if self._thread is None or not self._thread.is_alive():
+            return "Journal stopped - save the project"
+        return f"Journal writing - {self.acknowledged} of {self.recorded} edits"
+
+    def record(self, step: Step) -> None:
+        """Write a step as soon as may be; does not wait."""
+        self.recorded += 1
+        self.unsaved = True
+        self._start()
+        self._queue.put(step)
+
+    def mark_saved(self, project: Project, path: Path, all_of_it: bool) -> None:
+        """The file now holds ``project``; steps after that state are still to be recovered if the process dies."""
+        self.unsaved = not all_of_it
+        if self._thread is not None:
+            self._queue.put(_Save(project, path))
+
+    def flush(self, timeout: float = 10.0) -> bool:
+        """Wait until every recorded step is acknowledged."""
+        if self._thread is None:
+            return True
+        end = time.monotonic() + timeout
+        while not self._begun.is_set() or self.acknowledged < self.recorded:
+            if time.monotonic() > end or not self._thread.is_alive():
+                return False
+            time.sleep(0.001)
+        return True
+
+    def close(self) -> None:
+        """End the session. With nothing unsaved it is removed; else it is kept, as one that the user gave up."""
+        if self._thread is None:
+            return
+        self._queue.put("declined" if self.unsaved else "saved")
+        self._queue.put(None)
+        self._thread.join()
+        self._thread = None
+        if not self.unsaved:
+            remove_session(self._file)
+        if self._lock is not None:
+            self._lock.release()
+
+    def _start(self) -> None:
+        """A session begins with its first edit, so that looking at a project writes nothing."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._write, name="journal", daemon=True)
+            self._thread.start()
+
+    def _write(self) -> None:
+        try:
+            self._lock = FileLock.taken(lock_of(self._file))
+            connection = sqlite3.connect(self._file, isolation_level=None)
+            try:
+                self._begin(connection)
+                while (items := self._waiting()) is not None:
+                    self._commit(connection, items)
+            finally:
+                connection.close()
+        except (sqlite3.Error, OSError) as error:
+            self.failed.emit(
+                f"The journal in '{self._file.parent}' cannot be written ({error}). Save the project now: edits are"
+                " not kept for recovery any more."
+            )
+
+    def _waiting(self) -> list[Step | _Save | str] | None:
+        """All that is queued, at least one; None when the journal is closed."""
+        items = [self._queue.get()]
+        while not self._queue.empty():
+            items.append(self._queue.get())
+        wanted = [item for item in items if item is not None]
+        if None in items:
+            self._queue.put(None)
+        return wanted or None
+
+    def _begin(self, connection: sqlite3.Connection) -> None:
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("PRAGMA synchronous=FULL")
+        connection.execute("BEGIN")
+        for statement in SCHEMA.strip().split(";\n"):
+            connection.execute(statement)
+        foreign = self._base.carried.get("members", {})
+        session = {
+            "document": self._document_id,
+            "path": str(self._path or ""),
+            "process": str(os.getpid()),
+            "started": str(time.time()),
+            "unsaved_base": str(int(self._unsaved_base)),
+            "foreign": json.dumps(sorted(foreign)),
+        }
+        connection.executemany("INSERT INTO arrays VALUES (?, ?)", foreign.items())
+        connection.executemany("INSERT INTO session VALUES (?, ?)", session.items())
+        self._snapshot(connection, 0, self._base)
+        connection.execute("COMMIT")
+        self._begun.set()
+
+    def _commit(self, connection: sqlite3.Connection, items: list[Step | _Save | str]) -> None:
+        done = self.acknowledged
+        connection.execute("BEGIN")
+        for item in items:
+            match item:
+                case Step():
+                    done += 1
+                    self._insert(connection, done, item)
+                case _Save():
+                    row = (done, str(item.path), self._hash.of(item.project))
+                    connection.execute("INSERT INTO saves VALUES (?, ?, ?)", row)
+                case str():
+                    connection.execute("INSERT OR REPLACE INTO session VALUES ('ended', ?)", (item,))
+        connection.execute("COMMIT")
+        self.acknowledged = done
+        self.acknowledged_changed.emit()
+
+    def _insert(self, connection: sqlite3.Connection, number: int, step: Step) -> None:
+        members: Members = {}
+        edits = [edit_record(edit, members) for edit in step.edits]
+        self._store(connection, members)
+        row = (number, step.verb, step.text, step.gesture, json.dumps(edits), self._hash.of(step.project))
+        connection.execute("INSERT INTO steps VALUES (?, ?, ?, ?, ?, ?)", row)
+        if number % STEPS_BETWEEN_SNAPSHOTS == 0:
+            self._snapshot(connection, number, step.project)
+
+    def _snapshot(self, connection: sqlite3.Connection, number: int, project: Project) -> None:
+        members: Members = {}
+        content = project_json(project, members)
+        self._store(connection, members)
+        row = (number, content, self._hash.of(project))
+        connection.execute("INSERT INTO snapshots VALUES (?, ?, ?)", row)
+
+    def _store(self, connection: sqlite3.Connection, members: Members) -> None:
+        for name in members.keys() - self._stored:
+            row = (name, npy_bytes(members[name]))
+            connection.execute("INSERT OR IGNORE INTO arrays VALUES (?, ?)", row)
+            self._stored.add(name)
+
+
+def edit_record(edit: Edit, members: Members) -> dict[str, Any]:
+    """An edit as JSON; what the entity was before follows from the state before."""
+    record = None if edit.new is None else entity_record(edit.collection, edit.entity_id, edit.new, members)
+    return {"collection": edit.collection, "id": edit.entity_id, "place": edit.place, "new": record}
+
+
+def lock_of(session: Path) -> Path:
+    """The lock that the process of a session holds."""
+    return session.with_suffix(".lock")
+
+
+def remove_session(session: Path) -> None:
+    """Take away a session that holds nothing which is not in the project's file."""
+    for suffix in (".sqlite", ".sqlite-wal", ".sqlite-shm", ".lock"):
+        session.with_suffix(suffix).unlink(missing_ok=True)

@@ -1,0 +1,26 @@
+"""Saving beside the window: the snapshot is taken now, a worker writes it, the document learns of it after."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from studio.document.document import Document
+from studio.engine.tasks import TaskRunner
+from studio.io.archive import Stamp
+
+
+def save_in_background(
+    document: Document,
+    tasks: TaskRunner,
+    path: Path | None = None,
+    thumbnail: bytes | None = None,
+    overwrite: bool = False,
+    on_saved: Callable[[], None] = lambda: None,
+) -> int:
+    """Start a save and return its task id. Raises StudioError at once when there is no place to save to."""
+    saving = document.saving(path, thumbnail, overwrite)
+
+    def saved(stamp: Stamp) -> None:
+        document.saved(saving, stamp)
+        on_saved()
+
+    return tasks.run(f"Saving {saving.path.name}", saving.write, saved)

@@ -1,0 +1,236 @@
+"""What was acknowledged is never lost, however the process ends; what is saved needs no recovery."""
+
+import os
+import sqlite3
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from studio.core.errors import StudioError
+from studio.core.project import Project, Prop
+from studio.document.document import Document
+from studio.document.recovery import recover, recoverable_sessions
+from studio.io.entity_json import project_json
+from studio.io.project_file import ChangedOnDisk, read_project, write_project
+from tests.builders import make_project
+
+ROOT = Path(__file__).parents[2]
+KILLS = int(os.environ.get("MORPHO_KILLS", "30"))
+
+
+def state(project: Project) -> bytes:
+    return project_json(project, {})
+
+
+@pytest.fixture
+def make_document(qapp: Any, tmp_path: Path) -> Iterator[Callable[..., Document]]:
+    documents: list[Document] = []
+
+    def make(project: Project | None = None, folder: Path | None = None) -> Document:
+        documents.append(Document(project or make_project(), journal_folder=folder or tmp_path / "state"))
+        return documents[-1]
+
+    yield make
+    for document in documents:
+        document.close()
+    assert not [thread for thread in threading.enumerate() if thread.name == "journal"]
+
+
+def died(document: Document) -> None:
+    """As after a kill: what is on the disk is all there is, and the locks are free."""
+    journal = document._journal
+    assert journal is not None
+    assert journal.flush()
+    journal._queue.put(None)
+    journal._thread.join()
+    journal._lock.release()
+    document._lock.release()
+    document._journal = document._lock = None
+
+
+def edit(document: Document, steps: int = 5) -> None:
+    gesture = document.new_gesture()
+    for step in range(steps):
+        document.add("props", Prop(f"Box {step}"), "Add box")
+        moved = replace(document.project.constraints["constraint 0"], target=(step / 10, 0.0, 1.0))
+        document.replace("constraints", "constraint 0", moved, "Move target", gesture)
+    document.undo_stack.undo()
+
+
+@pytest.mark.parametrize("what", ["edit", "save"])
+def test_kill_9_costs_no_acknowledged_edit_and_no_saved_file(tmp_path: Path, what: str) -> None:
+    command = [sys.executable, "-m", "tests.document.killed", what, str(tmp_path), str(KILLS), "11"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=100, check=False)
+    assert (done.stdout.strip(), done.returncode) == ("0", 0), done.stderr
+
+
+def test_a_session_is_recovered_with_its_undo_history(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    first = state(document.project)
+    edit(document, 60)
+    last, history, index = state(document.project), document.history, document.undo_stack.index()
+    died(document)
+    (session,) = recoverable_sessions(tmp_path / "state")
+    other = make_document()
+    other.recover(session)
+    assert state(other.project) == last
+    assert (other.history, other.undo_stack.index()) == (history, index)
+    assert other.dirty
+    other.undo_stack.setIndex(0)
+    assert state(other.project) == first
+
+
+def test_a_recovered_session_that_dies_again_is_recovered_again(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    edit(document)
+    last = state(document.project)
+    for _ in range(3):
+        died(document)
+        (session,) = recoverable_sessions(tmp_path / "state")
+        document = make_document()
+        document.recover(session)
+    assert state(document.project) == last
+
+
+def test_what_is_saved_needs_no_recovery_and_what_comes_after_does(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    document = make_document()
+    edit(document)
+    document.save(path)
+    assert not document.dirty
+    died(document)
+    assert recoverable_sessions(tmp_path / "state") == ()
+    document = make_document()
+    document.open(path)
+    document.add("props", Prop("Late"), "Add")
+    last = state(document.project)
+    died(document)
+    (session,) = recoverable_sessions(tmp_path / "state")
+    assert (session.path, session.edits) == (path, 1)
+    assert state(recover(session).project) == last
+
+
+def test_a_session_still_alive_is_not_offered(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    edit(document)
+    assert document._journal.flush()
+    assert recoverable_sessions(tmp_path / "state") == ()
+
+
+def test_edits_that_the_user_gave_up_stay_on_the_disk(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    edit(document)
+    last = state(document.project)
+    document.close()
+    assert recoverable_sessions(tmp_path / "state") == ()
+    (session,) = recoverable_sessions(tmp_path / "state", declined=True)
+    assert state(recover(session).project) == last
+
+
+def test_a_closed_session_with_nothing_unsaved_leaves_nothing(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    edit(document)
+    document.save(tmp_path / "walk.studio")
+    document.close()
+    assert not list((tmp_path / "state").glob("*.sqlite*"))
+
+
+def test_looking_at_a_project_writes_no_journal(make_document: Any, tmp_path: Path) -> None:
+    make_document()
+    assert not list((tmp_path / "state").glob("*.sqlite*"))
+
+
+def test_a_damaged_step_costs_only_what_comes_after_it(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    for number in range(70):
+        document.add("props", Prop(str(number)), "Add")
+    died(document)
+    (session,) = recoverable_sessions(tmp_path / "state")
+    with sqlite3.connect(session.file) as connection:
+        connection.execute("UPDATE steps SET edits = replace(edits, '\"60\"', '\"sixty\"') WHERE number = 61")
+    connection.close()
+    recovered = recover(session)
+    assert len(recovered.project.props) == 60
+    assert "61" in recovered.problems[0]
+
+
+def test_the_status_line_says_how_many_edits_are_safe(make_document: Any) -> None:
+    document = make_document()
+    document.add("props", Prop("Box"), "Add")
+    assert document._journal.flush()
+    assert document.journal_state == "Journal safe - 1 edit"
+
+
+def test_a_second_window_has_the_project_for_reading(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    first, second = make_document(), make_document()
+    first.save(path)
+    second.open(path)
+    assert "another window" in second.read_only
+    with pytest.raises(StudioError, match="Save As"):
+        second.save()
+    second.save(tmp_path / "copy.studio")
+    assert not second.read_only
+    assert read_project(path).document_id != read_project(tmp_path / "copy.studio").document_id
+
+
+def test_a_journal_that_cannot_be_written_is_told(make_document: Any, tmp_path: Path, qtbot: Any) -> None:
+    (tmp_path / "file").write_text("in the way")
+    document = make_document(folder=tmp_path / "file" / "state")
+    with qtbot.waitSignal(document.problem) as told:
+        document.add("props", Prop("Box"), "Add")
+    assert "Save the project" in told.args[0]
+    assert document.journal_state == "Journal stopped - save the project"
+
+
+def test_saving_marks_clean_only_what_was_saved(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    edit(document)
+    saving = document.saving(tmp_path / "walk.studio")
+    stamp = saving.write()
+    document.add("props", Prop("Meanwhile"), "Add")
+    document.saved(saving, stamp)
+    assert document.dirty
+    document.save()
+    assert not document.dirty
+
+
+def test_a_file_changed_by_somebody_else_is_replaced_only_when_asked(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    document = make_document()
+    document.save(path)
+    write_project(path, Project(), "f" * 32)
+    with pytest.raises(ChangedOnDisk):
+        document.save()
+    document.save(overwrite=True)
+    assert state(read_project(path).project) == state(document.project)
+
+
+def test_a_failed_open_leaves_the_open_project_untouched(make_document: Any, tmp_path: Path) -> None:
+    (tmp_path / "bad.studio").write_bytes(b"not a project")
+    document = make_document()
+    edit(document)
+    before, history = state(document.project), document.history
+    with pytest.raises(StudioError):
+        document.open(tmp_path / "bad.studio")
+    assert (state(document.project), document.history) == (before, history)
+
+
+def test_a_damaged_project_is_not_saved_over_its_file(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    document = make_document()
+    document.save(path)
+    path.write_bytes(path.read_bytes()[:-300])
+    told: list[str] = []
+    other = make_document(folder=tmp_path / "other")
+    other.problem.connect(told.append)
+    other.open(path)
+    assert told
+    with pytest.raises(StudioError, match="Save As"):
+        other.save()
