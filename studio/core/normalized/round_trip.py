@@ -1,0 +1,28 @@
+"""How exactly a capture comes back out of its own morphology-independent motion."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from studio.core.capture import Capture
+from studio.core.kinematics import joint_world
+from studio.core.normalized.actor import Actor
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import restore
+from studio.core.rotations import angle_between, from_matrix
+
+
+@dataclass(frozen=True)
+class RoundTrip:
+    """Worst errors over all joints and all frames, metres and radians, in the world."""
+
+    position: float
+    rotation: float
+
+
+def round_trip(capture: Capture, motion: NormalizedMotion, actor: Actor) -> RoundTrip:
+    """Compare ``capture`` with what ``motion`` gives back on the body of its own ``actor``."""
+    there, turned = joint_world(capture.skeleton, capture.poses)
+    back, turned_back = joint_world(capture.skeleton, restore(motion, actor))
+    angles = angle_between(from_matrix(turned), from_matrix(turned_back))
+    return RoundTrip(float(np.linalg.norm(back - there, axis=2).max()), float(angles.max()))

@@ -1,0 +1,14 @@
+"""The motion as its own actor performed it: what adapted motions are compared with."""
+
+import numpy as np
+
+from studio.core.normalized.actor import Actor
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import realize
+from studio.core.solver.request import AdaptedMotion
+
+
+def source_motion(motion: NormalizedMotion, actor: Actor) -> AdaptedMotion:
+    """``motion`` on the body that it was captured from, unchanged by ground or constraints."""
+    positions, rotations = realize(motion, actor.morphology, play=True)
+    return AdaptedMotion(actor.morphology, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))

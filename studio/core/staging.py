@@ -1,0 +1,36 @@
+"""A stage set without anyone arranging it: one capture, performed by some characters side by side."""
+
+from collections.abc import Mapping
+
+from studio.core.capture import Capture
+from studio.core.character import Character
+from studio.core.contacts import ContactInterval
+from studio.core.project import Clip, Motion, Performer, Project
+
+SPACING = 1.15
+"""Metres from one performer to the next."""
+
+
+def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = ()) -> dict[str, Performer]:
+    """One performer a character under the same id, in a row across the direction of the motion."""
+    middle = (len(characters) - 1) / 2
+    return {
+        key: Performer(character.name, key, clips, (0.0, SPACING * (middle - place)))
+        for place, (key, character) in enumerate(characters.items())
+    }
+
+
+def staged(capture: Capture, contacts: tuple[ContactInterval, ...], characters: Mapping[str, Character]) -> Project:
+    """A project in which every character performs the capture from its first frame to its last.
+
+    ``contacts`` all belong to one motion; its id is theirs, or the capture's name where there are none.
+    """
+    motion_id = contacts[0].motion_id if contacts else capture.name
+    clips = (Clip(motion_id, capture.first_frame, capture.frame_count - 1),)
+    return Project(
+        captures={motion_id: capture},
+        motions={motion_id: Motion(capture.name, motion_id)},
+        characters=characters,
+        performers=side_by_side(characters, clips),
+        contacts={f"contact {place}": contact for place, contact in enumerate(contacts)},
+    )
