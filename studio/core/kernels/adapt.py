@@ -71,10 +71,8 @@ def solve_frames(
             continue
         legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame], work)
         row = measures[frame if measures.shape[0] > 1 else 0]
-        solve_frame(
-            codes, offsets, chains, goals, wanted, states[:, frame], legs, spine_count, row, scratch,
-            positions[frame], rotations[frame],
-        )  # fmt: skip
+        asked = (codes, offsets, chains, goals, wanted)
+        solve_frame(asked, states[:, frame], legs, row, scratch, (positions[frame], rotations[frame]))
         for c in range(constraint_count):
             if wanted[c]:
                 body_point(codes[c, 0], codes[c, 1], offsets[c], positions[frame], rotations[frame], point)

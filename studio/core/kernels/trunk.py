@@ -67,22 +67,24 @@ def pivot_of(joint, spine_count):
 
 
 @njit(cache=True, nogil=True)
-def trunk_step(rows, row_codes, row_count, chains, spine_count, damping, matrix, turned, turn, positions, rotations):
+def trunk_step(rows, row_codes, row_count, chains, damping, matrix, turned, turn, pose):
     """One step of all free joints and of the root, shorter the greater ``damping``; True when anything could move.
 
     ``rows`` (R, 7) point, direction, error; ``row_codes`` (R, 2) constraint, carrier; ``chains`` (C, 5);
     ``matrix`` (R, R + 1) scratch; ``turned`` (K + 4, 3) how far each joint has turned so far, updated.
     """
+    positions = pose[0]
+    spine_count = positions.shape[0] - 23
     for i in range(row_count):
         for j in range(row_count):
             matrix[j, i] = coupling(rows, row_codes, j, i, chains, spine_count, positions)
-        error = rows[i, 6]
-        matrix[i, row_count] = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
+        matrix[i, row_count] = min(max(rows[i, 6], -LONGEST_ERROR), LONGEST_ERROR)
     if not eliminate(matrix, row_count, damping):
         return False
+    answer = matrix[:, row_count]
     for joint in range(1, spine_count + 4):
-        turn_joint(joint, rows, row_codes, row_count, chains, spine_count, matrix, turned, turn, positions, rotations)
-    move_root(rows, row_codes, row_count, chains, matrix, positions)
+        turn_joint(joint, rows, row_codes, row_count, chains, answer, turned, turn, pose)
+    move_root(rows, row_codes, row_count, chains, answer, positions)
     return True
 
 
@@ -137,13 +139,15 @@ def eliminate(matrix, count, damping):
 
 
 @njit(cache=True, nogil=True)
-def turn_joint(joint, rows, row_codes, row_count, chains, spine_count, matrix, turned, turn, positions, rotations):
+def turn_joint(joint, rows, row_codes, row_count, chains, answer, turned, turn, pose):
     """Turn one joint by its share of the step, within what it may turn in all."""
+    positions, rotations = pose
+    spine_count = positions.shape[0] - 23
     point, segment = pivot_of(joint, spine_count)
     wx, wy, wz = 0.0, 0.0, 0.0
     for i in range(row_count):
         if carries(joint, row_codes[i, 1], spine_count):
-            share = mobility(joint, chains[row_codes[i, 0]], spine_count) * matrix[i, row_count]
+            share = mobility(joint, chains[row_codes[i, 0]], spine_count) * answer[i]
             if share != 0.0:
                 ax, ay, az = lever(rows[i], positions[point])
                 wx, wy, wz = wx + share * ax, wy + share * ay, wz + share * az
@@ -161,10 +165,10 @@ def turn_joint(joint, rows, row_codes, row_count, chains, spine_count, matrix, t
 
 
 @njit(cache=True, nogil=True)
-def move_root(rows, row_codes, row_count, chains, matrix, positions):
+def move_root(rows, row_codes, row_count, chains, answer, positions):
     """Translate the whole body by its share of the step."""
     x, y, z = 0.0, 0.0, 0.0
     for i in range(row_count):
-        share = ROOT_WEIGHT * chains[row_codes[i, 0], 4] * matrix[i, row_count]
+        share = ROOT_WEIGHT * chains[row_codes[i, 0], 4] * answer[i]
         x, y, z = x + share * rows[i, 3], y + share * rows[i, 4], z + share * rows[i, 5]
     move_all(x, y, z, positions)

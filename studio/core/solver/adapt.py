@@ -1,6 +1,7 @@
 """Adaptation: scale the motion to a body, set it on the ground, solve its constraints, in one call a clip."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,11 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.contacts import ContactInterval
+from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames, solve_frames
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.footing import Footing, find_footing, freedom
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -17,40 +22,71 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """A motion on one body and on the ground, before any constraint: what a dragged constraint need not ask again."""
+
+    motion: NormalizedMotion
+    morphology: Morphology
+    footing: Footing
+    positions: FloatArray
+    rotations: FloatArray
+
+
 def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
     """The motion on the body of ``request``, frames ``first`` to ``last`` (both included, all by default).
 
     Every frame is solved from its own pose alone, so any window gives the same poses as the whole clip.
     """
-    motion, body = request.motion, request.morphology
-    window = slice(first, motion.frame_count if last is None else last + 1)
-    positions, rotations = realize(motion, body)
-    footing = find_footing(motion, body, request.contacts, request.ground, positions, rotations)
-    positions, rotations = positions[window], rotations[window]
-    positions[:, :, 2] += request.ground.height
-    channels, measures = motion.channels[window], body.packed[None]
-    stance = (
-        np.ascontiguousarray(footing.comforts[:, window]),
-        np.ascontiguousarray(footing.ankles[:, window]),
-        np.ascontiguousarray(footing.feet[:, window]),
-        np.ascontiguousarray(footing.toes[:, window]),
+    standing = stand(request.motion, request.morphology, request.contacts, request.ground)
+    return hold(standing, request.constraints, first, last)
+
+
+def stand(
+    motion: NormalizedMotion, morphology: Morphology, contacts: Sequence[ContactInterval], ground: Ground
+) -> Standing:
+    """Scale a motion to a body and set its feet on the ground (K05 sections 6 and 7)."""
+    positions, rotations = realize(motion, morphology)
+    footing = find_footing(motion, morphology, contacts, ground, positions, rotations)
+    positions[:, :, 2] += ground.height
+    place_frames(
+        motion.channels, morphology.packed[None], footing.drops, *_legs(footing, slice(None)), positions, rotations
     )
-    place_frames(channels, measures, footing.drops[window], *stance, positions, rotations)
-    residuals = np.full((len(request.constraints), len(positions)), np.nan)
-    if request.constraints:
-        activations = constraint_activations(request.constraints, footing, motion.frame_rate)[:, window]
+    return Standing(motion, morphology, footing, positions, rotations)
+
+
+def hold(
+    standing: Standing, constraints: Sequence[Constraint], first: int = 0, last: int | None = None
+) -> AdaptedMotion:
+    """Solve ``constraints`` on a standing motion, frames ``first`` to ``last`` (both included) (K05 section 9)."""
+    motion, body = standing.motion, standing.morphology
+    window = slice(first, motion.frame_count if last is None else last + 1)
+    positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
+    residuals = np.full((len(constraints), len(positions)), np.nan)
+    if constraints:
+        activations = constraint_activations(constraints, standing.footing, motion.frame_rate)[:, window]
         solve_frames(
-            *pack_constraints(request.constraints, body.layout),
+            *pack_constraints(constraints, body.layout),
             np.ascontiguousarray(activations),
-            np.ascontiguousarray(footing.states[:, window]),
-            channels,
-            measures,
-            *stance,
+            np.ascontiguousarray(standing.footing.states[:, window]),
+            motion.channels[window],
+            body.packed[None],
+            *_legs(standing.footing, window),
             positions,
             rotations,
             residuals,
         )
     return AdaptedMotion(body, motion.frame_rate, first, positions, rotations, residuals)
+
+
+def _legs(footing: Footing, window: slice) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Comforts, ankles, feet and toes of a stretch of frames, as kernels want them: contiguous."""
+    return (
+        np.ascontiguousarray(footing.comforts[:, window]),
+        np.ascontiguousarray(footing.ankles[:, window]),
+        np.ascontiguousarray(footing.feet[:, window]),
+        np.ascontiguousarray(footing.toes[:, window]),
+    )
 
 
 def constraint_activations(constraints: Sequence[Constraint], footing: Footing, frame_rate: float) -> FloatArray:
