@@ -47,8 +47,8 @@ def stand(
 ) -> Standing:
     """Scale a motion to a body and set its feet on the ground (K05 sections 6 and 7)."""
     positions, rotations = realize(motion, morphology)
-    footing = find_footing(motion, morphology, contacts, ground, positions, rotations)
     positions[:, :, 2] += ground.height
+    footing = find_footing(motion, morphology, contacts, ground, positions, rotations)
     place_frames(
         motion.channels, morphology.packed[None], footing.drops, *_legs(footing, slice(None)), positions, rotations
     )

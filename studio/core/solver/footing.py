@@ -60,7 +60,7 @@ def find_footing(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> Footing:
-    """Plan the feet of a whole clip from its retargeted pose (``realize``), which stands on the plane z = 0."""
+    """Plan the feet of a whole clip from its retargeted pose, raised to the ground's height."""
     layout, count = morphology.layout, motion.frame_count
     states = foot_states(contacts, count)
     ankles = np.empty((2, count, 3))
