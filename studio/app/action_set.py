@@ -43,7 +43,7 @@ class ActionSet(QObject):
 
     def fill(self, bar: QMenuBar) -> None:
         """Put all actions into their menus."""
-        self.menus = {name: bar.addMenu(f"&{name}") for name in MENUS}
+        self.menus = {name: bar.addMenu(name) for name in MENUS}
         for row in ACTIONS:
             self.menus[row.menu].addAction(self.by_id[row.id])
             if row.ends_group:
@@ -53,14 +53,15 @@ class ActionSet(QObject):
         """All actions by menu, for the sheet."""
         return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
 
-    def tools(self) -> list[tuple[str, QAction]]:
-        """(short text, action) of what stands on the toolbar."""
-        return [(row.tool, self.by_id[row.id]) for row in ACTIONS if row.tool]
+    def tools(self) -> list[QAction]:
+        """What stands on the toolbar."""
+        return [self.by_id[row.id] for row in ACTIONS if row.tool]
 
     def _make(self, row: Action) -> QAction:
         action = QAction(row.text, self)
         action.setShortcuts([QKeySequence(keys) for keys in row.shortcuts])
         action.setAutoRepeat(row.repeats)
+        action.setIconText(row.tool or row.text)
         action.setCheckable(row.checked is not None)
         keys = f"  {row.shortcuts[0]}" if row.shortcuts else ""
         action.setToolTip((row.tooltip or row.text) + keys)

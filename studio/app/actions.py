@@ -24,6 +24,10 @@ def _performing(bench: Workbench) -> bool:
     return bench.document.active_motion_id is not None
 
 
+def _keyed(bench: Workbench) -> bool:
+    return bench.timeline is not None and _performing(bench)
+
+
 def _with_bodies(bench: Workbench) -> bool:
     return bool(bench.document.project.performers)
 
@@ -117,9 +121,9 @@ PLAY = (
     Action("first_frame", "Play", "To the start", playback.first_frame, ("Shift+Left", "Home")),
     Action("last_frame", "Play", "To the end", playback.last_frame, ("Shift+Right", "End")),
     Action("next_event", "Play", "Next contact or key", playback.next_event, ("Down", "."), repeats=True,
-           enabled=_performing),
+           enabled=_keyed),
     Action("previous_event", "Play", "Previous contact or key", playback.previous_event, ("Up", ","), repeats=True,
-           enabled=_performing, ends_group=True),
+           enabled=_keyed, ends_group=True),
     Action("range_from_here", "Play", "Range from here", playback.range_from_here, ("I",)),
     Action("range_to_here", "Play", "Range to here", playback.range_to_here, ("O",)),
     Action("whole_range", "Play", "Whole range", playback.whole_range, ("Shift+O",), enabled=_performing,

@@ -15,6 +15,7 @@ from studio.app.settings import Settings
 from studio.app.theme import apply_theme
 from studio.app.workbench import Workbench
 from studio.document.document import Document
+from studio.document.file_lock import journal_folder
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
 from studio.engine.warm_up import start_warm_up
@@ -27,10 +28,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     application = make_application()
     problems = ProblemHooks()
     warm_up = start_warm_up()
-    window = make_window(Settings())
+    journals = journal_folder()
+    window = make_window(Settings(), Document(journal_folder=journals))
     problems.told.connect(window.bench.said)
     window.show()
-    QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names]))
+    QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals))
     code = application.exec()
     problems.close()
     warm_up.join()
@@ -54,10 +56,11 @@ def make_window(settings: Settings, document: Document | None = None) -> MainWin
     return MainWindow(Workbench(document, live, TaskRunner(), settings))
 
 
-def fill_window(window: MainWindow, paths: list[Path]) -> None:
+def fill_window(window: MainWindow, paths: list[Path], journals: Path | None = None) -> None:
     """Begin what may take longer than a moment: offer recovery, open files, make the views."""
     bench = window.bench
-    recovery.offer(bench)
+    if journals is not None:
+        recovery.offer(bench, journals)
     if paths:
         window.open_paths(paths)
     else:

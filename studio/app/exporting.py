@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+from studio.io.export import export_bvh
 
 
 def chosen_performers(bench: Workbench) -> list[str]:
@@ -34,13 +34,12 @@ def export(bench: Workbench, paths: dict[str, Path]) -> int:
         performer = project.performers[key]
         if adapted is None:
             raise StudioError(f"{performer.name} is still being adapted. Export again in a moment.")
-        jobs.append((adapted, project.characters[performer.character_id], path))
+        jobs.append((adapted, performer.name, path))
 
     def work(progress: Callable[[float, str], None]) -> list[Path]:
-        write = import_module("studio.io.export").export_bvh
-        for place, (adapted, character, path) in enumerate(jobs):
+        for place, (adapted, name, path) in enumerate(jobs):
             progress(place / len(jobs), path.name)
-            write(adapted, character, path)
+            export_bvh(adapted, name, path)
         return [path for *_, path in jobs]
 
     task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(_words(written)))

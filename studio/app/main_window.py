@@ -60,6 +60,7 @@ class MainWindow(QMainWindow):
         self._stage_layout.replaceWidget(self._waiting, viewport)
         self._waiting.hide()
         self.bench.viewport = viewport
+        viewport.setFocus()
         self.bench.views_changed.emit()
 
     def show_timeline(self, timeline: QWidget) -> None:
@@ -87,25 +88,25 @@ class MainWindow(QMainWindow):
         self._size_docks()
 
     def when_saved(self, then: Callable[[], object]) -> None:
-        """Run ``then`` now, or after the user has said what to do with unsaved changes. The journal keeps them anyhow."""
+        """Run ``then`` now, or after the user has said what to do with unsaved changes; the journal keeps them."""
         document = self.bench.document
         if not document.dirty:
             then()
             return
 
         def save_first() -> None:
+            self._after_save = then
             files.save(self.bench)
-            if not document.dirty:
-                then()
-            else:
-                self._after_save = then
 
         self.question.say(
             f"{self._document_name()} has changes that are not saved.",
             ("Save", save_first),
             ("Don't save", then),
-            ("Cancel", lambda: None),
+            ("Cancel", self._forget_after_save),
         )
+
+    def _forget_after_save(self) -> None:
+        self._after_save = None
 
     # How it is made
 

@@ -31,10 +31,9 @@ class TopBar(QWidget):
         actions.fill(self.menus)
         row.addWidget(self.menus)
         row.addSpacing(16)
-        for text, action in actions.tools():
+        for action in actions.tools():
             button = QToolButton()
             button.setDefaultAction(action)
-            button.setText(text)
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setAccessibleName(action.text())
             row.addWidget(button)

@@ -99,8 +99,8 @@ class CaptureEditor(Editor):
 
 
 def _show(choice: Choice, value: str) -> None:
-    if choice.findData(value) < 0:
-        choice.addItem(value, value)
+    if not choice.offers(value):
+        choice.add(value, value)
     choice.show_value(value)
 
 

@@ -3,19 +3,21 @@
 from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtGui import QAction, QKeyEvent, QKeySequence
+from PySide6.QtGui import QAction, QColor, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QDialog,
     QFrame,
     QGridLayout,
+    QHeaderView,
     QLineEdit,
-    QListWidget,
-    QListWidgetItem,
     QScrollArea,
+    QTreeWidget,
+    QTreeWidgetItem,
     QVBoxLayout,
     QWidget,
 )
 
+from studio.document import colours
 from studio.panels.fields import labelled
 
 WIDTH, MOST_ROWS, ROW = 480, 12, 28
@@ -60,7 +62,14 @@ class CommandPalette(QFrame):
         self.field = QLineEdit()
         self.field.setPlaceholderText("Search actions")
         self.field.setAccessibleName("Search actions")
-        self.list = QListWidget()
+        self.list = QTreeWidget()
+        self.list.setColumnCount(2)
+        self.list.setHeaderHidden(True)
+        self.list.setRootIsDecorated(False)
+        self.list.setUniformRowHeights(True)
+        self.list.header().setStretchLastSection(False)
+        self.list.header().setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        self.list.header().setSectionResizeMode(1, QHeaderView.ResizeMode.ResizeToContents)
         self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.list.setAccessibleName("Found actions")
         self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -79,7 +88,7 @@ class CommandPalette(QFrame):
         window = self.parentWidget()
         self.field.clear()
         self._find("")
-        self.setGeometry((window.width() - WIDTH) // 2, 52, WIDTH, 52 + MOST_ROWS * ROW)
+        self.move((window.width() - WIDTH) // 2, 52)
         self.show()
         self.raise_()
         self.field.setFocus()
@@ -95,8 +104,7 @@ class CommandPalette(QFrame):
     def _key(self, key: int) -> bool:
         steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
         if key in steps:
-            count = max(self.list.count(), 1)
-            self.list.setCurrentRow((self.list.currentRow() + steps[Qt.Key(key)]) % count)
+            self._walk(steps[Qt.Key(key)])
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self._run(self.list.currentItem())
         elif key == Qt.Key.Key_Escape:
@@ -105,23 +113,31 @@ class CommandPalette(QFrame):
             return False
         return True
 
+    def _walk(self, step: int) -> None:
+        count = self.list.topLevelItemCount()
+        if count:
+            place = self.list.indexOfTopLevelItem(self.list.currentItem())
+            self.list.setCurrentItem(self.list.topLevelItem((place + step) % count))
+
     def _find(self, words: str) -> None:
         self.list.clear()
         for action in ranked(self._actions, words):
-            shortcut = shortcut_text(action)
-            item = QListWidgetItem(plain_text(action) + (f"   {shortcut}" if shortcut else ""))
-            item.setData(ACTION, action)
-            if not action.isEnabled():
-                item.setFlags(Qt.ItemFlag.NoItemFlags)
-            self.list.addItem(item)
-        self.list.setCurrentRow(0)
+            item = QTreeWidgetItem([plain_text(action), shortcut_text(action)])
+            item.setData(0, ACTION, action)
+            item.setForeground(1, QColor(colours.TEXT_SECOND))
+            item.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            item.setDisabled(not action.isEnabled())
+            self.list.addTopLevelItem(item)
+        self.list.setCurrentItem(self.list.topLevelItem(0))
+        rows = min(max(self.list.topLevelItemCount(), 1), MOST_ROWS)
+        self.resize(WIDTH, 48 + rows * ROW)
 
     def _leave(self) -> None:
         self.hide()
         self.parentWidget().setFocus()
 
-    def _run(self, item: QListWidgetItem | None) -> None:
-        action = item.data(ACTION) if item is not None else None
+    def _run(self, item: QTreeWidgetItem | None) -> None:
+        action = item.data(0, ACTION) if item is not None else None
         self._leave()
         if action is not None:
             action.trigger()

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.errors import StudioError
@@ -18,6 +19,7 @@ class Editor(QWidget):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__()
         self.setObjectName("panel")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.document, self.live = document, live
         self.collection, self.entity_id = collection, entity_id
         self.column = QVBoxLayout(self)

@@ -102,6 +102,8 @@ class NumberField(QDoubleSpinBox):
         self.setKeyboardTracking(False)
         self.setButtonSymbols(QAbstractSpinBox.ButtonSymbols.NoButtons)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMinimumWidth(36)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self._press: tuple[QPointF, float] | None = None
         self._scrubbing = False
         self.lineEdit().installEventFilter(self)
@@ -176,14 +178,24 @@ class Choice(QComboBox):
         self.setAccessibleName(name)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setMinimumContentsLength(6)
+        self._values: list[object] = []
         for value, text in items:
-            self.addItem(text, value)
-        self.activated.connect(lambda _: self.chosen.emit(self.currentData()))
+            self.add(value, text)
+        self.activated.connect(lambda place: self.chosen.emit(self._values[place]))
+
+    def add(self, value: object, text: str) -> None:
+        """One more to choose from."""
+        self._values.append(value)
+        self.addItem(text)
+
+    def offers(self, value: object) -> bool:
+        """Whether it is there to be chosen."""
+        return value in self._values
 
     def show_value(self, value: object) -> None:
-        """Show what the document says."""
+        """Show what the document says; nothing when it is none of the choices."""
         with QSignalBlocker(self):
-            self.setCurrentIndex(self.findData(value))
+            self.setCurrentIndex(self._values.index(value) if value in self._values else -1)
 
     def wheelEvent(self, event: QEvent) -> None:
         """As with numbers: a wheel never chooses by accident."""

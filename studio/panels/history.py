@@ -1,5 +1,6 @@
 """History: every step in words; click one to go back to it."""
 
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QUndoStack
 from PySide6.QtWidgets import QUndoView, QVBoxLayout, QWidget
 
@@ -12,6 +13,7 @@ class History(QWidget):
     def __init__(self, undo_stack: QUndoStack) -> None:
         super().__init__()
         self.setObjectName("panel")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 12, 0, 0)
         column.setSpacing(4)
@@ -20,5 +22,6 @@ class History(QWidget):
         column.addWidget(head)
         self.view = QUndoView(undo_stack)
         self.view.setEmptyLabel("As opened")
+        self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.view.setAccessibleName("History of edits")
         column.addWidget(self.view)

@@ -118,6 +118,7 @@ class Library(QWidget):
     def __init__(self, document: Document) -> None:
         super().__init__()
         self.setObjectName("panel")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.document = document
         self.model = LibraryModel()
         self.view = LibraryView()

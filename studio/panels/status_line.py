@@ -107,8 +107,6 @@ class StatusLine(QStatusBar):
 
 
 def journal_words(document: Document) -> str:
-    """``Journal safe · 14 edits``; without a journal, what would be lost."""
+    """How many edits are safe, as the journal says; without one, only how many there are."""
     count = document.undo_stack.index()
-    edits = f"{count} edit" + ("" if count == 1 else "s")
-    safe = getattr(document, "journal", None) is not None
-    return f"Journal safe · {edits}" if safe else edits
+    return document.journal_state.replace(" - ", " · ") or f"{count} edit" + ("" if count == 1 else "s")

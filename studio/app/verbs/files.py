@@ -7,6 +7,8 @@ from studio.app import exporting, importing, sample
 from studio.app.file_dialogs import MOTIONS, PROJECTS, ask_file, ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+from studio.engine.saving import save_in_background
+from studio.io.project_file import OpenedProject, read_project
 
 NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
@@ -69,8 +71,8 @@ def next_increment(path: Path) -> Path:
 
 def save_to(bench: Workbench, path: Path) -> None:
     """Write the project; what cannot be written is said in a sentence."""
-    bench.document.save(path)
-    bench.settings.remember(path)
+    remember = lambda: bench.settings.remember(path)  # noqa: E731
+    save_in_background(bench.document, bench.runner, path, on_saved=remember)
 
 
 def import_motion(bench: Workbench) -> None:
@@ -102,5 +104,8 @@ def leave(bench: Workbench) -> None:
 
 
 def _open(bench: Workbench, path: Path) -> None:
-    bench.document.open(path)
-    bench.settings.remember(path)
+    def show(opened: OpenedProject) -> None:
+        bench.document.show_opened(opened)
+        bench.settings.remember(path)
+
+    bench.runner.run(f"Open {path.name}", lambda _: read_project(path), show)

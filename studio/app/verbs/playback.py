@@ -32,32 +32,12 @@ def last_frame(bench: Workbench) -> None:
 
 def next_event(bench: Workbench) -> None:
     """To the next contact or constraint key."""
-    here = bench.document.playhead.frame
-    later = [frame for frame in event_frames(bench) if frame > here]
-    if later:
-        bench.document.playhead.set_frame(min(later))
+    bench.timeline.go_to_key(1)
 
 
 def previous_event(bench: Workbench) -> None:
     """To the contact or constraint key before."""
-    here = bench.document.playhead.frame
-    earlier = [frame for frame in event_frames(bench) if frame < here]
-    if earlier:
-        bench.document.playhead.set_frame(max(earlier))
-
-
-def event_frames(bench: Workbench) -> set[int]:
-    """Frames where a contact or an activation of the active motion begins or ends."""
-    project, motion_id = bench.document.project, bench.document.active_motion_id
-    if motion_id is None:
-        return set()
-    rate = bench.document.playhead.frame_rate
-    contacts = project.contacts_of(motion_id).values()
-    frames = {frame for contact in contacts for frame in (contact.first, contact.last)}
-    for constraint in project.constraints_of(motion_id).values():
-        curve = constraint.activation
-        frames |= {round(time * rate) for time in (curve.start, curve.full, curve.full_end, curve.end)}
-    return frames
+    bench.timeline.go_to_key(-1)
 
 
 def range_from_here(bench: Workbench) -> None:

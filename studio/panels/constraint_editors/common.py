@@ -98,8 +98,8 @@ class ConstraintEditor(Editor):
         return collection in ("constraints", "performers", "characters")
 
     def _show_point(self, point: BodyPoint) -> None:
-        if self._point.findData((point.part, point.at_end)) < 0:
-            self._point.addItem(point_words(point).capitalize(), (point.part, point.at_end))
+        if not self._point.offers((point.part, point.at_end)):
+            self._point.add((point.part, point.at_end), point_words(point).capitalize())
         self._point.show_value((point.part, point.at_end))
 
     def _rename(self) -> None:
