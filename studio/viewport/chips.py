@@ -68,6 +68,7 @@ class Chips:
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
+        self._wide = True
         self._arrange(parent)
         for hidden in (self.problem, self.constrain, self.work):
             hidden.hide()
@@ -87,13 +88,20 @@ class Chips:
         grid.setRowStretch(1, 1)
         grid.addLayout(bottom, 2, 0)
 
+    def fit(self, width: int) -> None:
+        """Leave out what a narrow view has no room for, the least important first."""
+        for chip, needed in ((self.ghost, 340), (self.trails, 430)):
+            chip.setVisible(width >= needed)
+        self._wide = width >= 620
+        self.work.setVisible(self._wide and bool(self.work.text()))
+
     def tell_work(self, milliseconds: float, bodies: int) -> None:
         """Show how long the last solve took and how many bodies are seen."""
         word = "body" if bodies == 1 else "bodies"
         text = f"solve {milliseconds:.1f} ms · {bodies} {word}"
         if text != self.work.text():
             self.work.setText(text)
-        self.work.setVisible(bodies > 0)
+        self.work.setVisible(bodies > 0 and self._wide)
 
     def tell_problem(self, sentence: str | None) -> None:
         """Show the most important problem, or nothing."""

@@ -19,7 +19,7 @@ ZENITH = np.array([0x2F, 0x36, 0x3F], dtype=np.float64)
 HORIZON = np.array([0x27, 0x2C, 0x33], dtype=np.float64)
 GRID_REACH = 14
 """Metre lines run this far from the middle."""
-SHADOW_CELLS, SHADOW_REACH = 256, 8.0
+SHADOW_CELLS, SHADOW_REACH = 192, 8.0
 SHADOW_LIFT, LINE_LIFT = 0.0015, 0.003
 """The shadow picture has this many cells a side and reaches this many metres from its middle."""
 

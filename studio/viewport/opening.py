@@ -10,10 +10,12 @@ from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.performance import Posed
 
 AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, 52, -40, 40, -30, 30))
-"""To choose from; an earlier one is the more pleasant if both show the bodies equally well."""
+"""From where the bodies face; an earlier one is the more pleasant if both show the bodies equally well."""
 ENOUGH_APART = 0.8
 """Metres between two bodies, as seen, beyond which more makes nothing clearer."""
 ROWS = 24
+CLEARLY = 0.3
+"""Length of a mean direction that is a direction still."""
 
 
 def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
@@ -28,9 +30,17 @@ def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
 def opening_camera(posed: Mapping[str, Posed], size: tuple[float, float], parallel: bool = False) -> OrbitCamera:
     """The first camera for these performers."""
     places = np.array([pose.points[0] for pose in posed.values()]).reshape(-1, 3)
-    cameras = [replace(OrbitCamera(), azimuth=azimuth, parallel=parallel) for azimuth in AZIMUTHS]
-    best = max(cameras, key=lambda camera: (round(_apart(camera, places), 1), -_tall_in_front(camera, posed)))
+    front = _facing(posed)
+    cameras = [replace(OrbitCamera(), azimuth=front + azimuth, parallel=parallel) for azimuth in AZIMUTHS]
+    best = max(cameras, key=lambda camera: round(5 * _apart(camera, places)) - _tall_in_front(camera, posed))
     return best.framing(performed_points(posed), size)
+
+
+def _facing(posed: Mapping[str, Posed]) -> float:
+    """Azimuth towards which the pelves face most of the time; 0 where they turn all round."""
+    ways = [(pose.placement.rotation @ pose.motion.rotations[:, 0, :, 0].mean(axis=0))[:2] for pose in posed.values()]
+    way = np.mean(ways, axis=0) if ways else np.zeros(2)
+    return float(np.arctan2(way[1], way[0])) if np.hypot(*way) > CLEARLY else 0.0
 
 
 def _apart(camera: OrbitCamera, places: FloatArray) -> float:

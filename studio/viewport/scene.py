@@ -131,7 +131,7 @@ class StageScene:
         for prop_id, prop in project.props.items():
             actor = self._props.get(prop_id)
             if actor is None:
-                box = pv.Cube(x_length=1.0, y_length=1.0, z_length=1.0)
+                box = pv.Cube(clean=False)  # faces share no corners, so edges are sharp
                 actor = self._props[prop_id] = pv.Actor(mapper=pv.DataSetMapper(box))
                 actor.prop.color = PROP_COLOUR
                 self._add_shaded(actor)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QWheelEvent
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from studio.core.constraints.base import BodyPoint
@@ -334,6 +334,11 @@ class Viewport(Canvas):
         if shown is None or motion is None or motion.frame_count != shown.motion.frame_count:
             return False
         return np.array_equal(motion.positions[shown.row], shown.motion.positions[shown.row])
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """The chips follow the room there is."""
+        super().resizeEvent(event)
+        self._chips.fit(event.size().width())
 
     # Mouse and keys
 
