@@ -16,7 +16,7 @@ from studio.timeline.tracks.plot import PlotPicture, Quantity
 
 def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     """Empty where there is nothing to say."""
-    hit = sheet.hit(position)
+    hit = sheet.thing_at(position)
     if position.x() < LABEL_WIDTH:
         return _label_text(sheet, hit)
     match hit.kind:
@@ -36,7 +36,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
 
 def is_value(sheet: Sheet, position: QPointF) -> bool:
     """Whether the place shows a measured value, which is told at once and not after a rest."""
-    hit = sheet.hit(position)
+    hit = sheet.thing_at(position)
     return position.x() >= LABEL_WIDTH and (
         hit.kind == "plot" or (hit.kind == "constraints" and hit.part == Part.EMPTY)
     )

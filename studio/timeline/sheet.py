@@ -75,16 +75,20 @@ class Sheet:
 
     def hit(self, position: QPointF) -> Hit:
         """What the mouse would take hold of: things first, then the playhead's line, then empty places."""
+        hit = self.thing_at(position)
+        line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
+        over_line = position.x() >= LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
+        return Hit("playhead", "", Part.TIME) if hit.part == Part.EMPTY and over_line else hit
+
+    def thing_at(self, position: QPointF) -> Hit:
+        """What lies under the playhead's line, if that is there."""
         point = position.toPoint()
         if self.ruler.contains(point):
             return Hit("ruler", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.EMPTY)
         if self.plot.contains(point):
             return Hit("plot", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.LABEL)
         row = self.row_at(point)
-        hit = self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
-        line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
-        over_line = point.x() >= LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
-        return Hit("playhead", "", Part.TIME) if hit.part == Part.EMPTY and over_line else hit
+        return self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
 
     def _hit_row(self, row: Row, position: QPointF) -> Hit:
         if position.x() < LABEL_WIDTH:

@@ -125,8 +125,10 @@ class PlotPicture:
         values = [float(curve.values.max()) for curve in self.curves if len(curve.values)]
         self.top = max([*values, 0.0]) or 1.0
         while len(self._lines) < len(self.curves):
-            self._lines.append(pg.PlotCurveItem(antialias=True))
-            self._item.addItem(self._lines[-1])
+            line = pg.PlotCurveItem(antialias=True)
+            line.setSegmentedLineMode("on")  # Qt strokes a long path of its own some fifty times slower
+            self._item.addItem(line)
+            self._lines.append(line)
         for place, line in enumerate(self._lines):
             line.setVisible(place < len(self.curves))
         for line, curve in zip(self._lines, self.curves, strict=False):
@@ -145,7 +147,9 @@ class PlotPicture:
         for y in (low, high):
             painter.fillRect(area.left(), round(y), area.width(), 1, translucent(colours.EDGE, 0.7))
         for line, curve in zip(self._lines, self.curves, strict=False):
-            line.setPen(pg.mkPen(QColor(curve.colour), width=LINE * painter.device().devicePixelRatio()))
+            pen = pg.mkPen(QColor(curve.colour), width=LINE * painter.device().devicePixelRatio())
+            pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet
+            line.setPen(pen)
         scene = self._widget.scene()
         scene.prepareForPaint()
         scene.render(painter, QRectF(area), QRectF(0, 0, area.width(), area.height()))
