@@ -7,6 +7,8 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWi
 
 from studio.document import colours
 
+PROBLEM_FRAME = 60
+"""Pixels of a view's width that the problem's words may not take."""
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
 _BUTTON = f"""
 QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE} }}
@@ -104,6 +106,11 @@ class Chips:
         self.work.setVisible(bodies > 0 and self._wide)
 
     def tell_problem(self, sentence: str | None) -> None:
-        """Show the most important problem, or nothing."""
-        self.problem.say(sentence or "")
+        """Show the most important problem, cut short where there is no room, or nothing."""
+        words = sentence or ""
+        room = self.problem.parentWidget().width() - PROBLEM_FRAME
+        self.problem.ensurePolished()
+        self.problem.say(self.problem.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, room))
+        self.problem.setToolTip(words)
+        self.problem.setAccessibleDescription(words)
         self.problem.setVisible(sentence is not None)

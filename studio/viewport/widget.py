@@ -339,6 +339,7 @@ class Viewport(Canvas):
         """The chips follow the room there is."""
         super().resizeEvent(event)
         self._chips.fit(event.size().width())
+        self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
     # Mouse and keys
 

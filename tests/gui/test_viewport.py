@@ -74,6 +74,10 @@ def select_constraint(viewport, document):
     settle(viewport)
 
 
+def chip(viewport, name):
+    return viewport.findChild(QPushButton, name)
+
+
 def on_arrow(viewport, axis, share):
     gizmo = viewport.gizmo()
     place = gizmo.centre + share * (gizmo.tips[AXES.index(axis)] - gizmo.centre)
@@ -171,6 +175,17 @@ def test_escape_during_a_drag_restores_the_target_and_leaves_no_step(studio):
     assert target(document) == pytest.approx(before, abs=0)
 
 
+def test_a_drag_ends_quietly_when_what_it_drags_is_removed(studio):
+    viewport, document, live = studio
+    select_constraint(viewport, document)
+    drag(viewport, on_arrow(viewport, "z", 0.7), on_arrow(viewport, "z", 1.2), release=False)
+    document.remove("constraints", "constraint 0", "Remove")
+    send_move(viewport, QPoint(300, 200), LEFT, NONE)
+    QTest.mouseRelease(viewport, LEFT, NONE, QPoint(300, 200))
+    assert viewport.gizmo() is None
+    assert not live.interactive
+
+
 def test_shift_moves_a_fifth_as_far_and_ctrl_to_whole_centimetres(studio):
     viewport, document, _ = studio
     select_constraint(viewport, document)
@@ -254,10 +269,6 @@ def test_the_opening_camera_and_frame_all_show_every_body_whole(studio):
     assert seen()
 
 
-def chip(viewport, name):
-    return viewport.findChild(QPushButton, name)
-
-
 def test_the_problem_chip_goes_to_the_worst_frame_and_selects_the_constraint(studio):
     viewport, document, live = studio
     live.adapt()
@@ -289,6 +300,23 @@ def test_everything_to_click_has_an_accessible_name_and_can_be_reached_by_tab(st
     for button in viewport.findChildren(QPushButton):
         assert button.accessibleName()
         assert button.focusPolicy() & Qt.FocusPolicy.TabFocus
+
+
+def test_the_wheel_keeps_what_is_under_the_mouse_there(studio):
+    viewport, _, _ = studio
+    place = np.array(viewport.camera.target) + 0.4 * viewport.camera.axes[0]
+    before = viewport.widget_point(place)
+    QTest.wheelEvent(viewport.windowHandle(), before, QPoint(0, 240))
+    assert (viewport.widget_point(place) - before).manhattanLength() < 0.5
+
+
+def test_a_narrow_view_leaves_out_chips_instead_of_cutting_them(studio):
+    viewport, _, _ = studio
+    viewport.resize(300, 300)
+    settle(viewport)
+    for button in (one for one in viewport.findChildren(QPushButton) if one.isVisible()):
+        assert button.width() >= button.sizeHint().width()
+        assert viewport.rect().contains(button.geometry())
 
 
 def test_another_project_takes_the_place_of_this_one(studio):

@@ -47,9 +47,7 @@ def test_the_point_that_a_joint_constrains_is_that_joint(posed):
 
 
 def test_the_nearer_of_two_boxes_in_line_is_hit():
-    near, far = (
-        Prop(name, position=tuple(CAMERA.eye * share)) for name, share in (("near", 0.6), ("far", 0.1))
-    )
+    near, far = (Prop(name, position=tuple(CAMERA.eye * share)) for name, share in (("near", 0.6), ("far", 0.1)))
     project = make_project().with_entity("props", "far", far).with_entity("props", "near", near)
     pixel = CAMERA.project(near.position, SIZE)[0][0]
     assert prop_at(project, CAMERA, SIZE, *pixel) == "near"

@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.viewport.opening import opening_camera
+from studio.viewport.paths import contact_marks, selection_rings, trails
+from studio.viewport.performance import posed_performers
+from tests.builders import make_contact, make_project
+from tests.viewport.standing import RATE, results_of
+
+WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
+
+
+@pytest.fixture
+def stage():
+    project = make_project(characters=2, contacts=0)
+    return project, posed_performers(project, results_of(project).get, 0.2)
+
+
+def test_a_trail_passes_through_the_point_of_each_body_now_and_is_strongest_there(stage):
+    project, posed = stage
+    for path, pose in zip(trails(project, posed, WRIST), posed.values(), strict=True):
+        now = pose.points[pose.motion.morphology.layout.wrist(1)]
+        nearest = np.linalg.norm(path.points - now, axis=1).argmin()
+        assert path.points[nearest] == pytest.approx(now, abs=1e-9)
+        assert path.strength.argmax() == nearest
+    assert trails(project, posed, None) == []
+
+
+def test_a_mark_lies_on_the_ground_under_a_foot_only_while_it_is_in_contact(stage):
+    project, posed = stage
+    frame = round(0.2 * RATE)
+    touching = project.with_entity("contacts", "now", make_contact(first=frame, last=frame))
+    later = project.with_entity("contacts", "later", make_contact(first=frame + 1, last=frame + 2))
+    marks = contact_marks(touching, posed)
+    assert contact_marks(later, posed) == []
+    for mark, pose in zip(marks, posed.values(), strict=True):
+        ankle = pose.points[pose.motion.morphology.layout.ankle(0)]
+        assert mark.points[:-1, :2].mean(axis=0) == pytest.approx(ankle[:2], abs=1e-9)
+        assert mark.points[:, 2] == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_ring_is_drawn_round_selected_performers_and_no_others(stage):
+    project, posed = stage
+    (ring,) = selection_rings(project, posed, ("performer 1", "gone"))
+    assert ring.points[:-1, :2].mean(axis=0) == pytest.approx(posed["performer 1"].points[0, :2], abs=1e-9)
+
+
+def test_the_opening_camera_looks_at_the_faces_and_holds_every_body(stage):
+    _, posed = stage
+    size = (1200.0, 700.0)
+    camera = opening_camera(posed, size)
+    assert camera.axes[2, 0] > 0.5
+    pixels, _ = camera.project(np.concatenate([pose.points for pose in posed.values()]), size)
+    assert ((pixels > 0) & (pixels < size)).all()
