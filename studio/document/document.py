@@ -54,7 +54,7 @@ class Document(EditedProject):
         self._read_only = ""
         self._unsaved_base = False
         self._folder = journal_folder
-        self._journal: Journal | None = None
+        self.journal: Journal | None = None
         self._lock: FileLock | None = None
         self.opened: OpenedProject | None = None
         self._begin_session()
@@ -77,7 +77,7 @@ class Document(EditedProject):
     @property
     def journal_state(self) -> str:
         """One line for the status bar: how many edits are safe for recovery; empty without a journal."""
-        return self._journal.state if self._journal else ""
+        return self.journal.state if self.journal else ""
 
     def new(self, project: Project) -> None:
         """Begin with another project that has no file yet."""
@@ -120,8 +120,8 @@ class Document(EditedProject):
         self._path, self._stamp, self._read_only = saving.path, stamp, ""
         self._unsaved_base = False
         whole = saving.revision == self.revision
-        if self._journal is not None:
-            self._journal.mark_saved(saving.project, saving.path, whole)
+        if self.journal is not None:
+            self.journal.mark_saved(saving.project, saving.path, whole)
         if saving.document_id != self._document_id:
             self._document_id = saving.document_id
             self._take_lock()
@@ -146,16 +146,16 @@ class Document(EditedProject):
             self._become(recovered.project, session.path, session.document_id, None, "", unsaved=True)
         for problem in recovered.problems:
             self.problem.emit(problem)
-        if self._journal is not None and self._journal.flush():
+        if self.journal is not None and self.journal.flush():
             mark_recovered(session)
 
     def close(self) -> None:
         """Stop playback, end the journal, give back the lock. Unsaved edits stay in their journal."""
         self.playhead.pause()
-        if self._journal is not None:
-            self._journal.close()
-            self._journal.deleteLater()
-            self._journal = None
+        if self.journal is not None:
+            self.journal.close()
+            self.journal.deleteLater()
+            self.journal = None
         if self._lock is not None:
             self._lock.release()
             self._lock = None
@@ -180,9 +180,9 @@ class Document(EditedProject):
         if self._folder is None:
             return
         self._take_lock()
-        self._journal = Journal(self._folder, self._document_id, self.project, self._path, self._unsaved_base, self)
-        self._journal.acknowledged_changed.connect(self._tell_saved_state)
-        self._journal.failed.connect(self.problem)
+        self.journal = Journal(self._folder, self._document_id, self.project, self._path, self._unsaved_base, self)
+        self.journal.acknowledged_changed.connect(self._tell_saved_state)
+        self.journal.failed.connect(self.problem)
 
     def _take_lock(self) -> None:
         """One program at a time writes a document; a second one has it for reading."""
@@ -202,8 +202,8 @@ class Document(EditedProject):
             self.problem.emit(self._read_only)
 
     def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
-        if self._journal is not None:
-            self._journal.record(Step(verb, edits, text, gesture, self.project))
+        if self.journal is not None:
+            self.journal.record(Step(verb, edits, text, gesture, self.project))
             self.saved_state_changed.emit()
 
     def _replay(self, steps: tuple[Step, ...]) -> None:

@@ -94,6 +94,7 @@ class Journal(QObject):
         self._hash = StateHash()
         self._stored: set[str] = set(base.carried.get("members", {}))
         self._begun = threading.Event()
+        self._stopped = False
         self._lock: FileLock | None = None
         self._thread: threading.Thread | None = None
         if unsaved:
@@ -104,7 +105,7 @@ class Journal(QObject):
         """One line for the status bar."""
         if self.acknowledged == self.recorded:
             return f"Journal safe - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
-        if self._thread is None or not self._thread.is_alive():
+        if self._stopped:
             return "Journal stopped - save the project"
         return f"Journal writing - {self.acknowledged} of {self.recorded} edits"
 
@@ -162,6 +163,7 @@ class Journal(QObject):
             finally:
                 connection.close()
         except (sqlite3.Error, OSError) as error:
+            self._stopped = True
             self.failed.emit(
                 f"The journal in '{self._file.parent}' cannot be written ({error}). Save the project now: edits are"
                 " not kept for recovery any more."

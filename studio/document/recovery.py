@@ -4,7 +4,7 @@ import json
 import sqlite3
 from contextlib import closing
 from dataclasses import dataclass, replace
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,11 @@ from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
-from studio.document.journal import StateHash, Step, lock_of
+from studio.document.journal import StateHash, Step, lock_of, remove_session
 from studio.io.entity_json import array_of, entity_of, parsed, project_of
 from studio.io.value_json import Array
+
+KEPT_WHEN_DECLINED = timedelta(days=30)
 
 
 @dataclass(frozen=True)
@@ -43,18 +45,33 @@ class Recovered:
 
 def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session, ...]:
     """Sessions of processes that are gone, newest first; with ``declined`` those too that the user gave up."""
+    found = [session for _, session in _abandoned(folder) if session is not None]
+    wanted = [session for session in found if declined or not session.declined]
+    return tuple(sorted(wanted, key=lambda session: session.begun, reverse=True))
+
+
+def tidy(folder: Path, now: datetime | None = None) -> None:
+    """Take away sessions that hold nothing unsaved, and those that the user gave up a month ago."""
+    long_ago = (now or datetime.now()) - KEPT_WHEN_DECLINED
+    for file, session in _abandoned(folder):
+        if session is None or (session.declined and session.begun < long_ago):
+            remove_session(file)
+
+
+def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
+    """Readable journals of processes that are gone; with None where everything in them was saved."""
     found = []
     for file in folder.glob("*.sqlite") if folder.is_dir() else ():
         lock = FileLock.taken(lock_of(file))
         if lock is None:
             continue
         try:
-            session = _session(file)
+            found.append((file, _session(file)))
+        except sqlite3.Error:  # not begun, or damaged: neither to be offered nor to be taken away
+            continue
         finally:
             lock.release()
-        if session is not None and (declined or not session.declined):
-            found.append(session)
-    return tuple(sorted(found, key=lambda session: session.begun, reverse=True))
+    return found
 
 
 def recover(session: Session) -> Recovered:
@@ -80,14 +97,11 @@ def _opened(file: Path) -> sqlite3.Connection:
 
 
 def _session(file: Path) -> Session | None:
-    """None for a journal without unsaved edits, or whose process died before it held anything."""
-    try:
-        with closing(_opened(file)) as connection:
-            facts = dict(connection.execute("SELECT key, value FROM session"))
-            saved = connection.execute("SELECT number, path, state FROM saves ORDER BY rowid DESC").fetchone()
-            last = connection.execute("SELECT number, state FROM steps ORDER BY number DESC").fetchone()
-    except sqlite3.Error:
-        return None
+    """None for a journal without unsaved edits."""
+    with closing(_opened(file)) as connection:
+        facts = dict(connection.execute("SELECT key, value FROM session"))
+        saved = connection.execute("SELECT number, path, state FROM saves ORDER BY rowid DESC").fetchone()
+        last = connection.execute("SELECT number, state FROM steps ORDER BY number DESC").fetchone()
     base_counts = facts.get("unsaved_base") == "1" and saved is None
     new_steps = last is not None and (saved is None or last[1] != saved[2])
     if not (base_counts or new_steps) or facts.get("ended") == "saved":

@@ -36,8 +36,8 @@ def edit_for_ever(folder: Path, tell: int) -> None:
             document.undo_stack.redo()
         number += 1
         application.processEvents()
-        if document._journal is not None and document._journal.acknowledged > told:
-            told = document._journal.acknowledged
+        if document.journal is not None and document.journal.acknowledged > told:
+            told = document.journal.acknowledged
             os.write(tell, f"{told}\n".encode())
 
 

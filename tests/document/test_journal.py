@@ -7,7 +7,9 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from datetime import datetime, timedelta
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
@@ -15,10 +17,11 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.project import Project, Prop
 from studio.document.document import Document
-from studio.document.recovery import recover, recoverable_sessions
+from studio.document.recovery import recover, recoverable_sessions, tidy
 from studio.io.entity_json import project_json
 from studio.io.project_file import ChangedOnDisk, read_project, write_project
 from tests.builders import make_project
+from tests.document.test_undo import edit_at_random
 
 ROOT = Path(__file__).parents[2]
 KILLS = int(os.environ.get("MORPHO_KILLS", "30"))
@@ -44,14 +47,14 @@ def make_document(qapp: Any, tmp_path: Path) -> Iterator[Callable[..., Document]
 
 def died(document: Document) -> None:
     """As after a kill: what is on the disk is all there is, and the locks are free."""
-    journal = document._journal
+    journal = document.journal
     assert journal is not None
     assert journal.flush()
     journal._queue.put(None)
     journal._thread.join()
     journal._lock.release()
     document._lock.release()
-    document._journal = document._lock = None
+    document.journal = document._lock = None
 
 
 def edit(document: Document, steps: int = 5) -> None:
@@ -84,6 +87,44 @@ def test_a_session_is_recovered_with_its_undo_history(make_document: Any, tmp_pa
     assert other.dirty
     other.undo_stack.setIndex(0)
     assert state(other.project) == first
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_edits_are_recovered_to_the_byte_with_a_history_that_undoes_them_all(
+    make_document: Any, tmp_path: Path, seed: int
+) -> None:
+    document, chance, gesture = make_document(), Random(seed), 0
+    first = state(document.project)
+    for step in range(60):
+        gesture = document.new_gesture() if step % 4 == 0 else gesture
+        if chance.random() < 0.2:
+            document.undo_stack.setIndex(chance.randrange(document.undo_stack.count() + 1))
+        edit_at_random(document, chance, gesture)
+    last, history = state(document.project), document.history
+    died(document)
+    (session,) = recoverable_sessions(tmp_path / "state")
+    other = make_document()
+    other.recover(session)
+    assert (state(other.project), other.history) == (last, history)
+    other.undo_stack.setIndex(0)
+    assert state(other.project) == first
+
+
+def test_only_what_is_saved_or_given_up_a_month_ago_is_tidied_away(make_document: Any, tmp_path: Path) -> None:
+    folder, month = tmp_path / "state", timedelta(days=31)
+    saved, lost, declined = make_document(), make_document(), make_document()
+    for document in (saved, lost, declined):
+        edit(document)
+    saved.save(tmp_path / "walk.studio")
+    died(saved)
+    died(lost)
+    declined.close()
+    tidy(folder)
+    assert len(recoverable_sessions(folder, declined=True)) == 2
+    tidy(folder, datetime.now() + month)
+    (session,) = recoverable_sessions(folder, declined=True)
+    assert not session.declined
+    assert len(list(folder.glob("*.sqlite"))) == 1
 
 
 def test_a_recovered_session_that_dies_again_is_recovered_again(make_document: Any, tmp_path: Path) -> None:
@@ -119,7 +160,7 @@ def test_what_is_saved_needs_no_recovery_and_what_comes_after_does(make_document
 def test_a_session_still_alive_is_not_offered(make_document: Any, tmp_path: Path) -> None:
     document = make_document()
     edit(document)
-    assert document._journal.flush()
+    assert document.journal.flush()
     assert recoverable_sessions(tmp_path / "state") == ()
 
 
@@ -163,7 +204,7 @@ def test_a_damaged_step_costs_only_what_comes_after_it(make_document: Any, tmp_p
 def test_the_status_line_says_how_many_edits_are_safe(make_document: Any) -> None:
     document = make_document()
     document.add("props", Prop("Box"), "Add")
-    assert document._journal.flush()
+    assert document.journal.flush()
     assert document.journal_state == "Journal safe - 1 edit"
 
 
