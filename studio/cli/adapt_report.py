@@ -1,0 +1,104 @@
+"""What is measured of a motion adapted to one character."""
+
+import statistics
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyPart
+from studio.core.metrics import acceleration_ratio, foot_quality
+from studio.core.rotations import from_matrix, inverse, multiply
+from studio.core.solver.adapt import adapt, limb_of
+from studio.core.solver.footing import foot_states, freedom
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+
+Record = dict[str, Any]
+FloatArray = NDArray[np.float64]
+
+REACHED = 0.2
+"""Millimetres within which a target counts as met."""
+FULLY = 1.0 - 1e-9
+QUIET = 1.0
+"""Radians a second: a source peak below it counts as this."""
+TIMED_RUNS = 3
+
+
+def character_report(request: AdaptRequest, source: AdaptedMotion, first_frame: int) -> tuple[AdaptedMotion, Record]:
+    """The adapted motion from ``first_frame`` on, and the figures that are reported of it."""
+    adapted = adapt(request, first_frame)
+    quality = foot_quality(adapted, request.contacts, request.ground)
+    record = {
+        "slide_mm": 1000.0 * quality.slide,
+        "float_mm": 1000.0 * max(quality.rise, 0.0),
+        "penetration_mm": 1000.0 * max(quality.penetration, 0.0),
+        "acceleration_ratio": acceleration_ratio(adapted, source),
+        "speed_ratio": speed_ratio(adapted, source),
+        "microseconds_per_frame": 1e6 * seconds_to_adapt(request) / request.motion.frame_count,
+        "constraints": constraint_records(request, adapted),
+    }
+    return adapted, record
+
+
+def seconds_to_adapt(request: AdaptRequest) -> float:
+    """Median over a few runs of the whole clip; the kernels are compiled by the time it is asked."""
+    times = []
+    for _ in range(TIMED_RUNS):
+        start = time.perf_counter()
+        adapt(request)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+def constraint_records(request: AdaptRequest, adapted: AdaptedMotion) -> list[Record]:
+    """For each constraint its worst residual while fully active, and whether the target was met."""
+    records = []
+    for row, active in enumerate(full_activity(request)[:, adapted.first_frame :]):
+        constraint = request.constraints[row]
+        residual = float(1000.0 * adapted.residuals[row, active].max()) if active.any() else None
+        records.append(
+            {
+                "name": constraint.name,
+                "kind": constraint.kind,
+                "residual_mm": residual,
+                "reached": None if residual is None else residual <= REACHED,
+            }
+        )
+    return records
+
+
+def full_activity(request: AdaptRequest) -> NDArray[np.bool_]:
+    """(C, F) where each constraint is fully active; on a leg only where its foot is free, for contacts stand above."""
+    count, rate = request.motion.frame_count, request.motion.frame_rate
+    states = foot_states(request.contacts, count)
+    active = np.zeros((len(request.constraints), count), dtype=bool)
+    for row, constraint in enumerate(request.constraints):
+        activation = constraint.activation.at(np.arange(count) / rate)
+        limb = limb_of(constraint.point.part)
+        if limb >= 2:
+            activation = activation * freedom(states[limb - 2] != 0, rate)
+        active[row] = activation >= FULLY
+    return active
+
+
+def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
+    """Worst peak speed of any joint's turning, beside the same joint's peak in the source; 1 for a single frame."""
+    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    if adapted.frame_count < 2:
+        return 1.0
+    ratios = []
+    for part in BodyPart:
+        segments = [motion.morphology.layout.segment(part) for motion in (adapted, source)]
+        ours = peak_turning(adapted.rotations[:, segments[0]], adapted.frame_rate)
+        theirs = peak_turning(source.rotations[window, segments[1]], source.frame_rate)
+        ratios.append(max(ours, QUIET) / max(theirs, QUIET))
+    return max(ratios)
+
+
+def peak_turning(rotations: FloatArray, frame_rate: float) -> float:
+    """Greatest angular speed in rad/s of one segment's world rotations (F, 3, 3)."""
+    quaternions = from_matrix(rotations)
+    steps = multiply(inverse(quaternions[:-1]), quaternions[1:])
+    angles = 2.0 * np.arctan2(np.linalg.norm(steps[:, :3], axis=1), np.abs(steps[:, 3]))
+    return float(angles.max() * frame_rate)

@@ -1,0 +1,79 @@
+"""What several verbs share: a capture made ready, the characters named, a whole adaptation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from studio.core.capture import Capture
+from studio.core.character import Character
+from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.errors import StudioError
+from studio.core.normalized.actor import Actor
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.io.character_file import bundled_characters, read_character
+from studio.io.importing import ImportOptions, load_capture
+
+MOTION_ID = "motion"
+
+
+@dataclass(frozen=True, eq=False)
+class ReadyCapture:
+    """A capture with its motion, its actor and its contacts."""
+
+    capture: Capture
+    motion: NormalizedMotion
+    actor: Actor
+    contacts: tuple[ContactInterval, ...]
+
+
+def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = False) -> ReadyCapture:
+    """Read a humanoid capture and normalise it; ``all_frames`` counts a calibration pose at its start as motion."""
+    capture = load_capture(path, options)
+    if capture.body_map is None:
+        reason = next((guess.reason for guess in capture.guesses if guess.subject == "body map"), "")
+        raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
+    return made_ready(capture.with_first_frame(0) if all_frames else capture)
+
+
+def made_ready(capture: Capture) -> ReadyCapture:
+    """Normalise a capture and find its contacts."""
+    motion, actor = normalize(capture)
+    return ReadyCapture(capture, motion, actor, contacts_of(capture))
+
+
+def contacts_of(capture: Capture) -> tuple[ContactInterval, ...]:
+    """The contacts that are detected in a capture."""
+    return tuple(
+        ContactInterval(MOTION_ID, point, first, last)
+        for point, spans in capture_contacts(capture).items()
+        for first, last in spans
+    )
+
+
+def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[int]]]:
+    """Contacts as JSON has them: ``{"left_heel": [[first, last], ...], ...}``, every foot point there."""
+    return {point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in FootPoint}
+
+
+def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
+    """The bundled characters and character files named, by short name; all bundled ones where none is."""
+    bundled = bundled_characters()
+    if not names:
+        return dict(bundled)
+    chosen: dict[str, Character] = {}
+    for name in names:
+        key = name if name in bundled else Path(name).stem
+        if key in chosen:
+            raise StudioError(f"Two characters are called '{key}'. Name each one once.")
+        chosen[key] = bundled[name] if name in bundled else _character_file(name, tuple(bundled))
+    return chosen
+
+
+def _character_file(name: str, bundled: Sequence[str]) -> Character:
+    path = Path(name)
+    if path.suffix.lower() != ".json":
+        raise StudioError(
+            f"No character is called '{name}'. Bundled are {', '.join(bundled)}; or name a character's .json file."
+        )
+    return read_character(path)

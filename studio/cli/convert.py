@@ -1,0 +1,49 @@
+"""``convert``: a motion in another file format, with its own joints and frame rate."""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+import numpy as np
+
+from studio.cli.import_options import add_import_options, import_options
+from studio.cli.printing import print_json
+from studio.io.export import format_for, write_capture
+from studio.io.importing import load_capture
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """What to read and what to write."""
+    parser.add_argument("source", type=Path, metavar="IN", help="any capture that the studio reads")
+    parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format (.bvh)")
+    parser.add_argument("--json", action="store_true", help="one object: what was written, guessed and repaired")
+    add_import_options(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """Read, write, and say what had to be guessed or repaired on the way."""
+    format_for(arguments.target)
+    capture = load_capture(arguments.source, import_options(arguments))
+    written = write_capture(capture, arguments.target)
+    joints = int(np.count_nonzero(~capture.skeleton.end_sites))
+    guesses = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in capture.guesses]
+    if arguments.json:
+        print_json(
+            {
+                "ok": True,
+                "source": str(arguments.source),
+                "file": str(arguments.target),
+                "format": written.name,
+                "frames": capture.frame_count,
+                "frame_rate": capture.frame_rate,
+                "joints": joints,
+                "assumptions": guesses,
+                "repairs": list(capture.repairs),
+            }
+        )
+        return 0
+    print(f"{arguments.target}: {written.name}, {capture.frame_count} frames of {joints} joints", end=" ")
+    print(f"at {capture.frame_rate:g} Hz, Y up, centimetres.")
+    for kind, sentences in (("guessed", guesses), ("repaired", capture.repairs)):
+        for sentence in sentences:
+            print(f"  {kind:<9} {sentence}")
+    return 0

@@ -1,0 +1,45 @@
+"""Options by which the user overrules what importers guess, the same for every verb that reads captures."""
+
+import json
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from studio.core.errors import StudioError
+from studio.io.importing import ImportOptions
+
+
+def add_import_options(parser: ArgumentParser) -> None:
+    """Unit, up axis, frame rate, floor, reference pose, body map."""
+    group = parser.add_argument_group("reading", "What a file does not say is guessed; say it here to overrule.")
+    group.add_argument("--unit", help="m, cm, mm, inch, cmu, unknown, or metres a unit")
+    group.add_argument("--up-axis", choices=("X", "Y", "Z"), help="axis of the file that points up")
+    group.add_argument("--frame-rate", type=float, metavar="HZ", help="frames a second")
+    group.add_argument("--floor", type=float, metavar="METRES", help="height of the ground")
+    group.add_argument("--reference", metavar="POSE", help="'zero', or the frame that stands upright")
+    group.add_argument("--body-map", type=Path, metavar="FILE.json", help="joints by part, as `info --json` prints")
+
+
+def import_options(arguments: Namespace) -> ImportOptions:
+    """What the user said; raises StudioError when the body map cannot be read or the frame rate is no rate."""
+    if arguments.frame_rate is not None and not 0.0 < arguments.frame_rate < float("inf"):
+        raise StudioError(f"{arguments.frame_rate:g} is no frame rate: say how many frames a second, above 0.")
+    return ImportOptions(
+        unit=arguments.unit,
+        up_axis=arguments.up_axis,
+        frame_rate=arguments.frame_rate,
+        floor=arguments.floor,
+        reference=arguments.reference,
+        body_map=_read_body_map(arguments.body_map) if arguments.body_map else None,
+    )
+
+
+def _read_body_map(path: Path) -> dict[str, str]:
+    try:
+        names = json.loads(path.read_bytes())
+    except OSError as error:
+        raise StudioError(f"{path} cannot be read: {error.strerror}.") from error
+    except ValueError as error:
+        raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
+    if not isinstance(names, dict) or not all(isinstance(name, str) for name in names.values()):
+        raise StudioError(f'{path}: a body map is a record of joints by part, {{"pelvis": "Hips", ...}}.')
+    return names

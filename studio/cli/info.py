@@ -1,0 +1,162 @@
+"""``info``: what was read from files and what was guessed, with the error of the round trip."""
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
+from math import degrees
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+
+from studio.cli.adaptation import contacts_of, spans_by_foot
+from studio.cli.import_options import add_import_options, import_options
+from studio.cli.printing import print_json
+from studio.core.capture import Capture
+from studio.core.character_skeleton import character_body_map, character_skeleton
+from studio.core.errors import StudioError
+from studio.core.normalized.normalize import normalize
+from studio.core.normalized.round_trip import round_trip
+from studio.core.project import COLLECTIONS
+from studio.io.character_file import read_character
+from studio.io.importing import ImportOptions, load_capture
+from studio.io.project_file import read_project
+
+Record = dict[str, Any]
+
+_NOTHING: Record = {
+    "ok": True,
+    "error": None,
+    "kind": None,
+    "frames": None,
+    "frame_rate": None,
+    "joints": None,
+    "unit": None,
+    "up_axis": None,
+    "body_map": {},
+    "contacts": {},
+    "round_trip": None,
+    "assumptions": [],
+    "repairs": [],
+}
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Files, and how to print."""
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="capture, character (.json) or project")
+    parser.add_argument("--json", action="store_true", help="a list with one object a file")
+    add_import_options(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """Describe every file; 1 when any cannot be read."""
+    options = import_options(arguments)
+    records = [described(path, options) for path in arguments.files]
+    if arguments.json:
+        print_json(records)
+    else:
+        print("\n\n".join("\n".join(lines_of(record)) for record in records))
+    return 0 if all(record["ok"] for record in records) else 1
+
+
+def described(path: Path, options: ImportOptions) -> Record:
+    """All that the issue's keys ask of one file; a file that fails says why under ``error``."""
+    record = {"file": str(path), **_NOTHING}
+    try:
+        return record | _describer(path)(path, options)
+    except StudioError as error:
+        return record | {"ok": False, "error": str(error)}
+
+
+def _describer(path: Path) -> Callable[[Path, ImportOptions], Record]:
+    if path.suffix.lower() == ".studio":
+        return _project
+    return _character if path.suffix.lower() == ".json" else _capture
+
+
+def _capture(path: Path, options: ImportOptions) -> Record:
+    capture = load_capture(path, options)
+    return {
+        "kind": "skeleton",
+        "frames": capture.frame_count,
+        "frame_rate": capture.frame_rate,
+        "joints": int(np.count_nonzero(~capture.skeleton.end_sites)),
+        "unit": capture.unit,
+        "up_axis": capture.up_axis,
+        "body_map": capture.body_map.to_json(capture.skeleton) if capture.body_map else {},
+        "contacts": spans_by_foot(contacts_of(capture)) if capture.body_map else {},
+        "round_trip": _round_trip(capture),
+        "assumptions": [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in capture.guesses],
+        "repairs": list(capture.repairs),
+        "first_frame": capture.first_frame,
+        "floor": capture.floor,
+        "end_sites": int(np.count_nonzero(capture.skeleton.end_sites)),
+    }
+
+
+def _round_trip(capture: Capture) -> Record | None:
+    if capture.body_map is None:
+        return None
+    error = round_trip(capture, *normalize(capture))
+    return {"position_mm": 1000.0 * error.position, "rotation_deg": degrees(error.rotation)}
+
+
+def _character(path: Path, _options: ImportOptions) -> Record:
+    character = read_character(path)
+    skeleton = character_skeleton(character.morphology)
+    return {
+        "kind": "character",
+        "joints": int(np.count_nonzero(~skeleton.end_sites)),
+        "unit": "m",
+        "up_axis": "Z",
+        "body_map": character_body_map(character.morphology.layout).to_json(skeleton),
+        "name": character.name,
+        "stature": character.morphology.stature,
+        "vertices": len(character.skin.vertices),
+    }
+
+
+def _project(path: Path, _options: ImportOptions) -> Record:
+    opened = read_project(path)
+    counts = {name: len(getattr(opened.project, name)) for name in COLLECTIONS}
+    return {"kind": "project", "repairs": list(opened.problems), "contents": counts}
+
+
+def lines_of(record: Record) -> list[str]:
+    """One file for a person to read."""
+    facts = [("error", record["error"])] if record["error"] else [("kind", record["kind"])]
+    facts += [(_label(key), _words(record, key)) for key in _SHOWN if record.get(key) not in (None, {}, [])]
+    facts += [(key[:-1], sentence) for key in ("assumptions", "repairs") for sentence in record[key]]
+    return [record["file"], *(_wrapped(label, text) for label, text in facts)]
+
+
+_SHOWN = (
+    *("name", "stature", "frames", "frame_rate", "joints", "unit", "up_axis", "first_frame", "floor"),
+    *("body_map", "contacts", "round_trip", "contents"),
+)
+
+
+def _wrapped(label: str, text: str) -> str:
+    return fill(text, 110, initial_indent=f"  {label:<12} ", subsequent_indent=" " * 15)
+
+
+def _label(key: str) -> str:
+    return key.replace("_", " ")
+
+
+def _words(record: Record, key: str) -> str:
+    value = record[key]
+    match key:
+        case "round_trip":
+            return f"{value['position_mm']:.2g} mm, {value['rotation_deg']:.2g} degrees at worst"
+        case "contacts":
+            return ", ".join(f"{len(spans)} {_label(foot)}" for foot, spans in value.items())
+        case "contents":
+            return ", ".join(f"{count} {name}" for name, count in value.items() if count)
+        case "body_map":
+            return ", ".join(f"{_label(part)} {joint}" for part, joint in value.items())
+        case "frame_rate":
+            return f"{value:g} Hz"
+        case "floor" | "stature":
+            return f"{value:.3f} m"
+    return str(value)

@@ -1,0 +1,37 @@
+"""What verbs print: tables for people, one JSON document for machines, progress beside both."""
+
+import json
+import sys
+from collections.abc import Callable, Sequence
+
+Progress = Callable[[float, str], None]
+
+
+def print_json(value: object) -> None:
+    """The one document on standard output."""
+    print(json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False))
+
+
+def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Columns as wide as they need; the first stands left, the others right."""
+    widths = [max(len(row[column]) for row in (titles, *rows)) for column in range(len(titles))]
+    for row in (titles, ["-" * width for width in widths], *rows):
+        cells = [
+            cell.rjust(width) if place else cell.ljust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        print("  ".join(cells).rstrip())
+
+
+def progress_line() -> Progress:
+    """Shows a share and a text on standard error, in place on a terminal, else a line every quarter."""
+    told = [-1]
+
+    def report(share: float, text: str) -> None:
+        if sys.stderr.isatty():
+            print(f"\r{share:4.0%} {text}\033[K", end="\n" if share >= 1.0 else "", file=sys.stderr, flush=True)
+        elif int(4 * share) > told[0]:
+            told[0] = int(4 * share)
+            print(f"{share:4.0%} {text}", file=sys.stderr)
+
+    return report

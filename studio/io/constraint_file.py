@@ -1,0 +1,118 @@
+"""Constraints and contacts in a JSON file written by hand or by a program: what ``adapt --constraints`` reads.
+
+Each constraint is the record that a project holds for it (``entity_json``), without the ids::
+
+    {"constraints": [{"kind": "position", "name": "Right wrist", "priority": 0,
+                      "point": {"part": "right_forearm", "offset": [0, 0, 0], "at_end": true},
+                      "target": [0.4, -0.2, 1.3],
+                      "chain": {"limb": 1, "end_segment": 0, "clavicle": 1, "trunk": 0.5, "root": 0},
+                      "activation": {"start": 0.5, "full": 0.8, "full_end": 1.2, "end": 1.5, "shape": "quintic"}}],
+     "contacts": {"left_heel": [[0, 41]], "left_toe": [], "right_heel": [[12, 60]], "right_toe": []}}
+
+``priority`` and ``chain`` may be left out, and so may ``contacts``, which are then detected.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import Constraint
+from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.errors import StudioError
+from studio.io.entity_json import CONSTRAINT_KINDS, entity_of
+from studio.io.value_json import Json, unknown_fields
+
+_MEMBERS = ("constraints", "contacts")
+_IDS = {"id", "schema", "kind", "motion_id"}
+_USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
+
+
+@dataclass(frozen=True)
+class ConstraintFile:
+    """What such a file holds; ``contacts`` is None where it says nothing about them."""
+
+    constraints: tuple[Constraint, ...]
+    contacts: tuple[ContactInterval, ...] | None
+
+
+def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
+    """The file's constraints and contacts, as those of one motion. Raises StudioError naming file and member."""
+    record = _parsed(path)
+    if not isinstance(record, dict) or not isinstance(record.get("constraints", []), list):
+        raise StudioError(f"{path}: expected a record with a list called 'constraints'.")
+    if strange := sorted(record.keys() - set(_MEMBERS)):
+        raise StudioError(f"{path}: '{strange[0]}' is not known here. Members are {', '.join(_MEMBERS)}.")
+    constraints = tuple(
+        _constraint(item, motion_id, f"{path}, constraints[{place}]")
+        for place, item in enumerate(record.get("constraints", []))
+    )
+    contacts = _contacts(record["contacts"], motion_id, str(path)) if "contacts" in record else None
+    return ConstraintFile(constraints, contacts)
+
+
+def _parsed(path: Path) -> Json:
+    try:
+        return json.loads(path.read_bytes(), parse_constant=_refuse)
+    except OSError as error:
+        raise StudioError(f"{path} cannot be read: {error.strerror}.") from error
+    except (ValueError, RecursionError) as error:
+        raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
+
+
+def _refuse(name: str) -> None:
+    raise ValueError(f"{name} is no number")
+
+
+def _constraint(record: Json, motion_id: str, where: str) -> Constraint:
+    kind = CONSTRAINT_KINDS.get(str(record.get("kind"))) if isinstance(record, dict) else None
+    if kind is None:
+        raise StudioError(f"{where}, kind: expected one of {', '.join(CONSTRAINT_KINDS)}.")
+    if strange := _paths({k: v for k, v in unknown_fields(record, kind).items() if k not in _IDS}):
+        raise StudioError(f"{where}: '{strange[0]}' is not known here. Correct its name.")
+    if (part := _part_named(record)) is not None:
+        raise StudioError(f"{where}, point: part: '{part}' is no part of a body. Parts are {', '.join(BodyPart)}.")
+    try:
+        found = entity_of("constraints", {**_USUAL, **record, "motion_id": motion_id}, _no_member)
+    except (ValueError, TypeError) as error:
+        raise StudioError(f"{where}, {error}") from error
+    assert isinstance(found, Constraint)
+    return found
+
+
+def _paths(unknown: Mapping[str, Any]) -> list[str]:
+    """``{"chain": {"arm": 1}}`` as ``["chain.arm"]``."""
+    paths = []
+    for key, item in unknown.items():
+        paths += [f"{key}.{inner}" for inner in _paths(item)] if key in ("point", "chain", "activation") else [key]
+    return paths
+
+
+def _part_named(record: Json) -> str | None:
+    """The part of the constraint's point, where it is none of those there are."""
+    point = record.get("point")
+    part = point.get("part") if isinstance(point, dict) else None
+    return part if isinstance(part, str) and part not in tuple(BodyPart) else None
+
+
+def _contacts(record: Json, motion_id: str, where: str) -> tuple[ContactInterval, ...]:
+    if not isinstance(record, dict):
+        raise StudioError(f"{where}, contacts: expected a record of lists by foot.")
+    contacts = []
+    for foot, spans in record.items():
+        if foot not in tuple(FootPoint) or not isinstance(spans, list):
+            raise StudioError(f"{where}, contacts, {foot}: expected lists of [first, last] by {', '.join(FootPoint)}.")
+        for place, span in enumerate(spans):
+            if not (isinstance(span, list) and len(span) == 2 and all(type(frame) is int for frame in span)):
+                raise StudioError(f"{where}, contacts, {foot}[{place}]: expected two frames [first, last].")
+            try:
+                contacts.append(ContactInterval(motion_id, FootPoint(foot), *span))
+            except ValueError as error:
+                raise StudioError(f"{where}, contacts, {foot}[{place}]: {error}") from error
+    return tuple(contacts)
+
+
+def _no_member(_name: str) -> Any:
+    raise ValueError("an array is not expected here.")
