@@ -70,6 +70,7 @@ class Chips:
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
+        self._view = parent
         self._wide = True
         self._arrange(parent)
         for hidden in (self.problem, self.constrain, self.work):
@@ -108,7 +109,7 @@ class Chips:
     def tell_problem(self, sentence: str | None) -> None:
         """Show the most important problem, cut short where there is no room, or nothing."""
         words = sentence or ""
-        room = self.problem.parentWidget().width() - PROBLEM_FRAME
+        room = self._view.width() - PROBLEM_FRAME
         self.problem.ensurePolished()
         self.problem.say(self.problem.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, room))
         self.problem.setToolTip(words)

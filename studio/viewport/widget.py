@@ -14,7 +14,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 from studio.document.document import Document
 from studio.viewport import mouse
-from studio.viewport.camera import VIEWS, FloatArray
+from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.constraining import constraint_here
@@ -170,6 +170,11 @@ class Viewport(Canvas):
             self.show_again()
         return gesture is not None
 
+    def set_camera(self, camera: OrbitCamera) -> None:
+        """Look from another place; from now on the view is the user's."""
+        self._framed = self._framed or bool(self.posed)
+        super().set_camera(camera)
+
     # Places on the widget
 
     def widget_point(self, place: FloatArray) -> QPointF:
@@ -209,13 +214,18 @@ class Viewport(Canvas):
         project, time = self._document.project, self._document.playhead.time
         self.posed = posed_performers(project, self._live.result, time)
         if self.posed and not self._framed:
-            self._framed = True
+            # Results come one by one: the view is settled when every body is there.
+            self._framed = all(key in self.posed for key in self._expected())
             self.camera = opening_camera(self.posed, self.view_size, self.camera.parallel)
         if self._problem_stale:
             self._problem, self._problem_stale = worst_problem(project, self._live.result), False
         scene.sync(project, self.posed, self._bones, self._paths())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
+
+    def _expected(self) -> list[str]:
+        """The performers that are to be seen sooner or later."""
+        return [key for key, one in self._document.project.performers.items() if one.visible and one.clips]
 
     def paint_over(self, painter: QPainter) -> None:
         """Handles, joints and gizmo."""

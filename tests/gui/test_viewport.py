@@ -253,6 +253,31 @@ def test_the_wheel_zooms_and_the_views_glide_to_where_they_say(studio):
     assert viewport.camera.axes[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
 
 
+def test_the_first_view_waits_for_every_body_unless_the_user_has_moved_it(studio):
+    viewport, document, live = studio
+    live.late = {"performer 1"}
+    document.new(make_project(characters=2))
+    settle(viewport)
+    alone = viewport.camera
+    live.late = set()
+    live.adapt()
+    QTest.qWait(30)
+    together = viewport.camera
+    assert together.distance > alone.distance
+    live.adapt()
+    QTest.qWait(30)
+    assert viewport.camera == together
+    live.late = {"performer 1"}
+    document.new(make_project(characters=2))
+    settle(viewport)
+    drag(viewport, QPoint(400, 300), QPoint(460, 330), MIDDLE)
+    moved = viewport.camera
+    live.late = set()
+    live.adapt()
+    QTest.qWait(30)
+    assert viewport.camera == moved
+
+
 def test_the_opening_camera_and_frame_all_show_every_body_whole(studio):
     viewport, _, _ = studio
 

@@ -36,10 +36,12 @@ class StandingLive(QObject):
         self.solve_milliseconds = 1.5
         self.interactive = False
         self.was_interactive: list[bool] = []
+        self.late: set[str] = set()
+        """Performers whose results are not there yet."""
         document.entity_changed.connect(lambda *_: self.was_interactive.append(self.interactive))
 
-    def result(self, performer_id: str) -> AdaptedMotion:
-        return standing(self._document.project, performer_id)
+    def result(self, performer_id: str) -> AdaptedMotion | None:
+        return None if performer_id in self.late else standing(self._document.project, performer_id)
 
     def source(self, motion_id: str) -> AdaptedMotion:
         return standing(self._document.project, next(iter(self._document.project.performers)))
