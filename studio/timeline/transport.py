@@ -63,6 +63,7 @@ class Transport(QWidget):
         self.speed = QComboBox()
         self.speed.setAccessibleName("Playback speed")
         self.speed.setToolTip("Playback speed")
+        self.speed.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves Space to the playback
         for speed in SPEEDS:
             self.speed.addItem(f"{speed:g}×", speed)
         self.speed.setCurrentIndex(SPEEDS.index(1.0))
@@ -155,6 +156,7 @@ def _dress(field: QSpinBox | QDoubleSpinBox, text: str, width: int) -> None:
     field.setKeyboardTracking(False)  # a half-typed number is no frame to go to
     field.setFixedWidth(width)
     field.lineEdit().setTextMargins(4, 0, 4, 0)
+    field.lineEdit().returnPressed.connect(field.clearFocus)  # so that keys move the playhead again
     field.setAccessibleName(text)
     field.setToolTip(text)
 

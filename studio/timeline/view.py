@@ -15,7 +15,8 @@ from studio.timeline.subject import stage_extent, subject_of
 from studio.timeline.tracks.plot import Quantity
 
 FOLLOW_MILLISECONDS = 100
-PROMPT = "Drop a BVH here"
+DROP = "Drop a BVH here"
+SHOW = "Show a character to see its motion here"
 
 
 class TrackView(QWidget):
@@ -67,6 +68,11 @@ class TrackView(QWidget):
     def shown(self) -> Shown | None:
         """What the rows show, or None while no performer plays a motion."""
         return self.sheet.shown if self.sheet else None
+
+    @property
+    def prompt(self) -> str:
+        """What to do while there is nothing to show."""
+        return SHOW if self.document.project.motions else DROP
 
     def lay_out(self) -> None:
         """Fetch which rows there are, place them, and draw everything again."""
@@ -154,7 +160,7 @@ class TrackView(QWidget):
         """The picture, then what lies over it."""
         with QPainter(self) as painter:  # an error inside must not leave a painter on a widget that goes on
             if self.sheet is None:
-                overlay.paint_prompt(painter, self.rect(), PROMPT)
+                overlay.paint_prompt(painter, self.rect(), self.prompt)
             else:
                 self._paint(painter, self.sheet)
 

@@ -1,5 +1,7 @@
 """The timeline as a person uses it: with mouse and keys, on the real widget over a real document."""
 
+from dataclasses import replace
+
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent, QWheelEvent
@@ -14,7 +16,6 @@ from studio.timeline.menus import menu_at
 from studio.timeline.strips import StripState
 from studio.timeline.timeline import Timeline
 from studio.timeline.tracks.plot import Quantity
-from studio.timeline.view import PROMPT
 from tests.builders import make_constraint, make_contact, make_project
 from tests.timeline.fakes import FakeLive
 
@@ -236,6 +237,15 @@ def test_a_contact_stops_at_its_neighbour_and_at_the_ends(document, timeline, ha
     assert contact_frames(document, "early") == (59, 69)
     hand.drag(timeline.contact_rect("early").center(), -pixels(timeline, 90))
     assert contact_frames(document, "early") == (0, 10)
+
+
+def test_either_end_of_a_moved_contact_catches_on_the_playhead(document, timeline, hand):
+    timeline.resize(396, 350)  # so that six pixels are several frames
+    document.playhead.set_frame(40)
+    hand.drag(timeline.contact_rect("early").center(), pixels(timeline, 23))
+    assert contact_frames(document, "early") == (30, 40)
+    hand.drag(timeline.contact_rect("early").center(), pixels(timeline, 12))
+    assert contact_frames(document, "early") == (40, 50)
 
 
 def test_the_ends_of_a_contact_trim_it(document, timeline, hand):
@@ -465,7 +475,14 @@ def test_without_a_motion_one_line_says_what_to_do_and_nothing_breaks(document, 
     assert not timeline.tracks.grab().isNull()
     QTest.mouseClick(timeline.tracks, LEFT, NONE, QPoint(300, 100))
     QTest.keyClick(timeline.tracks, Qt.Key.Key_Delete)
-    assert "BVH" in PROMPT
+    assert timeline.tracks.prompt == "Drop a BVH here"
+
+
+def test_with_nobody_shown_the_line_asks_for_a_character(document, timeline):
+    for key, performer in document.project.performers.items():
+        document.replace("performers", key, replace(performer, visible=False), "")
+    assert timeline.row_rect("ruler").isEmpty()
+    assert timeline.tracks.prompt == "Show a character to see its motion here"
 
 
 # The transport

@@ -9,6 +9,7 @@ from studio.core.project import Project
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import Part, Shown
+from studio.timeline.snapping import Snapped
 
 LONGEST_NEW = 0.3
 """Seconds of a contact that is added by hand."""
@@ -65,14 +66,20 @@ class DragContact(EditGesture):
     def update(self, position: QPointF, free: bool) -> None:
         """Whole frames always; ``free`` only keeps it from catching on what lies near."""
         subject, old = self.shown.subject, self.original
-        grabbed = old.last if self.part == Part.LAST else old.first
-        caught = self.snap(subject.stage_time(grabbed) + self.moved(position), free)
-        frame = round(subject.motion_frame(caught.time))
-        contact = self._dragged(frame)
+        caught = self._catch(old.last if self.part == Part.LAST else old.first, position, free)
+        if self.part == Part.BODY and caught.caught is None:
+            behind = subject.stage_time(old.last) - subject.stage_time(old.first)
+            end = self._catch(old.last, position, free)
+            caught = Snapped(end.time - behind, end.caught) if end.caught is not None else caught
+        contact = self._dragged(round(subject.motion_frame(caught.time)))
         self.put(contact)
         shown_frame = contact.last if self.part == Part.LAST else contact.first
         text = moment(shown_frame, shown_frame / subject.frame_rate)
         self.mark = Mark(subject.stage_time(shown_frame), text, caught.caught)
+
+    def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
+        """Where one of its ends would come to lie."""
+        return self.snap(self.shown.subject.stage_time(grabbed) + self.moved(position), free)
 
     def _dragged(self, frame: int) -> ContactInterval:
         old, (low, high) = self.original, self._room
