@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 FloatArray = NDArray[np.float64]
-Keys = Mapping[float, float | Sequence[float]]
+Keys = Mapping[float, float | Sequence[float] | FloatArray]
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(17)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
@@ -23,7 +23,9 @@ def curve(times: FloatArray, keys: Keys, soft: float = 0.05, delay: float = 0.0)
     values = np.array([keys[moment] for moment in moments], dtype=np.float64)
     if len(moments) == 1:
         return np.repeat(values, len(times), axis=0)
-    spline = PchipInterpolator(moments, values)
+    slopes = PchipInterpolator(moments, values)(moments, nu=1)
+    slopes[[0, -1]] = 0.0
+    spline = CubicHermiteSpline(moments, values, slopes)
     sampled = spline(np.clip(times[:, None] - delay + soft * _NODES, moments[0], moments[-1]))
     return np.einsum("fk...,k->f...", sampled, _WEIGHTS)
 

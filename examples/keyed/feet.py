@@ -6,6 +6,7 @@ turns about the ball while the toes lie flat; with its toes up it turns about th
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BPoly
@@ -23,20 +24,21 @@ class Plant:
 
     It lands with pitch ``strike`` and is flat after ``landing`` seconds; for the last ``roll`` seconds the heel
     rises to ``push``. ``heel`` and ``pivot`` are keys of further pitch and of turning on the ball, in degrees.
-    ``clearance`` lifts the swing that leads here.
+    ``clearance`` lifts the swing that leads here, ``around`` bows it aside in the world, all in metres.
     """
 
     start: float
     end: float
     place: tuple[float, float]
     yaw: float = 0.0
-    strike: float = -20.0
-    landing: float = 0.16
+    strike: float = -18.0
+    landing: float = 0.19
     push: float = 44.0
     roll: float = 0.40
     heel: Keys = field(default_factory=dict)
     pivot: Keys = field(default_factory=dict)
-    clearance: float = 0.02
+    clearance: float = 0.044
+    around: tuple[float, float] = (0.0, 0.0)
 
     def pose(self, side: int, times: FloatArray) -> FloatArray:
         """Ankle x, y, z in metres, pitch and yaw in degrees (F, 5); smooth a little beyond both ends."""
@@ -52,7 +54,7 @@ class Plant:
         turned = Rotation.from_euler("ZY", np.stack([yaw, pitch], axis=1), degrees=True)
         ankle = np.array([*self.place, BODY.ankle_height[side]])
         heel = np.array([-BODY.heel_length[side], 0.0, -BODY.ankle_height[side]])
-        about = np.where(pitch[:, None] > 0, BODY.foot[side], heel)
+        about = np.where(pitch[:, None] >= 0, BODY.foot[side], heel)
         ankles = ankle + flat.apply(about) - turned.apply(about)
         return np.column_stack([ankles, pitch, yaw])
 
@@ -73,16 +75,18 @@ def foot_path(side: int, times: FloatArray, plants: Sequence[Plant]) -> FootPath
     """The path of a foot through its stands, with swings between that leave and land at the stands' own speed."""
     pose, toe, planted = np.empty((len(times), 5)), np.zeros(len(times)), np.zeros(len(times), dtype=bool)
     for k, plant in enumerate(plants):
-        here = (times >= (plant.start if k else -np.inf)) & (times <= (plant.end if plant is not plants[-1] else np.inf))
+        here = (times >= (plant.start if k else -np.inf)) & (
+            times <= (plant.end if plant is not plants[-1] else np.inf)
+        )
         pose[here] = plant.pose(side, times[here])
         toe[here] = -np.maximum(pose[here, 3], 0)
         planted |= here
-    for left, right in zip(plants, plants[1:], strict=False):
+    for left, right in pairwise(plants):
         air = (times > left.end) & (times < right.start)
         share = (times[air] - left.end) / (right.start - left.end)
         pose[air] = _swing(side, left, right, times[air])
-        pose[air, 2] += right.clearance * (4 * share * (1 - share)) ** 3
-        toe[air] = _toe_swing(left.push, right.strike, share)
+        pose[air, :3] += np.outer((4 * share * (1 - share)) ** 3, [*right.around, right.clearance])
+        toe[air] = -np.maximum(pose[air, 3], 0) * (1 - 0.45 * (4 * share * (1 - share)) ** 3)
     return FootPath(pose[:, :3], pose[:, 3], pose[:, 4], toe, planted)
 
 
@@ -96,12 +100,6 @@ def _derivatives(side: int, plant: Plant, moment: float) -> FloatArray:
     before, at, after = plant.pose(side, moment + _SWING_ENDS * np.array([-1.0, 0.0, 1.0]))
     speed, acceleration = (after - before) / (2 * _SWING_ENDS), (after - 2 * at + before) / _SWING_ENDS**2
     return np.stack([at, speed, acceleration])
-
-
-def _toe_swing(push: float, strike: float, share: FloatArray) -> FloatArray:
-    """Toes straighten in the first half of a swing and bend again only for a landing on the ball."""
-    leaving, coming = np.clip(1 - share / 0.5, 0, 1), np.clip((share - 0.6) / 0.4, 0, 1)
-    return -max(push, 0.0) * _ease(leaving) - max(strike, 0.0) * _ease(coming)
 
 
 def _ease(share: FloatArray) -> FloatArray:

@@ -18,13 +18,14 @@ from .guard import (
     bounce,
     guarding,
     moved,
+    rocking,
 )
 from .targets import AirLeg, ArmTargets, Targets, frame_times
 
-DURATION = 6.6
-LIFT, CHAMBER, HIT, BACK, LAND = 2.06, 2.36, 2.56, 2.84, 3.36
+DURATION = 6.0
+LIFT, CHAMBER, HIT, BACK, LAND = 2.06, 2.36, 2.56, 2.84, 3.26
 """Toe-off, knee highest, leg longest, knee bent again, foot down."""
-BOUNCE = {0.0: 1.0, 1.3: 0.9, 1.7: 0.0, 4.0: 0.0, 4.6: 0.9, 5.6: 0.8, 6.6: 0.6}
+BOUNCE = {0.0: 1.0, 1.3: 0.9, 1.7: 0.0, 4.0: 0.0, 4.6: 0.9, 5.6: 0.8}
 
 
 def front_kick() -> Targets:
@@ -75,8 +76,8 @@ LEVEL = {
 
 def _pelvis(times: FloatArray, beat: FloatArray) -> FloatArray:
     place = curve(times, PLACE, soft=0.06)
-    place += 0.004 * np.stack([drift(times, 41), drift(times, 42)], axis=1)
-    return np.column_stack([place, HEIGHT + curve(times, LEVEL, soft=0.05) + 0.022 * (beat - 0.5)])
+    place += rocking(times, 41)
+    return np.column_stack([place, HEIGHT + curve(times, LEVEL, soft=0.05) + 0.030 * (beat - 0.5)])
 
 
 def _pelvis_turn(times: FloatArray, beat: FloatArray) -> FloatArray:
@@ -112,7 +113,12 @@ def _head(times: FloatArray) -> FloatArray:
 def _left_arm(times: FloatArray, beat: FloatArray) -> ArmTargets:
     """The front hand closes before the face."""
     keys = {1.5: (0, 0, 0), 1.85: (-0.03, 0.0, -0.05), CHAMBER: (-0.05, 0.0, 0.03), HIT + 0.03: (-0.04, -0.05, 0.05)}
-    keys |= {BACK + 0.1: (-0.03, -0.02, 0.01), LAND + 0.15: (0.02, 0.02, -0.06), LAND + 0.6: (0, 0, 0.01), 4.6: (0, 0, 0)}
+    keys |= {
+        BACK + 0.1: (-0.03, -0.02, 0.01),
+        LAND + 0.15: (0.02, 0.02, -0.06),
+        LAND + 0.6: (0, 0, 0.01),
+        4.6: (0, 0, 0),
+    }
     return ArmTargets(
         moved(times, guarding(times, LEFT_GUARD, beat, 50), keys, soft=0.05),
         LEFT_ELBOW,
@@ -131,7 +137,7 @@ def _right_arm(times: FloatArray, beat: FloatArray) -> ArmTargets:
     return ArmTargets(
         moved(times, guarding(times, RIGHT_GUARD, beat, 60), keys, soft=0.045),
         RIGHT_ELBOW + throw[:, None] * [-0.6, -0.5, 0.6],
-        pronation=15 + 20 * throw,
+        pronation=15 + 40 * curve(times, {CHAMBER: 0.0, BACK: 1.0, LAND + 0.5: 0.0}),
         flexion=6 + 10 * throw + 3 * drift(times, 61),
         shrug=3.0,
     )
@@ -154,12 +160,12 @@ def _rear_foot() -> list[Plant]:
 
 
 def _kick(times: FloatArray) -> AirLeg:
-    share = curve(times, {LIFT + 0.02: 0.0, CHAMBER - 0.06: 1.0, BACK - 0.02: 1.0, LAND - 0.05: 0.0}, soft=0.03)
-    thigh = {LIFT: -5.0, CHAMBER: 97.0, HIT - 0.04: 101.0, HIT + 0.04: 97.0, BACK: 86.0, LAND - 0.1: 10.0}
+    share = curve(times, {LIFT + 0.07: 0.0, CHAMBER - 0.04: 1.0, BACK: 1.0, LAND - 0.06: 0.0}, soft=0.03)
+    thigh = {LIFT: -5.0, CHAMBER: 97.0, HIT - 0.04: 101.0, HIT + 0.04: 97.0, BACK: 86.0, LAND - 0.12: 14.0}
     knee = {LIFT: 60.0, CHAMBER - 0.04: 122.0, CHAMBER + 0.03: 122.0, HIT: 13.0, HIT + 0.05: 16.0, BACK: 108.0}
-    knee |= {LAND - 0.1: 50.0}
+    knee |= {LAND - 0.12: 80.0}
     foot = {LIFT: 30.0, CHAMBER: 20.0, HIT - 0.03: 42.0, HIT + 0.06: 40.0, BACK: 18.0, LAND - 0.1: 25.0}
-    toe = {LIFT: -10.0, CHAMBER: -5.0, HIT - 0.05: -38.0, HIT + 0.06: -38.0, BACK: -5.0, LAND - 0.1: -10.0}
-    outward = {LIFT: 0.0, CHAMBER: 4.0, HIT: 0.0, BACK: 8.0, LAND: 0.0}
+    toe = {LIFT: -10.0, CHAMBER: -5.0, HIT - 0.05: -38.0, HIT + 0.06: -38.0, BACK: -5.0, LAND - 0.1: -32.0}
+    outward = {LIFT: 0.0, CHAMBER: 6.0, HIT: 12.0, BACK: 10.0, LAND: 0.0}
     quick = [curve(times, keys, soft=0.022) for keys in (thigh, knee, foot, toe, outward)]
     return AirLeg(share, *quick)

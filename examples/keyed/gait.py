@@ -19,7 +19,8 @@ class Step:
     land: float
     place: tuple[float, float]
     yaw: float = 0.0
-    strike: float = -20.0
+    strike: float = -18.0
+    around: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Walk:
         stands = [Plant(-1e3, 1e3, (x, y), yaw)]
         for step in (step for step in self.steps if step.side == side):
             stands[-1] = replace(stands[-1], end=step.lift)
-            stands.append(Plant(step.land, 1e3, step.place, step.yaw, step.strike))
+            stands.append(Plant(step.land, 1e3, step.place, step.yaw, step.strike, around=step.around))
         return stands
 
     def carried(self, times: FloatArray, over_stance: float = 0.30) -> FloatArray:
@@ -49,10 +50,10 @@ class Walk:
             stance, before = feet[1 - step.side], feet[step.side].copy()
             feet[step.side] = np.array([*step.place, step.yaw])
             middle = 0.5 * (before + feet[step.side])
-            moments.append(0.5 * (step.lift + step.land))
+            moments.append(0.53 * step.lift + 0.47 * step.land)
             states.append(0.5 * (1 + over_stance) * stance + 0.5 * (1 - over_stance) * middle)
             leaves = self.steps[k + 1].lift if k + 1 < len(self.steps) else step.land + 0.5
-            moments.append(0.5 * (step.land + leaves))
+            moments.append(step.land + 0.1 * (leaves - step.land))
             states.append(np.mean(feet, axis=0))
         spline = CubicSpline(moments, states, bc_type="clamped")
         return np.asarray(spline(np.clip(times, moments[0], moments[-1])))

@@ -8,7 +8,7 @@ from .performer import STANDING
 from .targets import ArmTargets, Targets, frame_times
 
 DURATION = 8.4
-HIGH, LOW = (0.66, -0.40, 1.40), (0.44, 0.36, 0.82)
+HIGH, LOW = (0.72, -0.42, 1.35), (0.50, 0.38, 0.80)
 """Where the thing stands on the shelf, and where it is put down."""
 GRASP, CARRY, PLACE, RELEASE, REST = 1.95, 2.45, 4.85, 5.15, 6.5
 """Hand at the thing, off with it, down with it, hand off it, hand back at the side."""
@@ -31,7 +31,7 @@ def reach_grasp() -> Targets:
 SHIFT = {
     0.0: (0.030, -0.012, 0.0),
     0.55: (0.030, -0.016, 0.0),
-    1.0: (0.012, 0.034, -0.022),
+    1.0: (0.012, 0.034, -0.015),
     1.55: (0.075, -0.030, -0.012),
     GRASP: (0.105, -0.062, 0.004),
     CARRY - 0.1: (0.100, -0.058, 0.0),
@@ -95,7 +95,7 @@ HEAD = {
 def _pelvis(times: FloatArray) -> FloatArray:
     shift = curve(times, SHIFT, soft=0.09)
     sway = np.stack([0.004 * drift(times, 31), 0.005 * drift(times, 32, 3.3), 0.0015 * drift(times, 33)], axis=1)
-    return shift + sway + [0.0, 0.0, STANDING - 0.028]
+    return shift + sway + [0.0, 0.0, STANDING - 0.013]
 
 
 def _turn(times: FloatArray, keys: dict, soft: float, seed: int) -> FloatArray:
@@ -103,7 +103,7 @@ def _turn(times: FloatArray, keys: dict, soft: float, seed: int) -> FloatArray:
     return curve(times, keys, soft) + 0.6 * alive
 
 
-HANGING = (0.06, -0.05, -0.535)
+HANGING = (0.06, -0.066, -0.541)
 """The right wrist at rest, from its shoulder; the left is its mirror image and a little lower."""
 
 
@@ -111,7 +111,7 @@ def _right_arm(times: FloatArray) -> ArmTargets:
     wrist = {
         0.0: HANGING,
         0.8: HANGING,
-        1.12: (0.015, -0.07, -0.525),
+        1.12: (0.015, -0.085, -0.522),
         1.45: (0.20, -0.06, -0.34),
         GRASP: (0.44, 0.0, 0.0),
         CARRY: (0.42, 0.0, 0.02),
@@ -120,14 +120,16 @@ def _right_arm(times: FloatArray) -> ArmTargets:
         PLACE: (0.40, 0.30, -0.34),
         RELEASE + 0.06: (0.38, 0.28, -0.32),
         5.65: (0.27, 0.05, -0.33),
-        REST: (0.085, -0.055, -0.528),
+        REST: (0.085, -0.068, -0.535),
         REST + 0.45: HANGING,
     }
     keyed = spring(times, curve(times, wrist, soft=0.06), 3.2, 0.8)
     keyed += 0.004 * np.stack([drift(times, 11), drift(times, 12), 0 * times], axis=1)
     held, holding = _held(times)
     reaching = curve(times, {1.1: 0.0, 1.75: 1.0, 5.3: 1.0, REST: 0.0}, soft=0.08)
-    open_hand = curve(times, {1.2: 0.0, 1.7: -22.0, GRASP + 0.12: 4.0, 3.2: -6.0, PLACE: -26.0, RELEASE + 0.2: -8.0, REST: 0.0})
+    open_hand = curve(
+        times, {1.2: 0.0, 1.7: -22.0, GRASP + 0.12: 4.0, 3.2: -6.0, PLACE: -26.0, RELEASE + 0.2: -8.0, REST: 0.0}
+    )
     return ArmTargets(
         keyed,
         np.array([-0.7, -0.55, 0.0]) + reaching[:, None] * [0.3, -0.1, -1.0],
@@ -149,31 +151,32 @@ def _held(times: FloatArray) -> tuple[FloatArray, FloatArray]:
         GRASP - 0.12: high - [0.012, 0.0, -0.006],
         GRASP + 0.03: high,
         CARRY - 0.18: high,
-        CARRY + 0.1: high + [-0.02, 0.0, 0.06],
-        3.6: low + [0.0, -0.03, 0.10],
-        PLACE - 0.22: low + [0.0, -0.01, 0.035],
+        CARRY + 0.1: high + np.array([-0.02, 0.0, 0.06]),
+        3.6: low + np.array([0.0, -0.03, 0.10]),
+        PLACE - 0.22: low + np.array([0.0, -0.01, 0.035]),
         PLACE: low,
         RELEASE: low,
-        RELEASE + 0.2: low + [-0.05, -0.03, 0.03],
+        RELEASE + 0.2: low + np.array([-0.05, -0.03, 0.03]),
     }
-    holding = {1.15: 0.0, GRASP - 0.05: 1.0, CARRY: 1.0, 3.1: 0.0, 3.95: 0.0, PLACE - 0.1: 1.0, RELEASE: 1.0, 5.8: 0.0}
+    holding = {1.15: 0.0, GRASP - 0.05: 1.0, CARRY: 1.0, 3.1: 0.0, 3.95: 0.0, 4.45: 0.35, PLACE - 0.08: 1.0}
+    holding |= {RELEASE: 1.0, 5.8: 0.0}
     return curve(times, place, soft=0.04), curve(times, holding, soft=0.06)
 
 
 def _left_arm(times: FloatArray) -> ArmTargets:
     """Balances: back and out against each reach, a little after it."""
     wrist = {
-        0.0: (0.045, 0.045, -0.54),
-        0.8: (0.045, 0.045, -0.54),
-        1.15: (0.09, 0.04, -0.53),
+        0.0: (0.045, 0.062, -0.544),
+        0.8: (0.045, 0.062, -0.544),
+        1.15: (0.09, 0.058, -0.528),
         GRASP: (-0.10, 0.17, -0.50),
         CARRY: (-0.08, 0.15, -0.505),
-        3.1: (0.09, 0.05, -0.525),
-        3.8: (0.05, 0.05, -0.535),
+        3.1: (0.09, 0.062, -0.523),
+        3.8: (0.05, 0.062, -0.540),
         PLACE: (-0.17, 0.17, -0.46),
         RELEASE + 0.1: (-0.155, 0.16, -0.47),
         6.0: (0.07, 0.06, -0.53),
-        6.7: (0.04, 0.045, -0.54),
+        6.7: (0.04, 0.062, -0.544),
     }
     followed = spring(times, curve(times, wrist, soft=0.08, delay=0.06), 1.7, 0.6)
     return ArmTargets(

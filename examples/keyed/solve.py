@@ -12,7 +12,7 @@ from .curves import FloatArray
 from .performer import BODY, HEAD, LAYOUT, NECK, OUTWARD, THORAX, clavicle, make_skeleton, t_pose, thigh
 from .targets import FRAME_RATE, AirLeg, ArmTargets, Targets
 
-_STRAIGHTEST_LEG, _STRAIGHTEST_ARM = 0.993, 0.985
+_STRAIGHTEST_LEG, _STRAIGHTEST_ARM = 0.993, 0.99
 """Reach of a limb as a share of its length: nobody locks a knee or an elbow."""
 _SPINE_SHARES = np.linspace(0.0, 1.0, LAYOUT.spine_count) ** 0.9
 _NECK_SHARE = 0.4
@@ -165,7 +165,8 @@ class _Body:
                 start[frame],
                 frames[frame],
                 distance[frame],
-                *lengths,
+                lengths[0],
+                lengths[1],
                 0.0,
                 1.0,
                 np.array([0.0, lower_twist[frame]]),
@@ -177,7 +178,7 @@ class _Body:
 
     def poses(self) -> PoseSequence:
         """Local rotations of all joints; the ends stay at rest."""
-        frames, parents = len(self.root), list(LAYOUT.parent_segments())
+        parents = list(LAYOUT.parent_segments())
         joints = self.world @ np.swapaxes(t_pose(), -1, -2)
         local = np.swapaxes(joints[:, parents], -1, -2) @ joints
         local[:, 0] = joints[:, 0]
@@ -198,6 +199,6 @@ def _about(axis: str, angles: FloatArray) -> Rotation:
 def _within_reach(along: FloatArray, length: float) -> FloatArray:
     """Vectors (F, 3) shortened softly, so that a limb of ``length`` never locks."""
     share = np.linalg.norm(along, axis=1, keepdims=True) / length
-    start, room = 0.94, _STRAIGHTEST_ARM - 0.94
+    start, room = 0.96, _STRAIGHTEST_ARM - 0.96
     soft = start + room * (1 - np.exp(-np.maximum(share - start, 0) / room))
     return along * np.where(share > start, soft / share, 1.0)

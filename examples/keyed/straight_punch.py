@@ -18,16 +18,17 @@ from .guard import (
     bounce,
     guarding,
     moved,
+    rocking,
 )
 from .targets import ArmTargets, Targets, frame_times
 
-DURATION = 6.4
-TARGET = (0.76, 0.0, 1.43)
+DURATION = 5.8
+TARGET = (0.86, 0.03, 1.37)
 """The wrist where the fist hits."""
 HIT = 3.0
 """The moment of the hit; the chain behind it starts earlier, part by part."""
 HIP, CHEST, SHOULDER = HIT - 0.11, HIT - 0.07, HIT - 0.03
-BOUNCE = {0.0: 0.9, 1.4: 1.0, 1.7: 0.5, 2.2: 0.6, 2.5: 0.0, 3.7: 0.0, 4.3: 1.0, 5.3: 0.8, 6.4: 0.6}
+BOUNCE = {0.0: 0.9, 1.4: 1.0, 1.7: 0.5, 2.2: 0.6, 2.5: 0.0, 3.7: 0.0, 4.3: 1.0, 5.3: 0.8}
 
 
 def straight_punch() -> Targets:
@@ -62,13 +63,23 @@ PLACE = {
     5.8: (-0.012, -0.02),
 }
 """Forward and left: back on the rear leg before the cross, over the front knee with it."""
-LEVEL = {1.55: 0.0, 1.68: -0.012, 1.9: 0.0, 2.3: 0.0, 2.68: -0.034, HIP: -0.012, HIT + 0.08: -0.020, 3.5: -0.012, 4.2: 0.0}
+LEVEL = {
+    1.55: 0.0,
+    1.68: -0.012,
+    1.9: 0.0,
+    2.3: 0.0,
+    2.68: -0.034,
+    HIP: -0.012,
+    HIT + 0.08: -0.020,
+    3.5: -0.012,
+    4.2: 0.0,
+}
 
 
 def _pelvis(times: FloatArray, beat: FloatArray) -> FloatArray:
     place = curve(times, PLACE, soft=0.035)
-    place += 0.004 * np.stack([drift(times, 1), drift(times, 2)], axis=1)
-    return np.column_stack([place, HEIGHT + curve(times, LEVEL, soft=0.03) + 0.024 * (beat - 0.5)])
+    place += rocking(times, 1)
+    return np.column_stack([place, HEIGHT + curve(times, LEVEL, soft=0.03) + 0.030 * (beat - 0.5)])
 
 
 def _pelvis_turn(times: FloatArray, beat: FloatArray) -> FloatArray:
@@ -102,7 +113,13 @@ def _head(times: FloatArray) -> FloatArray:
 def _left_arm(times: FloatArray, beat: FloatArray) -> ArmTargets:
     """Jabs half the way, then comes back to the chin while the right goes."""
     feint = {1.60: (0, 0, 0), 1.68: (-0.02, 0.01, -0.015), 1.80: (0.17, 0.05, 0.06), 1.85: (0.165, 0.05, 0.055)}
-    feint |= {2.1: (0, 0, 0), 2.6: (0.0, 0.0, 0.0), HIT - 0.02: (-0.09, -0.03, -0.01), 3.3: (-0.08, -0.02, -0.01)}
+    feint |= {
+        2.1: (0, 0, 0),
+        2.6: (0.0, 0.0, 0.0),
+        HIT - 0.13: (-0.01, 0.05, 0.08),
+        HIT + 0.05: (-0.06, -0.11, 0.03),
+        3.3: (-0.05, -0.07, 0.01),
+    }
     feint |= {3.8: (0.01, 0.0, 0.0), 4.3: (0, 0, 0)}
     jab = curve(times, {1.64: 0.0, 1.80: 1.0, 1.86: 1.0, 2.1: 0.0}, soft=0.02)
     return ArmTargets(
@@ -117,8 +134,16 @@ def _left_arm(times: FloatArray, beat: FloatArray) -> ArmTargets:
 
 def _right_arm(times: FloatArray, beat: FloatArray) -> ArmTargets:
     """Draws in by a hand's breadth, then drives straight to the target and snaps back with a loose return."""
-    load = {2.45: (0, 0, 0), 2.74: (-0.035, -0.02, -0.02), HIT: (0, 0, 0), 3.28: (0.02, -0.03, -0.06), 3.75: (0, 0, 0)}
-    hold = {SHOULDER - 0.13: 0.0, SHOULDER - 0.07: 0.10, HIT: 1.0, HIT + 0.045: 1.0, HIT + 0.16: 0.55, HIT + 0.36: 0.0}
+    load = {
+        2.45: (0, 0, 0),
+        2.74: (-0.035, -0.02, -0.03),
+        HIT - 0.12: (-0.01, -0.05, -0.05),
+        HIT: (0, 0, 0),
+        3.28: (0.02, -0.06, -0.06),
+        3.5: (-0.02, -0.055, -0.03),
+        3.75: (0, 0, 0),
+    }
+    hold = {SHOULDER - 0.17: 0.0, SHOULDER - 0.08: 0.14, HIT: 1.0, HIT + 0.045: 1.0, HIT + 0.16: 0.55, HIT + 0.36: 0.0}
     holding = curve(times, hold, soft=0.014)
     thrust = curve(times, {SHOULDER - 0.12: 0.0, SHOULDER + 0.03: 1.0, HIT + 0.06: 1.0, HIT + 0.3: 0.0}, soft=0.02)
     return ArmTargets(

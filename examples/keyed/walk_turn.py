@@ -1,7 +1,8 @@
 """A walk of four steps, a turn to the left about the inside foot, the way back, and a stop."""
 
-import numpy as np
 from dataclasses import replace
+
+import numpy as np
 
 from .curves import FloatArray, breath, curve, drift, spring
 from .feet import foot_path
@@ -15,16 +16,16 @@ LEFT, RIGHT = 0, 1
 WALK = Walk(
     ((0.0, 0.095, 9.0), (-0.02, -0.095, -11.0)),
     (
-        Step(LEFT, 1.50, 1.98, (0.44, 0.085), 5.0, -14.0),
-        Step(RIGHT, 2.11, 2.55, (1.06, -0.080), -6.0),
-        Step(LEFT, 2.67, 3.10, (1.70, 0.085), 5.0),
-        Step(RIGHT, 3.22, 3.66, (2.26, -0.090), 4.0, -17.0),
-        Step(LEFT, 3.80, 4.24, (2.56, 0.110), 48.0, -13.0),
-        Step(RIGHT, 4.38, 4.92, (2.55, 0.40), 118.0, -9.0),
-        Step(LEFT, 5.06, 5.56, (2.05, 0.38), 165.0, -14.0),
-        Step(RIGHT, 5.69, 6.13, (1.46, 0.60), 173.0),
-        Step(LEFT, 6.25, 6.69, (0.87, 0.49), 179.0, -17.0),
-        Step(RIGHT, 6.84, 7.36, (0.84, 0.675), 164.0, -7.0),
+        Step(LEFT, 1.50, 1.98, (0.42, 0.085), 5.0, -14.0),
+        Step(RIGHT, 2.11, 2.55, (0.98, -0.080), -6.0),
+        Step(LEFT, 2.67, 3.10, (1.56, 0.085), 5.0),
+        Step(RIGHT, 3.22, 3.66, (2.09, -0.090), 4.0, -17.0),
+        Step(LEFT, 3.80, 4.24, (2.40, 0.110), 48.0, -13.0),
+        Step(RIGHT, 4.38, 4.94, (2.475, 0.415), 118.0, -9.0, around=(0.27, -0.15)),
+        Step(LEFT, 5.06, 5.56, (1.92, 0.38), 165.0, -14.0),
+        Step(RIGHT, 5.69, 6.13, (1.38, 0.60), 173.0),
+        Step(LEFT, 6.25, 6.69, (0.83, 0.49), 179.0, -17.0),
+        Step(RIGHT, 6.84, 7.36, (0.80, 0.675), 164.0, -7.0),
     ),
 )
 
@@ -53,8 +54,8 @@ SHIFT = {
     0.75: (0.028, 0.02),
     1.15: (0.022, -0.035),
     1.5: (0.05, -0.04),
-    1.9: (0.04, 0.0),
-    6.9: (0.03, 0.0),
+    1.9: (0.045, 0.0),
+    6.6: (0.045, 0.0),
     7.5: (0.04, 0.006),
     8.0: (0.022, -0.006),
     8.6: (0.03, -0.012),
@@ -68,17 +69,29 @@ def _pelvis(times: FloatArray, place: FloatArray) -> FloatArray:
     heading = np.radians(place[:, 2])
     forward = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     left = np.stack([-forward[:, 1], forward[:, 0]], axis=1)
-    height = STANDING - 0.048 + 0.036 * WALK.rise(times) + curve(times, SINK, soft=0.08) + 0.0015 * drift(times, 9)
+    height = STANDING - 0.036 + 0.025 * WALK.rise(times) + curve(times, SINK, soft=0.08) + 0.0015 * drift(times, 9)
     return np.column_stack([place[:, :2] + shift[:, :1] * forward + shift[:, 1:] * left, height])
 
 
-SINK = {0.0: 0.016, 0.9: 0.017, 1.25: 0.0, 1.7: 0.0, 4.0: 0.0, 4.6: -0.012, 5.3: 0.0, 7.2: 0.0, 7.6: -0.006, 8.3: 0.017, 8.9: 0.015}
+SINK = {
+    0.0: 0.012,
+    0.9: 0.013,
+    1.25: 0.0,
+    1.7: 0.0,
+    4.0: 0.0,
+    4.6: -0.012,
+    5.3: 0.0,
+    7.2: 0.0,
+    7.6: -0.006,
+    8.3: 0.013,
+    8.9: 0.011,
+}
 
 
 def _chest(times: FloatArray, pelvis_turn: FloatArray) -> FloatArray:
     """Against the pelvis: counter-rotation, a little late, and upright; it leads into the turn."""
     yaw = 11.0 * WALK.stride(times, delay=0.04) + curve(times, CHEST_LEAD, soft=0.1)
-    pitch = 2.5 - 0.4 * curve(times, LEAN, soft=0.12, delay=0.1) - 1.2 * breath(times)
+    pitch = 1.0 - 0.4 * curve(times, LEAN, soft=0.12, delay=0.1) - 1.2 * breath(times)
     roll = -5.5 * WALK.support(times, delay=0.05) + 0.5 * drift(times, 2) + curve(times, BANK, soft=0.15)
     return np.stack([yaw, pitch, roll], axis=1)
 
@@ -119,8 +132,9 @@ def _arm(times: FloatArray, side: int) -> ArmTargets:
     swing = spring(times, sign * WALK.stride(times, delay=0.03), 1.9, 0.75)
     late = sign * WALK.stride(times, delay=0.17)
     angle = np.radians(2 + 21 * swing + 1.2 * drift(times, 5 + side))
-    length = 0.567 * (0.945 - 0.026 * (late + 0.5 * swing) - 0.012 * np.abs(WALK.support(times)))
-    aside = outward * (0.055 - 0.035 * np.maximum(swing, 0) + 0.012 * np.maximum(-swing, 0))
+    length = 0.567 * (0.964 - 0.020 * (late + 0.5 * swing))
+    in_turn = curve(times, {4.2: 0.0, 4.7: 0.035, 5.2: 0.0}, soft=0.08)
+    aside = outward * (0.076 + in_turn - 0.030 * np.maximum(swing, 0) + 0.012 * np.maximum(-swing, 0))
     wrist = np.stack([length * np.sin(angle), aside, -length * np.cos(angle)], axis=1)
     return ArmTargets(
         wrist,
@@ -137,5 +151,5 @@ def _left_plants():
     """The inside foot of the turn swivels on its ball while the body comes round."""
     plants = WALK.plants(LEFT)
     inside = next(k for k, plant in enumerate(plants) if plant.yaw == 48.0)
-    plants[inside] = replace(plants[inside], pivot={4.62: 0.0, 5.06: 42.0, 5.3: 50.0}, roll=0.45)
+    plants[inside] = replace(plants[inside], pivot={4.74: 0.0, 5.08: 40.0, 5.3: 50.0}, roll=0.45)
     return plants
