@@ -240,7 +240,9 @@ def test_a_contact_stops_at_its_neighbour_and_at_the_ends(document, timeline, ha
 
 
 def test_either_end_of_a_moved_contact_catches_on_the_playhead(document, timeline, hand):
-    timeline.resize(396, 350)  # so that six pixels are several frames
+    late = document.project.performers["performer 1"]
+    clips = (replace(late.clips[0], start=8.0),)  # so much is shown now that six pixels are several frames
+    document.replace("performers", "performer 1", replace(late, clips=clips), "")
     document.playhead.set_frame(40)
     hand.drag(timeline.contact_rect("early").center(), pixels(timeline, 23))
     assert contact_frames(document, "early") == (30, 40)
