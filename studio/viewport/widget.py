@@ -303,7 +303,7 @@ class Viewport(Canvas):
             (document.entity_changed, self._entity_changed),
             (document.project_opened, self._project_opened),
             (document.selection.changed, self._selection_changed),
-            (document.playhead.changed, self.show_again),
+            (document.playhead.changed, self._playhead_moved),
             (self._live.adapted, self._adapted),
         )
         for signal, slot in links:
@@ -332,6 +332,12 @@ class Viewport(Canvas):
         if picked is not None and ("performers", picked.performer_id) not in self._document.selection:
             self.pick(None)
         self.show_again()
+
+    def _playhead_moved(self, time: float) -> None:
+        """Playback ticks faster than captures were recorded: only another frame is another picture."""
+        poses = self.posed.values()
+        if not poses or any(pose_of(one.performer, one.motion, time).row != one.row for one in poses):
+            self.show_again()
 
     def _adapted(self, performer_id: str) -> None:
         self._problem_stale = True

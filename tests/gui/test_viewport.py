@@ -327,6 +327,20 @@ def test_everything_to_click_has_an_accessible_name_and_can_be_reached_by_tab(st
         assert button.focusPolicy() & Qt.FocusPolicy.TabFocus
 
 
+def test_the_bodies_follow_the_playhead_frame_by_frame(studio):
+    viewport, document, _ = studio
+    document.playhead.set_frame(5)
+    settle(viewport)
+    shown = viewport.posed["performer 0"]
+    assert shown.row == 5
+    document.playhead.set_time(5.3 / 60)
+    settle(viewport)
+    assert viewport.posed["performer 0"] is shown
+    document.playhead.set_time(5.7 / 60)
+    settle(viewport)
+    assert viewport.posed["performer 0"].row == 6
+
+
 def test_the_wheel_keeps_what_is_under_the_mouse_there(studio):
     viewport, _, _ = studio
     place = np.array(viewport.camera.target) + 0.4 * viewport.camera.axes[0]
