@@ -101,6 +101,14 @@ class Transport(QWidget):
         self.play.setIcon(_icon("mdi6.pause" if playing else "mdi6.play"))
         self.play.setToolTip("Pause" if playing else "Play")
         self.play.setAccessibleName(self.play.toolTip())
+        self._show_manner()
+
+    def _show_manner(self) -> None:
+        """Speed and loop may have been set by keys; a speed that is not in the list is shown all the same."""
+        with QSignalBlocker(self.speed):
+            self.speed.setPlaceholderText(f"{self.playhead.speed:g}×")
+            self.speed.setCurrentIndex(self.speed.findData(self.playhead.speed))
+        self.loop.setChecked(self.playhead.loop)
 
     def _show_range(self) -> None:
         playhead = self.playhead

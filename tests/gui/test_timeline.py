@@ -518,6 +518,16 @@ def test_the_fields_show_and_take_frame_and_seconds(document, timeline):
         assert playhead.frame == frame
 
 
+def test_a_speed_set_by_keys_is_shown_when_playback_begins(document, timeline):
+    transport, playhead = timeline.transport, document.playhead
+    for speed, shown in ((2.0, "2×"), (-4.0, "-4×")):
+        playhead.speed = speed
+        playhead.play()
+        playhead.pause()
+        assert (transport.speed.currentText() or transport.speed.placeholderText()) == shown
+        assert playhead.speed == speed
+
+
 def test_loop_speed_and_range_reach_the_playhead(document, timeline):
     transport, playhead = timeline.transport, document.playhead
     QTest.mouseClick(transport.loop, LEFT)
