@@ -20,12 +20,13 @@ def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = 
     }
 
 
-def staged(capture: Capture, contacts: tuple[ContactInterval, ...], characters: Mapping[str, Character]) -> Project:
-    """A project in which every character performs the capture from its first frame to its last.
+def staged(
+    capture: Capture, contacts: tuple[ContactInterval, ...], characters: Mapping[str, Character], motion_id: str
+) -> Project:
+    """A project in which every character performs the capture from where its motion begins to its last frame.
 
-    ``contacts`` all belong to one motion; its id is theirs, or the capture's name where there are none.
+    ``contacts`` are those of ``motion_id``, the id that capture and motion get.
     """
-    motion_id = contacts[0].motion_id if contacts else capture.name
     clips = (Clip(motion_id, capture.first_frame, capture.frame_count - 1),)
     return Project(
         captures={motion_id: capture},

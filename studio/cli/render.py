@@ -1,0 +1,148 @@
+"""``render``: a project, or a capture on characters, as a picture or a film."""
+
+import re
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Callable, Iterator
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.cli.adaptation import MOTION_ID, chosen_characters, ready_capture
+from studio.cli.import_options import add_import_options, import_options
+from studio.cli.printing import Progress, print_json, progress_line
+from studio.core.errors import StudioError
+from studio.core.normalized.normalize import normalize
+from studio.core.project import Project
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.staging import staged
+from studio.io.film import write_film
+from studio.io.png import write_png
+from studio.io.project_file import read_project
+
+Pixels = NDArray[np.uint8]
+Size = tuple[int, int]
+
+LARGEST = 8192
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """What to draw, as what, how large."""
+    parser.add_argument("source", type=Path, metavar="PROJECT|CAPTURE", help="a .studio project or a capture")
+    parser.add_argument("--out", type=Path, required=True, metavar="PNG|MP4", help="the picture or the film")
+    parser.add_argument(
+        "--character",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME|FILE",
+        help="characters that perform a capture; all bundled ones by default",
+    )
+    parser.add_argument("--time", type=float, metavar="S", help="moment of a picture in seconds; else the middle")
+    parser.add_argument("--size", type=size_of, default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default")
+    parser.add_argument("--film-rate", type=float, default=30.0, metavar="HZ", help="frames a second of a film; 30")
+    parser.add_argument("--json", action="store_true", help="print what was written as JSON")
+    add_import_options(parser)
+
+
+def size_of(text: str) -> Size:
+    """Width and height out of ``1280x720``."""
+    found = re.fullmatch(r"(\d+)x(\d+)", text)
+    size = (int(found[1]), int(found[2])) if found else (0, 0)
+    if not all(16 <= side <= LARGEST for side in size):
+        raise ArgumentTypeError(f"'{text}' is no size: width x height in pixels, 16 to {LARGEST}, as 1280x720")
+    return size
+
+
+def run(arguments: Namespace) -> int:
+    """Stage, adapt, draw."""
+    suffix = arguments.out.suffix.lower()
+    if suffix not in (".png", ".mp4"):
+        raise StudioError(f"{arguments.out.name} says no kind of picture. Let it end with .png or .mp4.")
+    if not 1.0 <= arguments.film_rate <= 240.0:
+        raise StudioError(f"{arguments.film_rate:g} is no rate for a film: 1 to 240 frames a second.")
+    project = staged_project(arguments)
+    results = adapted_performers(project)
+    if not results:
+        raise StudioError(f"{arguments.source.name} has no visible character with a motion: there is nothing to draw.")
+    duration = max(stage_duration(project, key) for key in results)
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    if suffix == ".png":
+        time = duration / 2 if arguments.time is None else arguments.time
+        times = [time]
+        write_png(arguments.out, renderer("picture")(project, results, time, arguments.size))
+    else:
+        times = [frame / arguments.film_rate for frame in range(int(duration * arguments.film_rate) + 1)]
+        frames = renderer("film")(project, results, times, arguments.size)
+        told = counted(frames, len(times), progress_line(), arguments.out.name)
+        write_film(arguments.out, told, arguments.size, arguments.film_rate)
+    return _say(arguments, len(times), len(results))
+
+
+def staged_project(arguments: Namespace) -> Project:
+    """The project to be drawn: the one of the file, or a capture on the chosen characters side by side."""
+    if arguments.source.suffix.lower() == ".studio":
+        if arguments.character:
+            raise StudioError("A project has its own characters: --character goes with a capture.")
+        return read_project(arguments.source).project
+    characters = chosen_characters(arguments.character)
+    ready = ready_capture(arguments.source, import_options(arguments))
+    return staged(ready.capture, ready.contacts, characters, MOTION_ID)
+
+
+def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
+    """The adapted motion of every visible performer that has a clip of a human motion."""
+    motions = {
+        key: normalize(project.captures[motion.capture_id])[0]
+        for key, motion in project.motions.items()
+        if project.captures[motion.capture_id].body_map is not None
+    }
+    results = {}
+    for key, performer in project.performers.items():
+        if performer.visible and performer.clips and performer.clips[0].motion_id in motions:
+            motion_id = performer.clips[0].motion_id
+            request = AdaptRequest(
+                motions[motion_id],
+                project.characters[performer.character_id].morphology,
+                tuple(project.contacts_of(motion_id).values()),
+                tuple(each for each in project.constraints_of(motion_id).values() if each.enabled),
+                project.ground,
+            )
+            results[key] = adapt(request)
+    return results
+
+
+def stage_duration(project: Project, performer_id: str) -> float:
+    """Seconds on the stage until a performer's clip has ended."""
+    clip = project.performers[performer_id].clips[0]
+    capture = project.captures[project.motions[clip.motion_id].capture_id]
+    return clip.start + (clip.last - clip.first) / capture.frame_rate
+
+
+def renderer(kind: str) -> Callable[..., Any]:
+    """The function that draws a ``picture`` or a ``film``, found by name so that nothing here knows a toolkit."""
+    found = entry_points(group="morpho_studio.render", name=kind)
+    if not found:
+        raise StudioError("Nothing that draws is installed. Install Morpho Studio with `pip install -e .` first.")
+    drawing: Callable[..., Any] = next(iter(found)).load()
+    return drawing
+
+
+def counted(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
+    """The same frames, telling how far they are."""
+    for done, frame in enumerate(frames, 1):
+        yield frame
+        progress(done / count, name)
+
+
+def _say(arguments: Namespace, frames: int, characters: int) -> int:
+    record = {"ok": True, "source": str(arguments.source), "file": str(arguments.out), "size": list(arguments.size)}
+    if arguments.json:
+        print_json({**record, "frames": frames, "characters": characters})
+    else:
+        pictures = "1 picture" if frames == 1 else f"{frames} pictures"
+        print(f"{arguments.out}: {pictures} of {arguments.size[0]}x{arguments.size[1]}, {characters} characters.")
+    return 0
