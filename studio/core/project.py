@@ -13,7 +13,7 @@ from typing import Any, Self
 
 from studio.core.capture import Capture
 from studio.core.character import Character
-from studio.core.constraints.base import Constraint, Vector
+from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 
@@ -44,9 +44,9 @@ class Clip:
 
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
-            raise ValueError(
-                f"A clip runs from a frame to a later one, not from {self.first} to {self.last}."
-            )
+            raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
+        if not math.isfinite(self.start):
+            raise ValueError(f"A clip begins at a finite time, not at {self.start}.")
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,13 @@ class Prop:
     size: Vector = (0.4, 0.4, 0.4)
     position: Vector = (0.0, 0.0, 0.2)
     heading: float = 0.0
+
+    def __post_init__(self) -> None:
+        for measure in ("size", "position"):
+            vector = finite_vector(getattr(self, measure), f"'{self.name}': a {measure}")
+            object.__setattr__(self, measure, vector)
+        if not math.isfinite(self.heading) or min(self.size) <= 0.0:
+            raise ValueError(f"'{self.name}': a prop needs a finite heading and sides longer than zero.")
 
 
 Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Ground | Prop
@@ -155,9 +162,7 @@ class Project:
         ids = tuple(getattr(self, collection))
         return ids.index(entity_id) if entity_id in ids else None
 
-    def with_entity(
-        self, collection: str, entity_id: str, entity: Entity | None, place: int | None = None
-    ) -> Self:
+    def with_entity(self, collection: str, entity_id: str, entity: Entity | None, place: int | None = None) -> Self:
         """This project with one entity put or, for None, removed.
 
         One that is there already keeps its place; a new one goes to ``place``, or to the end.

@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import math
 import re
 import weakref
 from collections.abc import Callable, Mapping
@@ -77,7 +78,10 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:
     """The entity that a record describes. Raises ValueError saying which field is wrong."""
-    entity: Entity = from_json(record, _class_of(collection, record), MemberCodec(_no_member, load))
+    try:
+        entity: Entity = from_json(record, _class_of(collection, record), MemberCodec(_no_member, load))
+    except (TypeError, ArithmeticError, LookupError) as error:
+        raise ValueError(f"it makes no sense ({error}).") from error
     return entity
 
 
@@ -95,7 +99,10 @@ def line(record: Json) -> str:
 def parsed(content: bytes, name: str) -> Json:
     """JSON of a member. Raises StudioError naming the member."""
     try:
-        return json.loads(content, parse_constant=_refuse_constant)
+        record = json.loads(content, parse_constant=_refuse_constant, parse_float=_finite)
+        if b"\\u" in content:  # half a character could be read, but never be written again
+            line(record).encode()
+        return record
     except (ValueError, RecursionError) as error:
         raise StudioError(f"'{name}' in the project file is not readable as JSON: {error}.") from error
 
@@ -114,9 +121,7 @@ def project_json(project: Project, members: Members) -> bytes:
         ]
         lists[collection] = [*records, *carried.get("entities", {}).get(collection, ())]
     root: dict[str, Any] = {**carried.get("root", {}), "schema": PROJECT_SCHEMA}
-    blocks = {
-        name: "[\n" + ",\n".join(map(line, items)) + "\n]" if items else "[]" for name, items in lists.items()
-    }
+    blocks = {name: "[\n" + ",\n".join(map(line, items)) + "\n]" if items else "[]" for name, items in lists.items()}
     blocks |= {name: line(item) for name, item in root.items()}
     return ("{\n" + ",\n".join(f"{line(name)}:{blocks[name]}" for name in sorted(blocks)) + "\n}\n").encode()
 
@@ -150,9 +155,7 @@ def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
             except (ValueError, StudioError) as error:
                 losses.append(f"{collection}, {_title(item)}: {error}")
                 continue
-            extra = {
-                k: v for k, v in unknown_fields(item, _class_of(collection, item)).items() if k not in _HEADER
-            }
+            extra = {k: v for k, v in unknown_fields(item, _class_of(collection, item)).items() if k not in _HEADER}
             if extra:
                 unknown[f"{collection}/{item['id']}"] = extra
     _part_with_dangling(entities, foreign, record, losses)
@@ -231,6 +234,13 @@ def _title(record: dict[str, Json]) -> str:
 
 def _refuse_constant(name: str) -> None:
     raise ValueError(f"{name} is no number")
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is beyond all bounds")
+    return number
 
 
 def _no_member(_argument: Any) -> Any:

@@ -168,7 +168,10 @@ def _plain(record: Json, hint: Any) -> Any:
         return record
     if hint is float:
         _checked(record, isinstance(record, int | float) and not isinstance(record, bool), "a number")
-        return float(record)
+        try:
+            return float(record)
+        except OverflowError as error:
+            raise ValueError("a number expected that is not beyond all bounds.") from error
     if hint is int:
         return _checked(record, isinstance(record, int) and not isinstance(record, bool), "a whole number")
     return _checked(record, isinstance(record, hint), f"of type {hint.__name__}")

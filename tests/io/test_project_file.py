@@ -178,9 +178,7 @@ def test_unknown_fields_and_entities_are_written_back(saved: Path) -> None:
         record["constraints"][0]["colour"] = "red"
         record["constraints"][0]["activation"]["bounce"] = 0.5
         record["motions"].append({"id": "later", "schema": 7, "layers": []})
-        record["contacts"].append(
-            {"id": "on it", "motion_id": "later", "point": "left_toe", "first": 0, "last": 1}
-        )
+        record["contacts"].append({"id": "on it", "motion_id": "later", "point": "left_toe", "first": 0, "last": 1})
 
     repacked(saved, widen)
     opened = read_project(saved)
@@ -290,3 +288,57 @@ def test_upgrades_go_step_by_step() -> None:
     steps = {1: lambda record: {**record, "a": 1}, 2: lambda record: {**record, "b": record["a"] + 1}}
     record = upgraded({"schema": 1}, "project.json", steps, 3)
     assert record == {"schema": 3, "a": 1, "b": 2}
+
+
+@pytest.mark.parametrize("number", [b"1e999", b"NaN", b"-Infinity"])
+def test_a_number_beyond_all_bounds_is_told(saved: Path, number: bytes) -> None:
+    with zipfile.ZipFile(saved) as archive:
+        content = archive.read("project.json").replace(b'"height":0.0', b'"height":' + number)
+    with zipfile.ZipFile(saved, "w") as archive:
+        archive.writestr("project.json", content)
+    with pytest.raises(StudioError, match=r"project\.json"):
+        read_project(saved)
+
+
+def test_any_value_of_project_json_may_be_anything_and_nothing_falls_over(saved: Path) -> None:
+    """300 files in which one value, somewhere, is something else; each opens with what makes sense."""
+    chance, content = Random(9), saved.read_bytes()
+    odd = [
+        None,
+        True,
+        -1,
+        10**400,
+        1e308,
+        -0.0,
+        "",
+        "x",
+        [],
+        {},
+        [[]],
+        {"member": "x"},
+        [None] * 3,
+        "\ud800",
+        {"a": {}},
+    ]
+
+    def spoil(record: dict) -> None:
+        place: dict | list = record
+        while True:
+            keys = list(place) if isinstance(place, dict) else list(range(len(place)))
+            key = chance.choice(keys)
+            if not isinstance(place[key], dict | list) or not place[key] or chance.random() < 0.15:
+                place[key] = chance.choice(odd)
+                return
+            place = place[key]
+
+    opened = 0
+    for _ in range(300):
+        saved.write_bytes(content)
+        repacked(saved, spoil)
+        try:
+            read = read_project(saved)
+        except StudioError:
+            continue
+        write_project(saved.with_name("again.studio"), read.project, ID)
+        opened += 1
+    assert opened > 200
