@@ -43,6 +43,7 @@ class Canvas(QWidget):
         self._image = QImage()
         self._pixels: Pixels | None = None
         self._stale = True
+        self._stopped = False
         self._frame_timer = self._single_shot(0, self._draw)
         self._rest_timer = self._single_shot(REST_MILLISECONDS, self._refine)
         self.setMinimumSize(240, 160)
@@ -59,8 +60,8 @@ class Canvas(QWidget):
         return False
 
     def start(self) -> None:
-        """Start VTK, if it is not running, and draw."""
-        if self._scene is None:
+        """Start VTK, if it is neither running nor stopped for good, and draw."""
+        if self._scene is None and not self._stopped:
             from studio.viewport.scene import StageScene  # heavy: the window is shown before it
 
             self._scene = StageScene()
@@ -69,6 +70,7 @@ class Canvas(QWidget):
 
     def stop(self) -> None:
         """Free VTK; the widget shows nothing from now on. May be called twice."""
+        self._stopped = True
         self._frame_timer.stop()
         self._rest_timer.stop()
         self._still = None

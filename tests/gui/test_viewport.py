@@ -390,3 +390,17 @@ def test_a_viewport_opens_and_closes_many_times_and_leaves_document_and_engine_u
         document.playhead.step(1)
         live.adapt()
         QTest.qWait(5)
+
+
+def test_a_viewport_closed_before_it_has_started_stays_closed(qtbot):
+    document = Document(make_project(characters=1))
+    viewport = Viewport(document, StandingLive(document))
+    started = []
+    viewport.started.connect(lambda: started.append(True))
+    viewport.show()
+    viewport.stop()
+    viewport.repaint()
+    QTest.qWait(20)
+    assert not started
+    viewport.close()
+    viewport.deleteLater()
