@@ -7,6 +7,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar
 
 from studio.app.actions import ACTIONS, MENUS, Action
+from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 
@@ -46,6 +47,9 @@ class ActionSet(QObject):
         self.menus = {name: bar.addMenu(name) for name in MENUS}
         for row in ACTIONS:
             self.menus[row.menu].addAction(self.by_id[row.id])
+            if row.id == "open":
+                self.recent = self.menus[row.menu].addMenu("Open recent")
+                self.recent.aboutToShow.connect(self._fill_recent)
             if row.ends_group:
                 self.menus[row.menu].addSeparator()
 
@@ -56,6 +60,15 @@ class ActionSet(QObject):
     def tools(self) -> list[QAction]:
         """What stands on the toolbar."""
         return [self.by_id[row.id] for row in ACTIONS if row.tool]
+
+    def _fill_recent(self) -> None:
+        self.recent.clear()
+        for path in self._bench.settings.recent:
+            action = self.recent.addAction(path.name)
+            action.setToolTip(str(path))
+            action.triggered.connect(lambda _=False, path=path: files.open_path(self._bench, path))
+        if self.recent.isEmpty():
+            self.recent.addAction("No project yet").setEnabled(False)
 
     def _make(self, row: Action) -> QAction:
         action = QAction(row.text, self)

@@ -248,7 +248,7 @@ class MainWindow(QMainWindow):
         """Ask about unsaved work beside it; then stop everything, views first."""
         if self.bench.document.dirty and not self._leaving:
             event.ignore()
-            self.when_saved(self._leave)
+            self.when_saved(self.leave)
             return
         self.bench.settings.remember_layout(self.saveGeometry(), self.saveState())
         if self.bench.viewport is not None:
@@ -259,7 +259,8 @@ class MainWindow(QMainWindow):
         event.accept()
         self.closed.emit()
 
-    def _leave(self) -> None:
+    def leave(self) -> None:
+        """Close, whatever is not saved; the journal keeps it."""
         self._leaving = True
         self.close()
 

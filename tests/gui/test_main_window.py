@@ -1,0 +1,242 @@
+"""The whole window as a person uses it: drops, keys, clicks; only the 3D view is left out where it is not needed."""
+
+import threading
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
+from PySide6.QtGui import QDropEvent
+from PySide6.QtTest import QTest
+
+from studio.app.application import import_views, make_application, make_window, show_views
+from studio.app.settings import Settings
+from studio.document.document import Document
+from studio.document.journal import StateHash
+from studio.io.bvh_writer import write_bvh
+from studio.io.importing import load_capture
+from tests.builders import make_capture, make_project
+
+LEFT = Qt.MouseButton.LeftButton
+CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+PATIENCE = 30_000
+
+
+@pytest.fixture
+def window(qtbot, tmp_path):
+    """A small project in the window, nothing playing."""
+    make_application()
+    document = Document(make_project(characters=2))
+    window = make_window(Settings(tmp_path / "studio.ini"), document)
+    with qtbot.waitExposed(window):
+        window.show()
+    window.resize(1400, 900)
+    yield window
+    window.leave()
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+@pytest.fixture
+def walk(tmp_path):
+    """A BVH file that the studio's own writer made."""
+    capture = make_capture(frames=40)
+    path = tmp_path / "walk.bvh"
+    write_bvh(path, capture.skeleton, capture.poses, capture.frame_rate)
+    return path
+
+
+def drop(window, *paths):
+    content = QMimeData()
+    content.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+    event = QDropEvent(QPointF(400, 300), Qt.DropAction.CopyAction, content, LEFT, Qt.KeyboardModifier.NoModifier)
+    window.dropEvent(event)
+
+
+def same(first, second):
+    hashes = StateHash()
+    return hashes.of(first) == hashes.of(second)
+
+
+def wait_until_idle(qtbot, window):
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+
+
+def test_a_dropped_bvh_is_shown_on_the_visible_characters_as_one_undo_step(qtbot, window, walk):
+    document = window.bench.document
+    before = document.project
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert window.strip.text == ""
+    assert document.history == ("Import walk.bvh",)
+    new_motion = list(document.project.motions)[-1]
+    assert {p.clips[0].motion_id for p in document.project.performers.values()} == {new_motion}
+    assert len(document.project.captures) == len(before.captures) + 1
+    assert window.bench.live.wait(30.0)
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    assert same(document.project, before)
+
+
+def test_a_hidden_character_keeps_its_motion_when_another_is_dropped(qtbot, window, walk):
+    document = window.bench.document
+    document.selection.set(("performers", "performer 1"))
+    QTest.keyClick(window, Qt.Key.Key_H)
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert document.project.performers["performer 1"].clips[0].motion_id == "motion"
+    assert document.project.performers["performer 0"].clips[0].motion_id != "motion"
+
+
+def test_a_file_that_cannot_be_read_is_a_sentence_and_changes_nothing(qtbot, window, walk):
+    document = window.bench.document
+    before = document.project
+    walk.write_text(walk.read_text().replace("Frames:", "Bananas:"))
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert "walk.bvh" in window.strip.text
+    assert window.strip.text.endswith("Your project was not changed.")
+    assert document.project is before
+    assert document.history == ()
+
+
+def test_a_click_on_the_eye_hides_and_shows_a_character(qtbot, window):
+    document, view = window.bench.document, window.library.view
+    row = window.library.row_rect(("performers", "performer 0"))
+    eye = QPoint(row.right() - 18, row.center().y())
+    QTest.mouseClick(view.viewport(), LEFT, pos=eye)
+    assert not document.project.performers["performer 0"].visible
+    QTest.mouseClick(view.viewport(), LEFT, pos=eye)
+    assert document.project.performers["performer 0"].visible
+    assert document.history == ("Hide Body 0", "Show Body 0")
+
+
+def test_a_click_in_the_library_selects_and_the_inspector_shows_it(qtbot, window):
+    item = ("constraints", "constraint 0")
+    QTest.mouseClick(window.library.view.viewport(), LEFT, pos=window.library.row_rect(item).center())
+    assert window.bench.document.selection.items == (item,)
+    assert window.inspector.editor.entity_id == "constraint 0"
+
+
+def test_what_is_selected_elsewhere_is_marked_in_the_library(qtbot, window):
+    window.bench.document.selection.set(("performers", "performer 1"))
+    [index] = window.library.view.selectionModel().selectedIndexes()
+    assert index.data() == "Body 1"
+
+
+def test_undo_and_redo_by_keys(qtbot, window):
+    document = window.bench.document
+    document.selection.set(("constraints", "constraint 0"))
+    QTest.keyClick(window, Qt.Key.Key_Delete)
+    assert "constraint 0" not in document.project.constraints
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    assert "constraint 0" in document.project.constraints
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL | SHIFT)
+    assert "constraint 0" not in document.project.constraints
+
+
+def test_saved_and_opened_again_it_is_the_same_project(qtbot, window, tmp_path):
+    document = window.bench.document
+    document.selection.set(("constraints", "constraint 0"))
+    QTest.keyClick(window, Qt.Key.Key_D, CONTROL)
+    window.actions_by_id.by_id["save"].trigger()
+    assert document.dirty  # it asks for a name first
+    from studio.app.verbs import files
+
+    path = tmp_path / "kick.studio"
+    files.save_to(window.bench, path)
+    wait_until_idle(qtbot, window)
+    saved = document.project
+    assert not document.dirty
+    assert "kick.studio" in window.windowTitle()
+    assert window.bench.settings.recent == (path,)
+    window.actions_by_id.by_id["new"].trigger()
+    assert not document.project.constraints
+    drop(window, path)
+    wait_until_idle(qtbot, window)
+    assert same(document.project, saved)
+
+
+def test_space_plays_and_arrow_keys_step(qtbot, window):
+    playhead = window.bench.document.playhead
+    QTest.keyClick(window, Qt.Key.Key_Right)
+    assert playhead.frame == 1
+    QTest.keyClick(window, Qt.Key.Key_Right, SHIFT)
+    assert playhead.frame == 29
+    QTest.keyClick(window, Qt.Key.Key_Space)
+    assert playhead.playing
+    QTest.keyClick(window, Qt.Key.Key_K)
+    assert not playhead.playing
+
+
+def test_the_palette_finds_an_action_by_a_few_letters_and_runs_it(qtbot, window):
+    QTest.keyClick(window, Qt.Key.Key_K, CONTROL)
+    assert window.palette_panel.isVisible()
+    QTest.keyClicks(window.palette_panel.field, "show imp")
+    QTest.keyClick(window.palette_panel.field, Qt.Key.Key_Return)
+    assert not window.palette_panel.isVisible()
+    assert window.bench.document.selection.items == (("captures", "capture"),)
+
+
+def test_closing_with_unsaved_work_asks_beside_it_and_cancel_keeps_the_window(qtbot, window):
+    document = window.bench.document
+    document.selection.set(("constraints", "constraint 0"))
+    QTest.keyClick(window, Qt.Key.Key_Delete)
+    window.close()
+    assert window.isVisible()
+    assert "not saved" in window.question.text
+    window.question.press("Cancel")
+    assert window.isVisible()
+    window.close()
+    window.question.press("Don't save")
+    assert not window.isVisible()
+
+
+def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
+    make_application()
+    threads = set(threading.enumerate())
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project()))
+    window.show()
+    import_views()
+    show_views(window)
+    assert window.bench.live.wait(60.0)
+    window.bench.document.playhead.play()
+    QTest.qWait(50)
+    window.leave()
+    timers = [timer for timer in window.findChildren(QTimer) if timer.isActive()]
+    assert timers == []
+    assert set(threading.enumerate()) <= threads
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+def test_a_fault_in_an_action_is_told_and_does_not_stop_the_studio(qtbot, window):
+    window.bench.said.emit("The studio made a mistake: KeyError: 'x'.")
+    assert "mistake" in window.strip.text
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert window.strip.text == ""
+
+
+def test_the_adapted_motion_of_a_character_is_exported_as_bvh(qtbot, window, tmp_path):
+    from studio.app import exporting
+
+    assert window.bench.live.wait(60.0)
+    path = tmp_path / "out.bvh"
+    exporting.export(window.bench, {"performer 0": path})
+    wait_until_idle(qtbot, window)
+    assert "out.bvh" in window.strip.text
+    assert load_capture(path).frame_count == 30
+
+
+def test_the_recent_projects_stand_in_the_file_menu(qtbot, window, tmp_path):
+    window.bench.settings.remember(tmp_path / "kick.studio")
+    menu = window.actions_by_id.recent
+    menu.aboutToShow.emit()
+    assert [action.text() for action in menu.actions()] == ["kick.studio"]
+
+
+def test_recent_files_are_remembered_newest_first(tmp_path):
+    settings = Settings(tmp_path / "studio.ini")
+    first, second = tmp_path / "a.studio", tmp_path / "b.studio"
+    for path in (first, second, first):
+        settings.remember(path)
+    assert Settings(tmp_path / "studio.ini").recent == (first, second)
+    assert isinstance(settings.recent[0], Path)

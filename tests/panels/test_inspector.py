@@ -1,0 +1,235 @@
+"""The inspector's forms, driven by mouse and keys over a real document."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QObject, QPoint, Qt, Signal
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QComboBox, QLineEdit, QListWidget, QSlider
+
+from studio.core.canonical import BodyPart
+from studio.core.solver.request import AdaptedMotion
+from studio.document.document import Document
+from studio.panels.constraint_editors.body_figure import SHAPES, BodyFigure
+from studio.panels.constraint_editors.priority import OrderList
+from studio.panels.constraint_editors.residuals import residuals_of, words_of
+from studio.panels.fields import NumberField
+from studio.panels.inspector import Inspector
+from tests.builders import make_morphology, make_project
+
+LEFT = Qt.MouseButton.LeftButton
+
+
+class FakeLive(QObject):
+    """Results as a test wants them."""
+
+    adapted = Signal(str)
+
+    def __init__(self):
+        super().__init__()
+        self.interactive = False
+        self.results = {}
+
+    def result(self, performer_id):
+        return self.results.get(performer_id)
+
+
+@pytest.fixture
+def document(qapp):
+    document = Document(make_project(characters=2, constraints=3))
+    yield document
+    document.close()
+
+
+@pytest.fixture
+def live():
+    return FakeLive()
+
+
+@pytest.fixture
+def inspector(qtbot, document, live):
+    inspector = Inspector(document, live)
+    qtbot.addWidget(inspector)
+    inspector.resize(316, 1400)
+    inspector.show()
+    return inspector
+
+
+def named(inspector, kind, name):
+    return next(widget for widget in inspector.findChildren(kind) if widget.accessibleName() == name)
+
+
+def drag(widget, start, *steps):
+    QTest.mousePress(widget, LEFT, pos=start)
+    for step in steps:
+        QTest.mouseMove(widget, step)
+    QTest.mouseRelease(widget, LEFT, pos=steps[-1])
+
+
+def handle_of(slider):
+    return QPoint(round(slider.width() * slider.value() / slider.maximum()), slider.height() // 2)
+
+
+def test_a_drag_of_a_slider_is_one_undo_step_and_live_on_the_way(inspector, document, live):
+    document.selection.set(("performers", "performer 0"))
+    slider = named(inspector, QSlider, "Stature")
+    seen = []
+    document.entity_changed.connect(lambda *item: seen.append((item, live.interactive)))
+    start = handle_of(slider)
+    QTest.mousePress(slider, LEFT, pos=start)
+    for right in (4, 8, 12, 16):
+        QTest.mouseMove(slider, start + QPoint(right, 0))
+    QTest.mouseRelease(slider, LEFT, pos=start + QPoint(16, 0))
+    assert len(seen) >= 3
+    assert set(seen) == {(("characters", "character 0"), True)}
+    assert document.history == ("Set stature of Body 0",)
+    assert document.project.characters["character 0"].proportions.stature > 1.0
+    assert not live.interactive
+
+
+def test_dragging_a_number_sideways_scrubs_it_as_one_undo_step(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))
+    before = document.project.constraints["constraint 0"].target
+    line = named(inspector, NumberField, "Target X").lineEdit()
+    drag(line, QPoint(10, 8), QPoint(20, 8), QPoint(30, 8), QPoint(40, 8))
+    after = document.project.constraints["constraint 0"].target
+    assert after[0] == pytest.approx(before[0] + 0.30)
+    assert after[1:] == before[1:]
+    assert document.history == ("Move target of Target 0",)
+
+
+def test_escape_while_scrubbing_puts_the_number_back_and_leaves_no_step(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))
+    before = document.project.constraints["constraint 0"].target
+    line = named(inspector, NumberField, "Target X").lineEdit()
+    QTest.mousePress(line, LEFT, pos=QPoint(10, 8))
+    QTest.mouseMove(line, QPoint(40, 8))
+    QTest.keyClick(line, Qt.Key.Key_Escape)
+    QTest.mouseRelease(line, LEFT, pos=QPoint(40, 8))
+    assert document.project.constraints["constraint 0"].target == before
+    assert document.history == ()
+
+
+def test_a_typed_number_is_taken_on_return(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))
+    field = named(inspector, NumberField, "Target Z")
+    field.selectAll()
+    QTest.keyClicks(field.lineEdit(), "1.5")
+    assert document.history == ()
+    QTest.keyClick(field.lineEdit(), Qt.Key.Key_Return)
+    assert document.project.constraints["constraint 0"].target[2] == 1.5
+
+
+def test_a_click_on_the_figure_frees_and_locks_a_part(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))
+    figure = inspector.findChild(BodyFigure)
+    trunk = SHAPES[BodyPart.THORAX].center().toPoint()
+    QTest.mouseClick(figure, LEFT, pos=trunk)
+    assert document.project.constraints["constraint 0"].chain.trunk == 1.0
+    QTest.mouseClick(figure, LEFT, pos=trunk)
+    assert document.project.constraints["constraint 0"].chain.trunk == 0.0
+
+
+def test_a_part_that_is_not_in_the_chain_cannot_be_clicked(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))  # a right wrist
+    figure = inspector.findChild(BodyFigure)
+    QTest.mouseClick(figure, LEFT, pos=SHAPES[BodyPart.LEFT_THIGH].center().toPoint())
+    assert document.history == ()
+
+
+def test_locking_the_last_free_part_is_refused_in_a_sentence(inspector, document, qtbot):
+    document.selection.set(("constraints", "constraint 0"))
+    figure = inspector.findChild(BodyFigure)
+    QTest.mouseClick(figure, LEFT, pos=SHAPES[BodyPart.RIGHT_CLAVICLE].center().toPoint())
+    with qtbot.waitSignal(document.problem) as told:
+        QTest.mouseClick(figure, LEFT, pos=SHAPES[BodyPart.RIGHT_FOREARM].center().toPoint())
+    assert "without any free part" in told.args[0]
+    assert document.project.constraints["constraint 0"].chain.limb == 1.0
+
+
+def test_the_order_of_priorities_can_be_changed_by_keys_as_one_step(inspector, document):
+    document.selection.set(("constraints", "constraint 2"))
+    order = inspector.findChild(OrderList)
+    QTest.keyClick(order, Qt.Key.Key_Up, Qt.KeyboardModifier.AltModifier)
+    assert list(document.project.constraints_of("motion")) == ["constraint 0", "constraint 2", "constraint 1"]
+    assert document.history == ("Reorder priority of Target 2",)
+    assert [order.item(k).text().split()[-1] for k in range(3)] == ["0", "2", "1"]
+
+
+def test_an_ease_never_crosses_the_other_one(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))
+    field = named(inspector, NumberField, "Ease in")
+    field.setValue(100.0)
+    curve = document.project.constraints["constraint 0"].activation
+    assert curve.start <= curve.full <= curve.full_end <= curve.end
+
+
+def test_a_contact_is_trimmed_by_its_frames(inspector, document):
+    document.selection.set(("contacts", "contact 0"))
+    named(inspector, NumberField, "Last frame").setValue(20)
+    assert document.project.contacts["contact 0"].last == 20
+    named(inspector, NumberField, "First frame").setValue(25)
+    assert document.project.contacts["contact 0"].first == 20
+
+
+def test_the_ground_follows_its_number(inspector, document):
+    document.selection.set(("grounds", "ground"))
+    named(inspector, NumberField, "Height").setValue(0.25)
+    assert document.project.ground.height == 0.25
+
+
+def test_a_guess_about_the_frame_rate_can_be_overruled(inspector, document):
+    document.selection.set(("captures", "capture"))
+    named(inspector, NumberField, "Frame rate").setValue(30.0)
+    assert document.project.captures["capture"].frame_rate == 30.0
+
+
+def test_another_unit_asks_for_the_file_to_be_read_again(inspector, document, qtbot):
+    document.selection.set(("captures", "capture"))
+    unit = named(inspector, QComboBox, "Unit")
+    with qtbot.waitSignal(inspector.reimport_wanted) as asked:
+        unit.setCurrentIndex(1)
+        unit.activated.emit(1)
+    assert asked.args == ["capture", {"unit": "cm"}]
+
+
+def test_undo_is_shown_in_the_form(inspector, document):
+    document.selection.set(("grounds", "ground"))
+    field = named(inspector, NumberField, "Height")
+    field.setValue(0.25)
+    document.undo_stack.undo()
+    assert field.value() == 0.0
+
+
+def test_residuals_tell_who_misses_the_target_by_how_much_and_when(document, live):
+    residuals = np.zeros((3, 30))
+    residuals[0, 15] = 0.042
+    nothing = np.zeros((30, 26, 3))
+    live.results["performer 1"] = AdaptedMotion(make_morphology(), 60.0, 0, nothing, nothing, residuals)
+    first, second = residuals_of(document.project, live, "constraint 0")
+    assert words_of(first) == "not active"
+    assert words_of(second) == "short by 42 mm at 15"
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        ("constraints", "constraint 0"),
+        ("performers", "performer 0"),
+        ("characters", "character 0"),
+        ("contacts", "contact 0"),
+        ("captures", "capture"),
+        ("grounds", "ground"),
+    ],
+)
+def test_everything_that_takes_the_keyboard_has_a_name(inspector, document, item):
+    document.selection.set(item)
+    kinds = (QAbstractSpinBox, QComboBox, QAbstractButton, QSlider, QListWidget)
+    nameless = [
+        widget
+        for kind in kinds
+        for widget in inspector.findChildren(kind)
+        if not (widget.accessibleName() or getattr(widget, "text", str)())
+    ]
+    lines = [line for line in inspector.findChildren(QLineEdit) if not line.objectName()]
+    assert nameless == []
+    assert [line for line in lines if not line.accessibleName()] == []
