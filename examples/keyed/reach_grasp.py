@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .curves import FloatArray, breath, curve, drift, spring
+from .curves import FloatArray, Keys, breath, curve, drift, spring
 from .feet import Plant, foot_path
 from .performer import STANDING
 from .targets import ArmTargets, Targets, frame_times
@@ -98,7 +98,7 @@ def _pelvis(times: FloatArray) -> FloatArray:
     return shift + sway + [0.0, 0.0, STANDING - 0.013]
 
 
-def _turn(times: FloatArray, keys: dict, soft: float, seed: int) -> FloatArray:
+def _turn(times: FloatArray, keys: Keys, soft: float, seed: int) -> FloatArray:
     alive = np.stack([drift(times, seed + k, 3.0) for k in range(3)], axis=1)
     return curve(times, keys, soft) + 0.6 * alive
 
@@ -128,7 +128,17 @@ def _right_arm(times: FloatArray) -> ArmTargets:
     held, holding = _held(times)
     reaching = curve(times, {1.1: 0.0, 1.75: 1.0, 5.3: 1.0, REST: 0.0}, soft=0.08)
     open_hand = curve(
-        times, {1.2: 0.0, 1.7: -22.0, GRASP + 0.12: 4.0, 3.2: -6.0, PLACE: -26.0, RELEASE + 0.2: -8.0, REST: 0.0}
+        times,
+        {
+            1.15: 0.0,
+            1.36: 16.0,
+            1.75: -22.0,
+            GRASP + 0.12: 4.0,
+            3.2: -6.0,
+            PLACE: -26.0,
+            RELEASE + 0.2: -8.0,
+            REST: 0.0,
+        },
     )
     return ArmTargets(
         keyed,
@@ -136,7 +146,7 @@ def _right_arm(times: FloatArray) -> ArmTargets:
         upright=0.75 * (1 - reaching),
         held=held,
         holding=holding,
-        pronation=30 - 25 * reaching,
+        pronation=32 - 18 * reaching,
         flexion=10 + open_hand + 1.5 * drift(times, 13),
         deviation=curve(times, {1.3: 2.0, GRASP: 6.0, 3.2: 8.0, PLACE: -14.0, RELEASE: -14.0, REST: 2.0}, soft=0.08),
         shrug=1.5 * breath(times) + 4 * curve(times, {1.3: 0.0, GRASP: 1.0, CARRY: 1.0, 3.1: 0.0}),

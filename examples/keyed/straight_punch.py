@@ -23,12 +23,14 @@ from .guard import (
 from .targets import ArmTargets, Targets, frame_times
 
 DURATION = 5.8
+STEP = 0.13
+"""Metres that the stance begins behind the place it strikes from."""
 TARGET = (0.86, 0.03, 1.37)
 """The wrist where the fist hits."""
 HIT = 3.0
 """The moment of the hit; the chain behind it starts earlier, part by part."""
 HIP, CHEST, SHOULDER = HIT - 0.11, HIT - 0.07, HIT - 0.03
-BOUNCE = {0.0: 0.9, 1.4: 1.0, 1.7: 0.5, 2.2: 0.6, 2.5: 0.0, 3.7: 0.0, 4.3: 1.0, 5.3: 0.8}
+BOUNCE = {0.0: 0.9, 0.35: 0.4, 1.0: 0.5, 1.3: 1.0, 1.7: 0.5, 2.2: 0.6, 2.5: 0.0, 3.7: 0.0, 4.3: 1.0, 5.3: 0.8}
 
 
 def straight_punch() -> Targets:
@@ -42,14 +44,17 @@ def straight_punch() -> Targets:
         _chest(times, beat),
         _head(times),
         (_left_arm(times, beat), _right_arm(times, beat)),
-        (foot_path(0, times, [_front_foot()]), foot_path(1, times, [_rear_foot()])),
+        (foot_path(0, times, _front_foot()), foot_path(1, times, _rear_foot())),
         splay=(4.0, 4.0),
     )
 
 
 PLACE = {
-    0.0: (-0.012, -0.025),
-    1.0: (0.0, -0.012),
+    0.0: (-STEP, -0.02),
+    0.42: (-STEP - 0.022, -0.035),
+    0.78: (-0.03, -0.01),
+    1.02: (0.008, -0.012),
+    1.3: (0.0, -0.02),
     1.62: (-0.015, -0.02),
     1.82: (0.025, 0.0),
     2.2: (-0.01, -0.015),
@@ -62,8 +67,13 @@ PLACE = {
     4.9: (0.0, -0.01),
     5.8: (-0.012, -0.02),
 }
-"""Forward and left: back on the rear leg before the cross, over the front knee with it."""
+"""Forward and left: a step in, back on the rear leg before the cross, over the front knee with it."""
 LEVEL = {
+    0.3: 0.0,
+    0.46: -0.014,
+    0.7: 0.008,
+    1.0: -0.008,
+    1.2: 0.0,
     1.55: 0.0,
     1.68: -0.012,
     1.9: 0.0,
@@ -158,14 +168,35 @@ def _right_arm(times: FloatArray, beat: FloatArray) -> ArmTargets:
     )
 
 
-def _front_foot() -> Plant:
-    return Plant(-1e3, 1e3, FRONT, FRONT_YAW, heel={1.6: 0.0, 1.75: 2.0, 2.1: 0.0})
+def _front_foot() -> list[Plant]:
+    """A short step in, toes first off and heel last down."""
+    x, y = FRONT
+    return [
+        Plant(-1e3, 0.56, (x - STEP, y), FRONT_YAW, push=16.0, roll=0.16),
+        Plant(0.76, 1e3, FRONT, FRONT_YAW, strike=-5.0, landing=0.12, heel=FRONT_HEEL, clearance=0.016),
+    ]
 
 
-def _rear_foot() -> Plant:
-    """Swivels on its ball ahead of the hip: the heel goes out and up."""
-    rest = REAR_HEEL
-    heel = {0.0: rest, 1.7: rest + 3, 2.3: rest, 2.68: 3.0, HIP - 0.14: 5.0, HIP + 0.04: 30.0, HIT + 0.1: 34.0}
-    heel |= {3.45: 16.0, 3.85: rest - 3, 4.4: rest}
-    pivot = {2.68: 0.0, HIP - 0.17: 0.0, HIP + 0.02: 42.0, HIT + 0.1: 47.0, 3.4: 20.0, 3.8: -2.0, 4.2: 0.0}
-    return Plant(-1e3, 1e3, REAR, REAR_YAW, heel=heel, pivot=pivot)
+def _rear_foot() -> list[Plant]:
+    """Follows the step; then swivels on its ball ahead of the hip, heel out and up."""
+    x, y = REAR
+    return [
+        Plant(-1e3, 0.80, (x - STEP, y), REAR_YAW, heel={0.0: REAR_HEEL}, push=16.0, roll=0.14),
+        Plant(1.0, 1e3, REAR, REAR_YAW, strike=6.0, landing=0.16, heel=SWIVEL_HEEL, pivot=SWIVEL, clearance=0.016),
+    ]
+
+
+FRONT_HEEL = {1.6: 0.0, 1.75: 2.0, 2.1: 0.0}
+SWIVEL_HEEL = {
+    1.7: REAR_HEEL,
+    2.0: REAR_HEEL + 3,
+    2.3: REAR_HEEL,
+    2.68: 3.0,
+    HIP - 0.14: 5.0,
+    HIP + 0.04: 30.0,
+    HIT + 0.1: 34.0,
+    3.45: 16.0,
+    3.85: REAR_HEEL - 3,
+    4.4: REAR_HEEL,
+}
+SWIVEL = {2.68: 0.0, HIP - 0.17: 0.0, HIP + 0.02: 42.0, HIT + 0.1: 47.0, 3.4: 20.0, 3.8: -2.0, 4.2: 0.0}
