@@ -104,32 +104,32 @@ class _Body:
         return ankle + share * (kicked - ankle), turn * between, toe + leg.share * (leg.toe - toe)
 
     def place_arm(self, side: int) -> None:
-        """Shoulder girdle with the reach, then elbow and hand."""
+        """Elbow where it is pointed to, then the hand."""
         arm, segment, outward = self.targets.arms[side], clavicle(side), OUTWARD[side]
-        chest = self.world[:, THORAX]
-        rest = chest @ t_pose()[segment]
-        neck_base = self._neck_base()
-        collar = neck_base + chest @ BODY.collar_base[side]
-        resting = collar + rest[:, :, 2] * BODY.clavicle[side]
         axes = self._arm_axes(arm)
+        shoulder, wrist = self._raise_shoulder(side, axes)
+        along = _within_reach(wrist - shoulder, BODY.arm[side].sum())
+        hinge = np.cross(axes.apply(arm.elbow), along)
+        half_twist = 0.5 * outward * np.asarray(arm.pronation)  # the forearm takes one half, the wrist the other
+        self._limb(segment + 1, shoulder, shoulder + along, hinge, BODY.arm[side], np.radians(half_twist))
+        hand = np.broadcast_arrays(half_twist, outward * arm.flexion, arm.deviation, along[:, 0])[:3]
+        self.world[:, segment + 3] = self.world[:, segment + 2] @ euler(np.stack(hand, axis=1)).as_matrix()
+
+    def _raise_shoulder(self, side: int, axes: Rotation) -> tuple[FloatArray, FloatArray]:
+        """Turn the clavicle as far as the reach of the arm asks; the shoulder and the wrist's goal (F, 3)."""
+        arm, segment, outward = self.targets.arms[side], clavicle(side), OUTWARD[side]
+        chest, bone = self.world[:, THORAX], t_pose()[segment]
+        collar = self._neck_base() + chest @ BODY.collar_base[side]
+        resting = collar + chest @ bone[:, 2] * BODY.clavicle[side]
         wrist = resting + axes.apply(arm.wrist)
         if arm.held is not None and arm.holding is not None:
             wrist += arm.holding[:, None] * (arm.held - wrist)
-        reach = np.einsum("fji,fj->fi", chest, wrist - resting) / BODY.arm[side].sum()
-        forward = np.radians(arm.thrust + 14 * np.maximum(reach[:, 0] - 0.2, 0) - 6 * np.maximum(-reach[:, 0], 0))
-        upward = np.radians(arm.shrug + 22 * np.maximum(reach[:, 2] + 0.45, 0))
-        girdle = Rotation.from_euler("ZX", np.stack([-outward * forward, outward * upward], axis=1))
-        self.world[:, segment] = chest @ girdle.as_matrix() @ t_pose()[segment]
-        shoulder = collar + self.world[:, segment, :, 2] * BODY.clavicle[side]
-        bent = axes.apply(arm.elbow)
-        along = wrist - shoulder
-        pointing = bent - along * (np.sum(bent * along, 1) / np.sum(along * along, 1))[:, None]
-        wrist = shoulder + _within_reach(along, BODY.arm[side].sum())
-        half_twist = 0.5 * outward * np.asarray(arm.pronation)  # the forearm takes one half, the wrist the other
-        self._limb(segment + 1, shoulder, wrist, np.cross(pointing, along), BODY.arm[side], np.radians(half_twist))
-        hand = np.broadcast_arrays(half_twist, outward * arm.flexion, arm.deviation, along[:, 0])[:3]
-        turn = Rotation.from_euler("ZYX", np.stack(hand, axis=1), degrees=True)
-        self.world[:, segment + 3] = self.world[:, segment + 2] @ turn.as_matrix()
+        ahead, _, up = (np.einsum("fji,fj->fi", chest, wrist - resting) / BODY.arm[side].sum()).T
+        forward = arm.thrust + 14 * np.maximum(ahead - 0.2, 0) - 6 * np.maximum(-ahead, 0)
+        upward = arm.shrug + 22 * np.maximum(up + 0.45, 0)
+        girdle = euler(np.stack([-outward * forward, 0 * forward, outward * upward], axis=1))
+        self.world[:, segment] = chest @ girdle.as_matrix() @ bone
+        return collar + self.world[:, segment, :, 2] * BODY.clavicle[side], wrist
 
     def _neck_base(self) -> FloatArray:
         spine = np.einsum("fsij,sj->fi", self.world[:, : LAYOUT.spine_count], BODY.spine)
