@@ -1,0 +1,122 @@
+"""The measures of quality, on motions whose faults are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.ground import Ground
+from studio.core.metrics import acceleration_ratio, angular_acceleration, foot_quality
+from studio.core.normalized.realize import realize
+from studio.core.rotations import to_matrix
+from studio.core.solver.request import AdaptedMotion
+from tests.builders import make_morphology
+from tests.core.motions import RATE, about, walk
+
+BODY = make_morphology()
+
+
+def _standing(frames: int = 20, first_frame: int = 0) -> AdaptedMotion:
+    """A body with level feet, their soles on the ground z = 0, that does not move."""
+    layout = BODY.layout
+    positions = np.zeros((frames, layout.point_count, 3))
+    for side in range(2):
+        positions[:, layout.ankle(side)] = [0.0, 0.1, BODY.ankle_height[side]]
+        positions[:, layout.toe(side)] = positions[:, layout.ankle(side)] + BODY.foot[side]
+    rotations = np.tile(np.eye(3), (frames, layout.segment_count, 1, 1))
+    return AdaptedMotion(BODY, RATE, first_frame, positions, rotations, np.zeros((0, frames)))
+
+
+def _moved(motion: AdaptedMotion, shift: object, frames: slice) -> AdaptedMotion:
+    positions = motion.positions.copy()
+    positions[frames] += shift
+    return replace(motion, positions=positions)
+
+
+def _contacts(first: int, last: int) -> tuple[ContactInterval, ...]:
+    return tuple(ContactInterval("walk", point, first, last) for point in FootPoint)
+
+
+def test_a_foot_that_stands_has_no_fault() -> None:
+    quality = foot_quality(_standing(), _contacts(0, 19), Ground())
+    assert (quality.slide, quality.rise, quality.penetration) == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("shift", "expected"),
+    [((0.03, 0.04, 0.0), (0.05, 0.0, 0.0)), ((0, 0, 0.02), (0.0, 0.02, 0.0)), ((0, 0, -0.01), (0.0, 0.0, 0.01))],
+)
+def test_each_fault_is_told_in_metres(shift: tuple, expected: tuple) -> None:
+    quality = foot_quality(_moved(_standing(), shift, slice(10, 12)), _contacts(0, 19), Ground())
+    assert (quality.slide, quality.rise, quality.penetration) == pytest.approx(expected, abs=1e-12)
+
+
+def test_what_happens_outside_contacts_is_no_fault() -> None:
+    wild = _moved(_standing(), (1.0, 1.0, 1.0), slice(10, None))
+    assert foot_quality(wild, _contacts(0, 9), Ground()).slide == 0.0
+    assert foot_quality(wild, (), Ground()).rise == 0.0
+
+
+def test_a_lifted_ground_makes_feet_sink() -> None:
+    quality = foot_quality(_standing(), _contacts(0, 19), Ground(0.05))
+    assert (quality.rise, quality.penetration) == pytest.approx((0.0, 0.05))
+
+
+def test_a_tilted_foot_lifts_its_heel_by_the_heels_lever() -> None:
+    motion = _standing()
+    motion.rotations[:, BODY.layout.spine_count + 12] = to_matrix(about((0, 1, 0), np.array(0.2)))
+    heel = (ContactInterval("walk", FootPoint.LEFT_HEEL, 0, 19),)
+    lever, height = BODY.heel_length[0], BODY.ankle_height[0]
+    lifted = height + lever * np.sin(0.2) - height * np.cos(0.2)
+    assert foot_quality(motion, heel, Ground()).rise == pytest.approx(lifted)
+
+
+def test_a_windows_frames_are_counted_in_the_whole_motion() -> None:
+    window = _moved(_standing(first_frame=100), (0.1, 0.0, 0.0), slice(5, None))
+    assert foot_quality(window, _contacts(90, 104), Ground()).slide == 0.0
+    assert foot_quality(window, _contacts(90, 105), Ground()).slide == pytest.approx(0.1)
+    assert foot_quality(window, _contacts(0, 99), Ground()).slide == 0.0
+    assert foot_quality(window, _contacts(120, 130), Ground()).slide == 0.0
+
+
+def test_a_steady_turn_has_no_angular_acceleration_and_a_growing_one_has() -> None:
+    times = np.arange(30) / RATE
+    steady = to_matrix(about((0, 0, 1), 3.0 * times))
+    growing = to_matrix(about((0, 0, 1), 4.0 * times**2))
+    assert angular_acceleration(steady, RATE) == pytest.approx(np.zeros(28), abs=1e-8)
+    assert angular_acceleration(growing, RATE) == pytest.approx(np.full(28, 8.0))
+
+
+def _walking() -> AdaptedMotion:
+    motion, _ = walk()
+    return AdaptedMotion(BODY, motion.frame_rate, 0, *realize(motion, BODY), np.zeros((0, motion.frame_count)))
+
+
+def test_a_motion_is_as_smooth_as_itself() -> None:
+    assert acceleration_ratio(_walking(), _walking()) == 1.0
+
+
+def test_a_popping_knee_shows() -> None:
+    popped = _walking()
+    shank = BODY.layout.spine_count + 11
+    popped.rotations[70, shank] = popped.rotations[70, shank] @ to_matrix(about((1, 0, 0), np.array(0.3)))
+    assert acceleration_ratio(popped, _walking()) > 5.0
+
+
+def test_a_window_is_beside_the_same_frames_of_its_source() -> None:
+    whole = _walking()
+    window = replace(whole, first_frame=40, positions=whole.positions[40:80], rotations=whole.rotations[40:80])
+    assert acceleration_ratio(window, whole) == 1.0
+    short = replace(window, rotations=window.rotations[:2], positions=window.positions[:2])
+    assert acceleration_ratio(short, whole) == 1.0
+
+
+def test_a_still_source_counts_as_quiet_and_not_as_nothing() -> None:
+    assert acceleration_ratio(_standing(), _standing()) == 0.0
+
+
+def test_the_ground_is_level_and_its_height_a_number() -> None:
+    assert Ground(0.3).height_at(np.zeros((4, 5, 3))).tolist() == np.full((4, 5), 0.3).tolist()
+    with pytest.raises(ValueError, match="finite number of metres"):
+        Ground(np.nan)

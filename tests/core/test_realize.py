@@ -1,0 +1,128 @@
+"""Realising: channels on a body, against a twin and by laws."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studio.core.kernels import layout as at
+from studio.core.morphology import Proportions
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import realize, spine_sampling
+from tests.builders import make_morphology
+from tests.core.motions import walk
+from tests.core.twins import body as body_twin
+from tests.core.twins import realize as twin
+
+seeds = st.integers(0, 2**32 - 1)
+WALK = walk(30)[0]
+
+
+def random_motion(seed: int, spine_count: int = 3, frames: int = 4) -> NormalizedMotion:
+    """Any channels that mean something: unit quaternions, slack between 0 and 1."""
+    random = np.random.default_rng(seed)
+    channels = 0.3 * random.normal(size=(frames, at.SPINE + 4 * (spine_count - 1)))
+    for first, count in (
+        (at.PELVIS, 1), (at.NECK, 1), (at.HEAD, 1), (at.CLAVICLE, 2), (at.LIMB_FRAME, 4), (at.HAND, 2), (at.FOOT, 2),
+        (at.TOE, 2), (at.SPINE, spine_count - 1),
+    ):  # fmt: skip
+        block = random.normal(size=(frames, count, 4))
+        block /= np.linalg.norm(block, axis=-1, keepdims=True)
+        channels[:, first : first + 4 * count] = block.reshape(frames, -1)
+    channels[:, at.LIMB_SLACK : at.LIMB_SLACK + 4] = random.uniform(0.001, 0.8, size=(frames, 4))
+    channels[:, at.LIMB_BEND : at.LIMB_BEND + 4] = random.choice([-1.0, 1.0], size=(frames, 4))
+    places = np.concatenate([[0.0], np.sort(random.uniform(0.1, 0.9, size=spine_count - 2)), [1.0]])
+    return NormalizedMotion("random", 60.0, channels, places)
+
+
+@pytest.mark.parametrize("play", [False, True])
+@given(seed=seeds, spine_count=st.integers(2, 6), own=st.integers(2, 7))
+@settings(max_examples=15)
+def test_the_kernel_agrees_with_its_twin(play: bool, seed: int, spine_count: int, own: int) -> None:
+    motion, body = random_motion(seed, spine_count), make_morphology(spine_count=own)
+    for result, expected in zip(realize(motion, body, play=play), twin.realize(motion, body, play), strict=True):
+        assert np.allclose(result, expected, atol=1e-8)
+
+
+@given(seed=seeds, spine_count=st.integers(2, 6))
+@settings(max_examples=15)
+def test_bones_have_the_lengths_of_the_body(seed: int, spine_count: int) -> None:
+    body = make_morphology(leg_scale=1.2, spine_count=spine_count)
+    positions, rotations = realize(random_motion(seed), body)
+    lengths = body_twin.bone_lengths(body.layout, positions)
+    hand, foot, toe = (np.linalg.norm(getattr(body, name), axis=1) for name in ("hand", "foot", "toe"))
+    expected = [
+        *np.linalg.norm(body.spine, axis=1), body.neck, body.head,
+        *(x for s in (0, 1) for x in (body.clavicle[s], *body.arm[s], hand[s])),
+        *(x for s in (0, 1) for x in (*body.leg[s], foot[s], toe[s])),
+        *np.linalg.norm(body.collar_base, axis=1), *np.linalg.norm(body.hip_offset, axis=1),
+    ]  # fmt: skip
+    assert np.allclose(lengths, expected, atol=1e-9)
+    assert np.allclose(np.swapaxes(rotations, -1, -2) @ rotations, np.eye(3), atol=1e-9)
+
+
+@given(st.floats(0.3, 4.0))
+@settings(max_examples=15)
+def test_a_body_scaled_as_a_whole_moves_scaled_as_a_whole(factor: float) -> None:
+    body = make_morphology()
+    positions, rotations = realize(WALK, body)
+    larger, same = realize(WALK, Proportions(stature=factor).applied_to(body))
+    assert np.allclose(larger, factor * positions, atol=1e-12)
+    assert np.allclose(same, rotations, atol=1e-12)
+
+
+@given(seeds, st.integers(2, 12))
+@settings(max_examples=15)
+def test_however_many_vertebrae_wrists_keep_their_place_under_the_neck(seed: int, spine_count: int) -> None:
+    motion = random_motion(seed)
+    arms = {}
+    for count in (3, spine_count):
+        body = make_morphology(spine_count=count)
+        positions, rotations = realize(motion, body)
+        neck, wrists = body.layout.neck_base, [body.layout.wrist(side) for side in (0, 1)]
+        arms[count] = positions[:, wrists] - positions[:, [neck]], rotations[:, body.layout.segment_count - 16 :]
+    for few, many in zip(arms[3], arms[spine_count], strict=True):
+        assert np.allclose(few, many, atol=1e-12)
+
+
+def test_the_pelvis_takes_the_pelvis_and_the_thorax_the_thorax() -> None:
+    for spine_count in (2, 3, 5, 9):
+        start, share = spine_sampling(np.array([0.0, 0.3, 0.8, 1.0]), make_morphology(spine_count=spine_count).spine)
+        assert (start[0], share[0]) == (0, 0.0)
+        assert (start[-1], share[-1]) == (3, 0.0)
+        assert (np.diff(start + share) > 0.0).all()
+
+
+def test_its_own_vertebrae_are_taken_as_they_are() -> None:
+    spine = np.array([[0.0, 0.0, 0.1], [0.02, 0.0, 0.2], [0.0, 0.0, 0.15], [0.0, 0.0, 0.3]])
+    places = np.cumsum([0.0, *np.linalg.norm(spine[:-1], axis=1)])
+    start, share = spine_sampling(places / places[-1], spine)
+    assert start.tolist() == [0, 1, 2, 3]
+    assert not share.any()
+
+
+def test_hips_and_head_stray_only_where_the_actor_is_played() -> None:
+    still = WALK.channels.copy()
+    still[:, at.HIP_PLAY : at.HEAD_PLAY + 3] = 0.0
+    strayed = still + 0.0
+    strayed[:, at.HIP_PLAY : at.HEAD_PLAY + 3] = 0.1
+    body = make_morphology()
+    rigid = realize(replace(WALK, channels=still), body, play=True)[0]
+    assert np.array_equal(realize(replace(WALK, channels=strayed), body)[0], rigid)
+    played = realize(replace(WALK, channels=strayed), body, play=True)[0]
+    moved = np.linalg.norm(played - rigid, axis=-1)[0]
+    assert moved[body.layout.hip(0)] == pytest.approx(0.1 * body.leg_length * np.sqrt(3))
+    assert moved[body.layout.head_joint] == pytest.approx(0.1 * body.neck * np.sqrt(3))
+    assert moved[body.layout.neck_base] == 0.0
+
+
+def test_channels_that_do_not_fit_their_spine_are_refused() -> None:
+    with pytest.raises(ValueError, match="do not fit 5 spine segments"):
+        replace(WALK, spine_places=np.linspace(0, 1, 5))
+
+
+def test_a_motion_cannot_be_changed_afterwards() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        WALK.channels[0, 0] = 1.0

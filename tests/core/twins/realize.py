@@ -1,0 +1,84 @@
+"""Channels put on a body by walking from segment to segment with named measures."""
+
+import numpy as np
+
+from studio.core.kernels import layout as at
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from tests.core.twins.limb import place_limb
+from tests.core.twins.rotation import about_z, from_quaternion
+
+
+def realize(motion: NormalizedMotion, body: Morphology, play: bool) -> tuple[np.ndarray, np.ndarray]:
+    frames = [realize_frame(row, motion.spine_places, body, play) for row in motion.channels]
+    return np.array([positions for positions, _ in frames]), np.array([rotations for _, rotations in frames])
+
+
+def realize_frame(row: np.ndarray, places: np.ndarray, body: Morphology, play: bool) -> tuple[np.ndarray, np.ndarray]:
+    layout = body.layout
+    positions, rotations = np.empty((layout.point_count, 3)), np.empty((layout.segment_count, 3, 3))
+
+    def quaternion(column: int) -> np.ndarray:
+        return from_quaternion(row[column : column + 4])
+
+    pelvis = about_z(row[at.YAW]) @ quaternion(at.PELVIS)
+    hips = body.leg_length * row[at.HIPS : at.HIPS + 3] + [0.0, 0.0, body.ankle_height.mean()]
+    positions[0] = hips - pelvis @ body.hip_offset.mean(axis=0)
+    for k, relative in enumerate(spine_rotations(row, places, body.spine)):
+        rotations[k] = pelvis @ relative
+        positions[k + 1] = positions[k] + rotations[k] @ body.spine[k]
+    thorax, neck, head = layout.spine_count - 1, layout.neck_base, layout.head_joint
+    rotations[neck] = rotations[thorax] @ quaternion(at.NECK)
+    stray = play * row[at.HEAD_PLAY : at.HEAD_PLAY + 3]
+    positions[head] = positions[neck] + body.neck * rotations[neck] @ (np.array([0.0, 0.0, 1.0]) + stray)
+    rotations[head] = rotations[neck] @ quaternion(at.HEAD)
+    positions[head + 1] = positions[head] + rotations[head] @ [0.0, 0.0, body.head]
+    for side in range(2):
+        arm, collar = layout.spine_count + 2 + 4 * side, layout.collar(side)
+        positions[collar] = positions[neck] + rotations[thorax] @ body.collar_base[side]
+        rotations[arm] = rotations[thorax] @ quaternion(at.CLAVICLE + 4 * side)
+        positions[collar + 1] = positions[collar] + rotations[arm] @ [0.0, 0.0, body.clavicle[side]]
+        _limb(row, side, rotations[arm], body.arm[side], collar + 1, arm + 1, positions, rotations)
+        rotations[arm + 3] = rotations[arm + 2] @ quaternion(at.HAND + 4 * side)
+        positions[collar + 4] = positions[collar + 3] + rotations[arm + 3] @ body.hand[side]
+        leg, hip = layout.spine_count + 10 + 4 * side, layout.hip(side)
+        stray = play * body.leg_length * row[at.HIP_PLAY + 3 * side : at.HIP_PLAY + 3 * side + 3]
+        positions[hip] = positions[0] + pelvis @ (body.hip_offset[side] + stray)
+        _limb(row, 2 + side, pelvis, body.leg[side], hip, leg, positions, rotations)
+        rotations[leg + 2] = pelvis @ quaternion(at.FOOT + 4 * side)
+        rotations[leg + 3] = rotations[leg + 2] @ quaternion(at.TOE + 4 * side)
+        positions[hip + 3] = positions[hip + 2] + rotations[leg + 2] @ body.foot[side]
+        positions[hip + 4] = positions[hip + 3] + rotations[leg + 3] @ body.toe[side]
+    return positions, rotations
+
+
+def spine_rotations(row: np.ndarray, places: np.ndarray, spine: np.ndarray) -> list[np.ndarray]:
+    """Relative to the pelvis: quaternions mixed in line with where each vertebra begins along the trunk."""
+    own = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
+    quaternions = np.array([[0.0, 0.0, 0.0, 1.0], *row[at.SPINE :].reshape(-1, 4)])
+    for k in range(1, len(quaternions)):
+        quaternions[k] *= 1.0 if quaternions[k] @ quaternions[k - 1] >= 0.0 else -1.0
+    mixed = [[np.interp(place, places, quaternions[:, axis]) for axis in range(4)] for place in own / own[-1]]
+    return [from_quaternion(np.array(each)) for each in mixed]
+
+
+def _limb(
+    row: np.ndarray,
+    limb: int,
+    carrier: np.ndarray,
+    bones: np.ndarray,
+    root: int,
+    upper: int,
+    positions: np.ndarray,
+    rotations: np.ndarray,
+) -> None:
+    frame = carrier @ from_quaternion(row[at.LIMB_FRAME + 4 * limb : at.LIMB_FRAME + 4 * limb + 4])
+    positions[root + 1], positions[root + 2], rotations[upper], rotations[upper + 1] = place_limb(
+        positions[root],
+        frame,
+        (1.0 - row[at.LIMB_SLACK + limb]) * bones.sum(),
+        (bones[0], bones[1]),
+        row[at.LIMB_OFF_PLANE + limb] * bones.sum(),
+        row[at.LIMB_BEND + limb],
+        row[at.LIMB_TWIST + 2 * limb : at.LIMB_TWIST + 2 * limb + 2],
+    )
