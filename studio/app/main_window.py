@@ -42,6 +42,7 @@ class MainWindow(QMainWindow):
         bench.window = self
         self.arranging = False
         self._leaving = False
+        self._after_save: Callable[[], object] | None = None
         self.setAcceptDrops(True)
         self.setDockNestingEnabled(True)
         self.actions_by_id = ActionSet(bench, self)
@@ -79,7 +80,7 @@ class MainWindow(QMainWindow):
         """Docks with title bars can be moved; without, they are quiet."""
         self.arranging = on
         for dock in self.docks.values():
-            dock.setTitleBarWidget(None if on else QWidget(dock))
+            dock.setTitleBarWidget(None if on else QWidget(dock))  # type: ignore[arg-type]
 
     def reset_layout(self) -> None:
         """All docks where they were in the beginning."""
@@ -118,7 +119,6 @@ class MainWindow(QMainWindow):
 
     def _make_centre(self) -> None:
         self.strip, self.question, self.recovery = MessageStrip(), MessageStrip("recovery_bar"), RecoveryBar()
-        self._after_save: Callable[[], object] | None = None
         centre = QWidget()
         column = QVBoxLayout(centre)
         column.setContentsMargins(0, 0, 0, 0)

@@ -1,6 +1,6 @@
 """What the studio opens with: one bundled motion on five characters, side by side and playing."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from studio.app import importing
@@ -64,7 +64,7 @@ def open_sample(bench: Workbench) -> None:
         bench.sources["sample"] = file
         bench.document.playhead.play()
 
-    def work(progress):  # type: ignore[no-untyped-def]
+    def work(progress: Callable[[float, str], None]) -> Project:
         return sample_project(importing.read_motion(file, ImportOptions(), progress))
 
     bench.runner.run("Open sample", work, show)

@@ -19,8 +19,8 @@ class Settings:
     @property
     def recent(self) -> tuple[Path, ...]:
         """Projects opened or saved last, newest first."""
-        stored = self._store.value("recent", [])
-        names = [stored] if isinstance(stored, str) else list(stored or [])
+        stored = self._store.value("recent")
+        names = stored if isinstance(stored, list) else [stored] if stored else []
         return tuple(Path(str(name)) for name in names)
 
     def remember(self, path: Path) -> None:

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import (
     QDialog,
     QFrame,
     QGridLayout,
+    QHBoxLayout,
     QHeaderView,
     QLineEdit,
     QScrollArea,
@@ -58,7 +59,7 @@ class CommandPalette(QFrame):
     def __init__(self, window: QWidget, actions: Sequence[QAction]) -> None:
         super().__init__(window)
         self.setObjectName("command_palette")
-        self._actions = actions
+        self._window, self._actions = window, actions
         self.field = QLineEdit()
         self.field.setPlaceholderText("Search actions")
         self.field.setAccessibleName("Search actions")
@@ -85,10 +86,9 @@ class CommandPalette(QFrame):
 
     def open(self) -> None:
         """Show it, ready to type."""
-        window = self.parentWidget()
         self.field.clear()
         self._find("")
-        self.move((window.width() - WIDTH) // 2, 52)
+        self.move((self._window.width() - WIDTH) // 2, 52)
         self.show()
         self.raise_()
         self.field.setFocus()
@@ -115,9 +115,14 @@ class CommandPalette(QFrame):
 
     def _walk(self, step: int) -> None:
         count = self.list.topLevelItemCount()
-        if count:
-            place = self.list.indexOfTopLevelItem(self.list.currentItem())
-            self.list.setCurrentItem(self.list.topLevelItem((place + step) % count))
+        here = self.list.currentItem()
+        if here is not None:
+            self._go_to((self.list.indexOfTopLevelItem(here) + step) % count)
+
+    def _go_to(self, place: int) -> None:
+        item = self.list.topLevelItem(place)
+        if item is not None:
+            self.list.setCurrentItem(item)
 
     def _find(self, words: str) -> None:
         self.list.clear()
@@ -128,13 +133,13 @@ class CommandPalette(QFrame):
             item.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             item.setDisabled(not action.isEnabled())
             self.list.addTopLevelItem(item)
-        self.list.setCurrentItem(self.list.topLevelItem(0))
+        self._go_to(0)
         rows = min(max(self.list.topLevelItemCount(), 1), MOST_ROWS)
         self.resize(WIDTH, 48 + rows * ROW)
 
     def _leave(self) -> None:
         self.hide()
-        self.parentWidget().setFocus()
+        self._window.setFocus()
 
     def _run(self, item: QTreeWidgetItem | None) -> None:
         action = item.data(0, ACTION) if item is not None else None
@@ -144,7 +149,7 @@ class CommandPalette(QFrame):
 
 
 class ShortcutSheet(QDialog):
-    """All shortcuts by menu, in columns; not modal."""
+    """All shortcuts by menu, in two columns; not modal."""
 
     def __init__(self, window: QWidget, menus: dict[str, list[QAction]]) -> None:
         super().__init__(window)
@@ -152,21 +157,37 @@ class ShortcutSheet(QDialog):
         self.setWindowTitle("Shortcuts")
         content = QWidget()
         content.setObjectName("panel")
-        grid = QGridLayout(content)
-        grid.setContentsMargins(24, 16, 24, 24)
-        grid.setHorizontalSpacing(24)
-        grid.setVerticalSpacing(6)
-        for place, (menu, actions) in enumerate(menus.items()):
-            column, row = 2 * (place % 2), 30 * (place // 2)
-            grid.addWidget(labelled(menu, "head"), row, column)
-            for line, action in enumerate((a for a in actions if not a.shortcut().isEmpty()), row + 1):
-                grid.addWidget(labelled(plain_text(action), ""), line, column)
-                keys = ", ".join(each.toString(QKeySequence.SequenceFormat.NativeText) for each in action.shortcuts())
-                grid.addWidget(labelled(keys, "second"), line, column + 1)
+        row = QHBoxLayout(content)
+        row.setContentsMargins(24, 12, 24, 24)
+        row.setSpacing(48)
+        named = {menu: [each for each in actions if not each.shortcut().isEmpty()] for menu, actions in menus.items()}
+        names = sorted(named, key=lambda menu: -len(named[menu]))
+        for part in (names[:1] + names[3:], names[1:3]):
+            row.addLayout(_sheet_column({menu: named[menu] for menu in part}), 1)
         area = QScrollArea()
         area.setWidgetResizable(True)
         area.setWidget(content)
-        column_layout = QVBoxLayout(self)
-        column_layout.setContentsMargins(0, 0, 0, 0)
-        column_layout.addWidget(area)
-        self.resize(720, 640)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(area)
+        self.resize(720, 680)
+
+
+def _sheet_column(menus: dict[str, list[QAction]]) -> QGridLayout:
+    grid = QGridLayout()
+    grid.setHorizontalSpacing(16)
+    grid.setVerticalSpacing(6)
+    for menu, actions in menus.items():
+        head = labelled(menu, "head")
+        head.setContentsMargins(0, 12, 0, 0)
+        grid.addWidget(head, grid.rowCount(), 0)
+        for action in actions:
+            line = grid.rowCount()
+            grid.addWidget(labelled(plain_text(action), ""), line, 0)
+            grid.addWidget(labelled("  ".join(_keys(action)), "second"), line, 1)
+    grid.setRowStretch(grid.rowCount(), 1)
+    return grid
+
+
+def _keys(action: QAction) -> list[str]:
+    return [each.toString(QKeySequence.SequenceFormat.NativeText) for each in action.shortcuts()]

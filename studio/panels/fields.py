@@ -104,6 +104,7 @@ class NumberField(QDoubleSpinBox):
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self._press: tuple[QPointF, float] | None = None
         self._scrubbing = False
+        self.lineEdit().setTextMargins(4, 0, 4, 0)
         self.lineEdit().installEventFilter(self)
         self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
         self.valueChanged.connect(self._tell)

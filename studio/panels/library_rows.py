@@ -48,13 +48,13 @@ def _section(title: str, rows: list[Row], hint: str) -> list[Row]:
 
 
 def _captures(project: Project, motion_id: str | None) -> list[Row]:
-    playing = project.motions[motion_id].capture_id if motion_id in project.motions else None
+    motion = project.motions.get(motion_id or "")
     return [
         Row(
             capture.name,
             f"{capture.duration:.1f} s · {capture.frame_rate:.4g} Hz",
             ("captures", key),
-            strong=key == playing,
+            strong=motion is not None and key == motion.capture_id,
         )
         for key, capture in project.captures.items()
     ]

@@ -1,6 +1,7 @@
 """A body on the stage: whether it is shown, where it stands, what it plays, and how it is built."""
 
 import math
+from collections.abc import Callable
 
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
@@ -67,7 +68,7 @@ class PerformerEditor(Editor):
         if name and name != self.entity.name:
             self.change(f"Rename {self.entity.name}", name=name)
 
-    def _mover(self, axis: int):  # type: ignore[no-untyped-def]
+    def _mover(self, axis: int) -> Callable[[float], None]:
         def move(metres: float) -> None:
             place = list(self.entity.position)
             place[axis] = metres

@@ -1,6 +1,7 @@
 """The form that all kinds of constraint share: name, point, activation, chain, priority, how well it holds."""
 
 from dataclasses import replace
+from functools import partial
 
 from PySide6.QtWidgets import QCheckBox, QLineEdit
 
@@ -70,7 +71,7 @@ class ConstraintEditor(Editor):
         self._offset = [
             self.bind(
                 NumberField(f"Offset {axis}", "", -100.0, 100.0, 0.5, 1),
-                lambda value, k=k: self._set_offset(k, value),
+                partial(self._set_offset, k),
             )
             for k, axis in enumerate("XYZ")
         ]

@@ -1,5 +1,7 @@
 """The form of a position constraint: where the point is to be."""
 
+from functools import partial
+
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.fields import NumberField, Section
 
@@ -14,7 +16,7 @@ class PositionEditor(ConstraintEditor):
         self._target = [
             self.bind(
                 NumberField(f"Target {axis}", "", -FAR, FAR, 0.01, 3),
-                lambda value, k=k: self._set_target(k, value),
+                partial(self._set_target, k),
             )
             for k, axis in enumerate("XYZ")
         ]
