@@ -56,6 +56,9 @@ class Capture:
             raise StudioError(f"The poses or the reference pose of '{self.name}' do not fit its {joints} joints.")
         if not (np.isfinite(self.frame_rate) and self.frame_rate > 0.0 and np.isfinite(self.floor)):
             raise StudioError(f"The frame rate or the floor of '{self.name}' is no usable number.")
+        mapped = (*self.body_map.parts.values(), *self.body_map.spine) if self.body_map else ()
+        if any(not 0 <= joint < joints for joint in mapped):
+            raise StudioError(f"The body map of '{self.name}' names a joint that its skeleton has not.")
         if not 0 <= self.first_frame < self.frame_count:
             raise StudioError(f"'{self.name}' has no frame {self.first_frame}; it ends at {self.frame_count - 1}.")
 

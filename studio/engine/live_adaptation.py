@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
@@ -20,7 +21,11 @@ from studio.document.document import Document
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
 
+if TYPE_CHECKING:
+    from studio.core.solver.adapt import Standing
+
 WINDOW_SECONDS = 0.75
+KEPT_STANDING = 16
 _SOURCE = "source "
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
@@ -36,11 +41,22 @@ def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
     return motion, actor.morphology
 
 
-def adapted_window(request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
-    """The solver's answer for frames ``first`` to ``last``."""
-    from studio.core.solver.adapt import adapt
+class StandingSolver:
+    """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest."""
 
-    return adapt(request, first, last)
+    def __init__(self) -> None:
+        self._kept: dict[tuple[NormalizedMotion, Morphology], tuple[object, "Standing"]] = {}
+
+    def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
+        from studio.core.solver.adapt import hold, stand
+
+        key, ground = (request.motion, request.morphology), (request.contacts, request.ground)
+        kept = self._kept.get(key)
+        if kept is None or kept[0] != ground:
+            while len(self._kept) >= KEPT_STANDING:
+                self._kept.pop(next(iter(self._kept)), None)
+            kept = self._kept[key] = (ground, stand(request.motion, request.morphology, *ground))
+        return hold(kept[1], request.constraints, first, last)
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
@@ -81,7 +97,7 @@ class LiveAdaptation(QObject):
         self,
         document: Document,
         prepare: Prepare = normalised,
-        solve: Solve = adapted_window,
+        solve: Solve | None = None,
         realise: Realise = as_recorded,
         parent: QObject | None = None,
         workers: int | None = None,
@@ -89,7 +105,7 @@ class LiveAdaptation(QObject):
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
-        self._solve, self._realise = solve, realise
+        self._solve, self._realise = solve or StandingSolver(), realise
         self._wanted: dict[str, Wanted] = {}
         self._results: dict[str, AdaptedMotion] = {}
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}

@@ -11,10 +11,10 @@ from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt
-from studio.core.solver.request import AdaptRequest
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 
-def warm_up(morphology: Morphology) -> None:
+def warm_up(morphology: Morphology) -> AdaptedMotion:
     """Adapt four still frames to ``morphology`` with a contact and a constraint: every kernel runs once."""
     channels = np.zeros((4, at.SPINE + 4))
     channels[:, at.HIPS + 2] = 0.9
@@ -34,4 +34,4 @@ def warm_up(morphology: Morphology) -> None:
         target=(1.0, 0.5, 1.0),
     )
     contact = ContactInterval("warm-up", FootPoint.LEFT_TOE, 0, 3)
-    adapt(AdaptRequest(motion, morphology, (contact,), (reach,)))
+    return adapt(AdaptRequest(motion, morphology, (contact,), (reach,)))
