@@ -45,7 +45,7 @@ class StandingSolver:
     """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest."""
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[NormalizedMotion, Morphology], tuple[object, "Standing"]] = {}
+        self._kept: dict[tuple[NormalizedMotion, Morphology], tuple[object, Standing]] = {}
 
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
         from studio.core.solver.adapt import hold, stand
