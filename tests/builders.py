@@ -147,9 +147,7 @@ def make_character(name: str = "Woman", colour: str = "#7FB4E6", **measures: Any
     return Character(name, colour, make_morphology(**measures), make_skin(), proportions)
 
 
-def make_constraint(
-    motion_id: str = "motion", name: str = "Right wrist", **changes: Any
-) -> PositionConstraint:
+def make_constraint(motion_id: str = "motion", name: str = "Right wrist", **changes: Any) -> PositionConstraint:
     """A target for the right wrist, fully active from 0.1 to 0.3 s."""
     constraint = PositionConstraint(
         motion_id=motion_id,
@@ -174,17 +172,13 @@ def make_project(characters: int = 2, constraints: int = 1, contacts: int = 2, f
     Ids are readable: ``capture``, ``motion``, ``character 0``, ``performer 0``, ``constraint 0`` and so on.
     """
     clips = (Clip("motion", 0, frames - 1),)
-    bodies = {
-        f"character {k}": make_character(f"Body {k}", leg_scale=1.0 + 0.1 * k) for k in range(characters)
-    }
+    bodies = {f"character {k}": make_character(f"Body {k}", leg_scale=1.0 + 0.1 * k) for k in range(characters)}
     performers = {
-        f"performer {k}": Performer(f"Body {k}", f"character {k}", clips, (0.0, 1.2 * k))
-        for k in range(characters)
+        f"performer {k}": Performer(f"Body {k}", f"character {k}", clips, (0.0, 1.2 * k)) for k in range(characters)
     }
     targets = {f"constraint {k}": make_constraint(name=f"Target {k}", priority=k) for k in range(constraints)}
     touches = {
-        f"contact {k}": make_contact(point=tuple(FootPoint)[k % 4], first=k, last=k + 8)
-        for k in range(contacts)
+        f"contact {k}": make_contact(point=tuple(FootPoint)[k % 4], first=k, last=k + 8) for k in range(contacts)
     }
     return Project(
         captures={"capture": make_capture(frames=frames)},

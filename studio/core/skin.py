@@ -57,9 +57,7 @@ class SkinnedMesh:
             raise ValueError("triangles: name a vertex that is not there.")
         if self.segments.min() < 0:
             raise ValueError("segments: an index is below zero.")
-        if (np.diff(self.weights, axis=1) > 0).any() or not np.allclose(
-            self.weights.sum(axis=1), 1, atol=1e-5
-        ):
+        if (np.diff(self.weights, axis=1) > 0).any() or not np.allclose(self.weights.sum(axis=1), 1, atol=1e-5):
             raise ValueError("weights: each row falls and sums to 1.")
 
 
@@ -81,9 +79,7 @@ def skin_vertices(
     rest_positions, rest_rotations = _rest(morphology)
     proximal = list(morphology.layout.proximal_points())
     motions = np.empty((morphology.layout.segment_count, 16))
-    skinning.segment_motions(
-        rest_rotations, rest_positions[proximal], rotations, positions[proximal], motions
-    )
+    skinning.segment_motions(rest_rotations, rest_positions[proximal], rotations, positions[proximal], motions)
     vertices = np.empty_like(mesh.vertices) if out_vertices is None else out_vertices
     normals = np.empty_like(mesh.normals) if out_normals is None else out_normals
     skinning.skin(

@@ -98,9 +98,7 @@ def write_archive(
     return written
 
 
-def _write_members(
-    stream: object, members: Mapping[str, bytes], report: Callable[[float, str], None]
-) -> None:
+def _write_members(stream: object, members: Mapping[str, bytes], report: Callable[[float, str], None]) -> None:
     total = sum(map(len, members.values())) or 1
     done = 0
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:  # type: ignore[call-overload]
@@ -143,9 +141,7 @@ def _walked(content: bytes) -> Archive:
     archive = Archive()
     start = content.find(_SIGNATURE)
     while 0 <= start <= len(content) - _LOCAL_HEADER.size and len(archive.damaged) < _MOST_DAMAGED:
-        _, _, flags, method, _, _, crc, size, full, name_size, extra = _LOCAL_HEADER.unpack_from(
-            content, start
-        )
+        _, _, flags, method, _, _, crc, size, full, name_size, extra = _LOCAL_HEADER.unpack_from(content, start)
         named = start + _LOCAL_HEADER.size
         name = content[named : named + name_size].decode("ascii", "replace")
         begin = named + name_size + extra
@@ -188,11 +184,7 @@ def _remove_leftovers(path: Path) -> None:
 
 
 def _parts_of(path: Path) -> Iterable[Path]:
-    return (
-        item
-        for item in path.parent.iterdir()
-        if item.name.startswith(f".{path.name}.") and item.suffix == ".part"
-    )
+    return (item for item in path.parent.iterdir() if item.name.startswith(f".{path.name}.") and item.suffix == ".part")
 
 
 def _sync_folder(folder: Path) -> None:
@@ -214,7 +206,6 @@ def _refusal(path: Path, error: OSError) -> StudioError:
         )
     if error.errno in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT):
         return StudioError(
-            f"There is no room for '{path.name}' ({error.strerror}). {untouched} Make room or choose"
-            " another disk."
+            f"There is no room for '{path.name}' ({error.strerror}). {untouched} Make room or choose another disk."
         )
     return StudioError(f"'{path.name}' could not be saved: {error.strerror or error}. {untouched}")

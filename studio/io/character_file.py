@@ -55,9 +55,7 @@ def read_character(path: Path) -> Character:
     mesh_path = path.with_name(mesh_name)
     content = _read_bytes(mesh_path)
     if hashlib.sha256(content).hexdigest() != record.get("sha256"):
-        raise StudioError(
-            f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both anew."
-        )
+        raise StudioError(f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both anew.")
     try:
         build = Morphology.from_json(_member(record, "build", dict, path))
         proportions = Proportions(**record.get("proportions", {}))
@@ -111,9 +109,7 @@ def _read_record(path: Path) -> dict[str, Any]:
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise StudioError(f"{path}: not a character file: its 'format' is not '{FORMAT}'.")
     if record.get("version") != VERSION:
-        raise StudioError(
-            f"{path}: version {record.get('version')} is not known here. Install a newer Morpho Studio."
-        )
+        raise StudioError(f"{path}: version {record.get('version')} is not known here. Install a newer Morpho Studio.")
     return record
 
 

@@ -105,9 +105,7 @@ def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
     problems = [f"'{name}' in '{path.name}' is damaged." for name in dict.fromkeys(archive.damaged)]
     manifest, intact = _checked(archive, path, problems)
     versions = tuple(sorted((name for name in intact if HISTORY.fullmatch(name)), reverse=True))
-    chosen = _newest_readable(
-        path, (version, *versions) if version == PROJECT else (version,), intact, problems
-    )
+    chosen = _newest_readable(path, (version, *versions) if version == PROJECT else (version,), intact, problems)
     record = parsed(intact[chosen], chosen)
     schema = schema_of(record, chosen)
     read = project_of(upgraded(record, chosen), lambda name: _array(intact, name))
@@ -119,9 +117,7 @@ def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
             f" {PROJECT_SCHEMA}). It is open for reading; to keep changes, save under another name."
         )
     if not archive.sealed and not problems:
-        problems.append(
-            f"'{path.name}' was changed by another program or damaged; all its members are right."
-        )
+        problems.append(f"'{path.name}' was changed by another program or damaged; all its members are right.")
     document_id = manifest.get("document")
     return OpenedProject(
         _with_foreign_members(read.project, intact, manifest),
@@ -137,9 +133,7 @@ def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
 def _manifest(document_id: str, members: Mapping[str, bytes]) -> bytes:
     sums = {name: {"sha256": _sha(content), "size": len(content)} for name, content in members.items()}
     lines = ",\n".join(f"{line(name)}:{line(item)}" for name, item in sorted(sums.items()))
-    return (
-        f'{{"document":{line(document_id)},"schema":{PROJECT_SCHEMA},"members":{{\n{lines}\n}}}}\n'.encode()
-    )
+    return f'{{"document":{line(document_id)},"schema":{PROJECT_SCHEMA},"members":{{\n{lines}\n}}}}\n'.encode()
 
 
 def _earlier(path: Path, document_id: str, current: bytes) -> dict[str, bytes]:
@@ -192,9 +186,7 @@ def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[st
     return manifest, intact
 
 
-def _newest_readable(
-    path: Path, names: tuple[str, ...], intact: dict[str, bytes], problems: list[str]
-) -> str:
+def _newest_readable(path: Path, names: tuple[str, ...], intact: dict[str, bytes], problems: list[str]) -> str:
     for name in names:
         try:
             schema_of(parsed(intact[name], name), name)

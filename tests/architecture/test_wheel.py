@@ -14,9 +14,7 @@ BIN = "Scripts" if sys.platform == "win32" else "bin"
 
 
 def run(*command, cwd):
-    done = subprocess.run(
-        [str(word) for word in command], cwd=cwd, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([str(word) for word in command], cwd=cwd, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

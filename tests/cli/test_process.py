@@ -17,9 +17,7 @@ def test_the_kernel_cache_changes_with_the_content_of_any_kernel(tmp_path):
 
 
 def test_a_home_that_cannot_be_written_still_gets_a_kernel_cache(tmp_path, monkeypatch):
-    monkeypatch.setattr(
-        "studio.cli.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path / "in_the_way")
-    )
+    monkeypatch.setattr("studio.cli.process.platformdirs.user_cache_dir", lambda *_, **__: str(tmp_path / "in_the_way"))
     (tmp_path / "in_the_way").write_text("a file where a folder should be")
     cache = writable_kernel_cache()
     assert cache.is_dir()

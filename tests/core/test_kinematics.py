@@ -31,9 +31,7 @@ def _joint_world_twin(skeleton: Skeleton, poses: PoseSequence) -> tuple[np.ndarr
 def test_the_kernel_agrees_with_its_twin() -> None:
     skeleton, random = _tree(20), np.random.default_rng(1)
     poses = PoseSequence(random.normal(size=(9, 20, 4)), random.normal(size=(9, 20, 3)))
-    for result, expected in zip(
-        joint_world(skeleton, poses), _joint_world_twin(skeleton, poses), strict=True
-    ):
+    for result, expected in zip(joint_world(skeleton, poses), _joint_world_twin(skeleton, poses), strict=True):
         assert np.allclose(result, expected, atol=1e-12)
 
 

@@ -35,8 +35,6 @@ def test_frames_are_counted_with_both_ends() -> None:
         (_rotations(), np.full((4, 3, 3), np.inf), "translation of joint 0 in frame 0 is not a finite"),
     ],
 )
-def test_poses_that_cannot_be_are_refused(
-    rotations: np.ndarray, translations: np.ndarray, sentence: str
-) -> None:
+def test_poses_that_cannot_be_are_refused(rotations: np.ndarray, translations: np.ndarray, sentence: str) -> None:
     with pytest.raises(StudioError, match=sentence):
         PoseSequence(rotations, translations)

@@ -60,9 +60,7 @@ def test_matrices_and_quaternions_say_the_same(raw: np.ndarray) -> None:
 
 
 @given(quaternions, quaternions, vectors)
-def test_a_product_turns_by_the_second_first(
-    first: np.ndarray, second: np.ndarray, vector: np.ndarray
-) -> None:
+def test_a_product_turns_by_the_second_first(first: np.ndarray, second: np.ndarray, vector: np.ndarray) -> None:
     first, second = rotations.normalized(first), rotations.normalized(second)
     one_by_one = rotations.rotate(first, rotations.rotate(second, vector))
     assert np.allclose(rotations.rotate(rotations.multiply(first, second), vector), one_by_one, atol=1e-9)

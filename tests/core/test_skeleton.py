@@ -7,9 +7,7 @@ from studio.core.errors import StudioError
 from studio.core.skeleton import Skeleton
 
 
-def _skeleton(
-    names: str = "hips spine head leg foot", parents: tuple[int, ...] = (-1, 0, 1, 0, 3)
-) -> Skeleton:
+def _skeleton(names: str = "hips spine head leg foot", parents: tuple[int, ...] = (-1, 0, 1, 0, 3)) -> Skeleton:
     words = tuple(names.split())
     return Skeleton(words, np.array(parents), np.zeros((len(words), 3)), np.zeros(len(words), dtype=bool))
 
@@ -52,6 +50,4 @@ def test_joints_that_are_no_tree_are_refused(names: str, parents: tuple[int, ...
 
 def test_an_offset_that_is_no_number_is_refused() -> None:
     with pytest.raises(StudioError, match="offset of joint 'b' is not a finite number"):
-        Skeleton(
-            ("a", "b"), np.array([-1, 0]), np.array([[0, 0, 0], [0, np.nan, 0]]), np.zeros(2, dtype=bool)
-        )
+        Skeleton(("a", "b"), np.array([-1, 0]), np.array([[0, 0, 0], [0, np.nan, 0]]), np.zeros(2, dtype=bool))

@@ -110,14 +110,10 @@ class Form:
             (0.96, -0.021, 0.031 * p.neck_girth, 0.048 * wide),
             (1.02, -0.021, 0.026 * p.neck_girth, 0.032 * p.neck_girth),
         ]
-        stations = (
-            np.array([(hip + (top - hip) * t, x, 0, depth, breadth) for t, x, depth, breadth in rows]) * h
-        )
+        stations = np.array([(hip + (top - hip) * t, x, 0, depth, breadth) for t, x, depth, breadth in rows]) * h
         trunk = Loft(np.zeros(3), np.eye(3), stations, power=2.25, caps=(0.012 * h, 0.02 * h))
 
-        def blob(
-            t: float, x: float, y: float, radii: tuple[float, float, float], fillet: float
-        ) -> tuple[Solid, float]:
+        def blob(t: float, x: float, y: float, radii: tuple[float, float, float], fillet: float) -> tuple[Solid, float]:
             centre = np.array([x, y, hip + (top - hip) * t]) * h
             return Ellipsoid(centre, np.array(radii) * h, np.eye(3)), fillet * h
 
@@ -131,9 +127,7 @@ class Form:
             swell = (0.036 * p.bust, 0.036 * p.bust, 0.035 * p.bust)
             parts.append(blob(0.60, 0.042 * p.chest_depth, 0.042, swell, 0.055))
         if p.belly:
-            parts.append(
-                blob(0.27, 0.010 + 0.02 * p.belly, 0.0, (0.062 * p.belly, 0.080 * p.belly, 0.085), 0.08)
-            )
+            parts.append(blob(0.27, 0.010 + 0.02 * p.belly, 0.0, (0.062 * p.belly, 0.080 * p.belly, 0.085), 0.08))
         shoulder, neck = self.point("shoulder"), self.point("neck base")
         inner, outer = (
             neck + _vector(0.002 * h, 0.010 * h, 0.012 * h),
@@ -156,9 +150,7 @@ class Form:
         u = p.stature * p.head / 0.088
         joint, s = self.point("head joint"), p.skull
 
-        def blob(
-            place: tuple[float, float, float], radii: tuple[float, float, float], tilt: float = 0.0
-        ) -> Solid:
+        def blob(place: tuple[float, float, float], radii: tuple[float, float, float], tilt: float = 0.0) -> Solid:
             c, d = np.cos(tilt), np.sin(tilt)
             frame = np.array([[c, 0, d], [0, 1, 0], [-d, 0, c]])
             return Ellipsoid(joint + np.array(place) * u, np.array(radii) * u, frame)
@@ -251,18 +243,14 @@ class Form:
             (0.68, -0.006, 0.052, 0.130 * g, 0.052),
         ]
         frame = np.stack([_LEFT, _UP, _FORWARD], axis=1)
-        return Loft(
-            self.point("ankle") * [1, 1, 0], frame, np.array(rows) * u, power=2.5, caps=(0.06 * u, 0.07 * u)
-        )
+        return Loft(self.point("ankle") * [1, 1, 0], frame, np.array(rows) * u, power=2.5, caps=(0.06 * u, 0.07 * u))
 
 
 def _vector(x: float, y: float, z: float) -> FloatArray:
     return np.array([x, y, z])
 
 
-def _limb(
-    origin: FloatArray, frame: FloatArray, rows: Sequence[tuple[float, ...]], length: float, unit: float
-) -> Loft:
+def _limb(origin: FloatArray, frame: FloatArray, rows: Sequence[tuple[float, ...]], length: float, unit: float) -> Loft:
     """A loft along a bone: first column in bone lengths, the others in ``unit``."""
     return Loft(origin, frame, np.array(rows) * [length, unit, unit, unit, unit])
 

@@ -117,9 +117,7 @@ def _collapse(mesh: _Mesh, gone: int, kept: int, longest: float) -> None:
     if not shared or len(around_gone & around_kept) != len(shared) or len(around_gone) < 4:
         return
     place = (
-        mesh.points[kept]
-        if mesh.open[kept] and not mesh.open[gone]
-        else (mesh.points[gone] + mesh.points[kept]) / 2
+        mesh.points[kept] if mesh.open[kept] and not mesh.open[gone] else (mesh.points[gone] + mesh.points[kept]) / 2
     )
     ring = np.array([mesh.points[v] for v in (around_gone | around_kept) - {gone, kept}])
     if (((ring - place) ** 2).sum(axis=1) > longest**2).any():
@@ -203,13 +201,9 @@ def _relaxed(vertices: FloatArray, triangles: Triangles, size: FloatArray) -> Fl
     return np.asarray(vertices + 0.8 * (moved - vertices))
 
 
-def _open_neighbours_mean(
-    vertices: FloatArray, triangles: Triangles, is_open: NDArray[np.bool_]
-) -> FloatArray:
+def _open_neighbours_mean(vertices: FloatArray, triangles: Triangles, is_open: NDArray[np.bool_]) -> FloatArray:
     """Mean of the two neighbours along the open edge."""
-    edges = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
-    )
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     unique, count = np.unique(edges, axis=0, return_counts=True)
     rim = unique[count == 1]
     total, number = np.zeros_like(vertices), np.zeros(len(vertices))

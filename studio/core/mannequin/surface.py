@@ -12,9 +12,7 @@ Field = Callable[[FloatArray], FloatArray]
 Triangles = NDArray[np.int64]
 
 
-def left_half_surface(
-    field: Field, low: FloatArray, high: FloatArray, cell: float
-) -> tuple[FloatArray, Triangles]:
+def left_half_surface(field: Field, low: FloatArray, high: FloatArray, cell: float) -> tuple[FloatArray, Triangles]:
     """Vertices and triangles of the half y >= 0, open along y = 0, by surface nets (Gibson 1998).
 
     One vertex lies in each cell that the surface crosses; the first row of cells is centred on y = 0, so the
