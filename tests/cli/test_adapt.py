@@ -1,0 +1,170 @@
+"""`adapt`: files and a report for every character."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from studio.cli.main import main
+from studio.io.character_file import bundled_characters
+from studio.io.export import write_capture
+from studio.io.importing import load_capture
+from studio.resources_folder import resources_folder
+from tests.architecture.sources import ROOT
+from tests.builders import make_capture
+
+KEYS = {
+    *("name", "file", "slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "microseconds_per_frame"),
+    "constraints",
+}
+WRIST = {
+    "kind": "position",
+    "name": "Right wrist",
+    "point": {"part": "right_forearm", "at_end": True},
+    "target": [0.5, 0.4, 1.1],
+    "activation": {"start": 0.3, "full": 0.6, "full_end": 1.0, "end": 1.4},
+}
+
+
+@pytest.fixture
+def walk(tmp_path):
+    """Half a second of a small walk as a BVH file."""
+    write_capture(make_capture(), tmp_path / "walk.bvh")
+    return tmp_path / "walk.bvh"
+
+
+@pytest.fixture
+def kick(captures):
+    return captures / "bvh" / "strikes" / "accad_male2_G2_FrontKick.bvh"
+
+
+def adapt(capsys, capture, out, *arguments):
+    code = main(["adapt", "--json", str(capture), "--out", str(out), *map(str, arguments)])
+    printed = capsys.readouterr()
+    return code, json.loads(printed.out)
+
+
+def constraint_file(folder, *constraints, **members):
+    file = folder / "targets.json"
+    file.write_text(json.dumps({"constraints": list(constraints), **members}))
+    return file
+
+
+def test_without_a_choice_every_bundled_character_gets_its_file(capsys, walk, tmp_path):
+    code, report = adapt(capsys, walk, tmp_path / "out")
+    assert code == 0
+    assert report["source"] == str(walk)
+    assert [record["name"] for record in report["characters"]] == list(bundled_characters())
+    assert all(record.keys() >= KEYS for record in report["characters"])
+    assert json.loads((tmp_path / "out" / "report.json").read_text()) == report
+    for record in report["characters"]:
+        assert record["file"] == str(tmp_path / "out" / f"walk_{record['name']}.bvh")
+        capture = load_capture(record["file"])
+        assert (capture.frame_count, capture.frame_rate) == (30, 60.0)
+        assert capture.body_map is not None
+
+
+def test_characters_are_chosen_by_name_or_by_file(capsys, walk, tmp_path):
+    giant = resources_folder() / "characters" / "giant.json"
+    _, report = adapt(capsys, walk, tmp_path, "--character", "child", giant)
+    assert [record["name"] for record in report["characters"]] == ["child", "giant"]
+
+
+@pytest.mark.parametrize(
+    ("names", "sentence"),
+    [
+        (["dwarf"], "No character is called 'dwarf'. Bundled are adult_woman"),
+        (["child", "child"], "Two characters are called 'child'"),
+        (["nobody.json"], "nobody.json"),
+    ],
+)
+def test_a_character_that_is_not_there_is_a_sentence(capsys, walk, tmp_path, names, sentence):
+    assert main(["adapt", str(walk), "--out", str(tmp_path / "out"), "--character", *names]) == 1
+    assert sentence in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_feet_of_a_kick_stand_still_on_every_character(capsys, kick, tmp_path):
+    _, report = adapt(capsys, kick, tmp_path)
+    for record in report["characters"]:
+        assert record["slide_mm"] < 1.0
+        assert record["float_mm"] < 2.0
+        assert record["penetration_mm"] < 2.0
+        assert record["acceleration_ratio"] < 3.0
+
+
+def test_constraints_are_reported_as_reached_missed_or_never_active(capsys, kick, tmp_path):
+    far = {
+        **WRIST,
+        "name": "Far",
+        "point": {"part": "left_forearm", "at_end": True},
+        "target": [4, 0, 1],
+        "priority": 1,
+    }
+    never = {**WRIST, "name": "Never", "activation": {"start": 90, "full": 91, "full_end": 92, "end": 93}}
+    file = constraint_file(tmp_path, WRIST, far, never)
+    _, report = adapt(capsys, kick, tmp_path / "out", "--character", "adult_woman", "--constraints", file)
+    [record] = report["characters"]
+    near, far, never = record["constraints"]
+    assert (near["name"], near["kind"], near["reached"]) == ("Right wrist", "position", True)
+    assert near["residual_mm"] <= 0.2
+    assert far["reached"] is False
+    assert far["residual_mm"] > 500.0
+    assert (never["residual_mm"], never["reached"]) == (None, None)
+
+
+def test_a_constraint_switched_off_is_not_solved(capsys, walk, tmp_path):
+    file = constraint_file(tmp_path, {**WRIST, "enabled": False})
+    _, report = adapt(capsys, walk, tmp_path, "--character", "child", "--constraints", file)
+    assert report["characters"][0]["constraints"] == []
+
+
+def test_contacts_of_the_file_take_the_place_of_those_detected(capsys, walk, tmp_path):
+    file = constraint_file(tmp_path, contacts={"left_heel": [[0, 10]]})
+    _, report = adapt(capsys, walk, tmp_path, "--character", "child", "--constraints", file)
+    assert report["contacts"] == "given"
+    assert report["characters"][0]["slide_mm"] < 1.0
+
+
+def test_a_contact_after_the_end_is_refused(capsys, walk, tmp_path):
+    file = constraint_file(tmp_path, contacts={"left_heel": [[0, 30]]})
+    assert main(["adapt", str(walk), "--out", str(tmp_path), "--constraints", str(file)]) == 1
+    assert "frame 30 is after the last, 29" in capsys.readouterr().err
+
+
+def test_a_calibration_pose_is_left_out_unless_asked_for(capsys, captures, tmp_path):
+    salsa = captures / "bvh" / "varied" / "cmu_salsa_10.bvh"
+    _, report = adapt(capsys, salsa, tmp_path, "--character", "child")
+    assert report["first_frame"] > 0
+    assert load_capture(report["characters"][0]["file"]).frame_count == report["frames"]
+    _, whole = adapt(capsys, salsa, tmp_path, "--character", "child", "--all-frames")
+    assert (whole["first_frame"], whole["frames"]) == (0, report["frames"] + report["first_frame"])
+
+
+def test_what_is_no_human_is_refused_with_what_is_missing(capsys, captures, tmp_path):
+    [strange] = (captures / "bvh").rglob("pybvh_rotation_first_root.bvh")
+    assert main(["adapt", str(strange), "--out", str(tmp_path / "out")]) == 1
+    assert "no complete human body" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_people_get_a_table(capsys, walk, tmp_path):
+    file = constraint_file(tmp_path, WRIST)
+    assert main(["adapt", str(walk), "--out", str(tmp_path), "--constraints", str(file)]) == 0
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("slide mm", "residual mm", *bundled_characters()))
+
+
+def test_the_program_itself_prints_one_document(walk, tmp_path):
+    command = [sys.executable, str(ROOT / "main.py"), "adapt", str(walk), "--out", str(tmp_path / "out"), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert len(json.loads(done.stdout)["characters"]) == len(bundled_characters())
+    assert len(list((tmp_path / "out").glob("*.bvh"))) == len(bundled_characters())
+
+
+def test_help_tells_in_which_space_targets_are(capsys):
+    with pytest.raises(SystemExit):
+        main(["adapt", "--help"])
+    assert "on the ground\nunder the root" in capsys.readouterr().out

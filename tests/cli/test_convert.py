@@ -1,0 +1,50 @@
+"""`convert`: the same motion in another file."""
+
+import json
+
+import numpy as np
+import pytest
+
+from studio.cli.main import main
+from studio.core.kinematics import joint_world
+from studio.io.export import write_capture
+from studio.io.importing import load_capture
+from tests.builders import make_capture
+
+
+def test_joints_frames_and_rate_are_kept_and_named(capsys, tmp_path):
+    write_capture(make_capture(), tmp_path / "walk.bvh")
+    assert main(["convert", "--json", str(tmp_path / "walk.bvh"), str(tmp_path / "out.bvh")]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["frames"], record["frame_rate"], record["joints"]) == (30, 60.0, 21)
+    assert record["file"] == str(tmp_path / "out.bvh")
+    before, after = load_capture(tmp_path / "walk.bvh"), load_capture(tmp_path / "out.bvh")
+    assert after.skeleton.names == before.skeleton.names
+
+
+@pytest.mark.parametrize("name", ["pybvh_test3_fingers", "geno_bind_6ch"])
+def test_a_real_capture_moves_as_before(captures, tmp_path, name):
+    [source] = (captures / "bvh").rglob(f"{name}.bvh")
+    assert main(["convert", str(source), str(tmp_path / "out.bvh")]) == 0
+    before, after = load_capture(source), load_capture(tmp_path / "out.bvh")
+    places = [joint_world(each.skeleton, each.poses)[0] for each in (before, after)]
+    assert np.abs(places[1] - places[0]).max() < 1e-5
+
+
+def test_what_was_repaired_is_told(capsys, captures, tmp_path):
+    source = captures / "bvh" / "strikes" / "assimp_Boxing_Toes.bvh"
+    assert main(["convert", str(source), str(tmp_path / "out.bvh")]) == 0
+    assert "repaired" in capsys.readouterr().out
+
+
+def test_an_unknown_format_is_refused_before_anything_is_read(capsys, tmp_path):
+    assert main(["convert", str(tmp_path / "missing.bvh"), str(tmp_path / "out.xyz")]) == 1
+    assert "Let it end with .bvh" in capsys.readouterr().err
+
+
+def test_a_damaged_file_leaves_the_target_as_it_was(capsys, tmp_path):
+    (tmp_path / "bad.bvh").write_bytes(b"HIERARCHY\nROOT Hips\n{\n OFFSET 0,5 0 0\n")
+    (tmp_path / "out.bvh").write_text("precious")
+    assert main(["convert", str(tmp_path / "bad.bvh"), str(tmp_path / "out.bvh")]) == 1
+    assert "bad.bvh, line 4" in capsys.readouterr().err
+    assert (tmp_path / "out.bvh").read_text() == "precious"

@@ -1,0 +1,81 @@
+"""`render`: pictures and films without a window."""
+
+import json
+import struct
+
+import pytest
+
+from studio.cli.main import main
+from studio.io.export import write_capture
+from studio.io.project_file import new_document_id, write_project
+from tests.builders import make_capture, make_project
+
+
+@pytest.fixture
+def walk(tmp_path):
+    """Half a second of a small walk as a BVH file."""
+    write_capture(make_capture(), tmp_path / "walk.bvh")
+    return tmp_path / "walk.bvh"
+
+
+def size_of(path):
+    return struct.unpack(">2I", path.read_bytes()[16:24])
+
+
+def test_a_capture_is_drawn_in_the_size_asked_for(capsys, walk, tmp_path):
+    out = tmp_path / "new folder" / "walk.png"
+    command = ["render", str(walk), "--out", str(out), "--size", "160x90", "--character", "child", "giant", "--json"]
+    assert main(command) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["file"], record["characters"], record["frames"]) == (str(out), 2, 1)
+    assert size_of(out) == (160, 90)
+
+
+def test_another_moment_is_another_picture(walk, tmp_path):
+    command = ["render", str(walk), "--size", "160x90", "--character", "child"]
+    for name, time in (("begin", "0"), ("again", "0"), ("end", "0.4")):
+        assert main([*command, "--out", str(tmp_path / f"{name}.png"), "--time", time]) == 0
+    begin, again, end = ((tmp_path / f"{name}.png").read_bytes() for name in ("begin", "again", "end"))
+    assert begin == again != end
+
+
+def test_a_project_is_drawn_with_its_own_characters(capsys, tmp_path):
+    write_project(tmp_path / "play.studio", make_project(characters=2), new_document_id())
+    assert main(["render", str(tmp_path / "play.studio"), "--out", str(tmp_path / "p.png"), "--size", "160x90"]) == 0
+    assert "2 characters" in capsys.readouterr().out
+    assert main(["render", str(tmp_path / "play.studio"), "--out", "p.png", "--character", "child"]) == 1
+    assert "has its own characters" in capsys.readouterr().err
+
+
+def test_a_film_has_its_progress_on_standard_error(capsys, walk, tmp_path):
+    pytest.importorskip("imageio_ffmpeg")
+    command = ["render", str(walk), "--out", str(tmp_path / "walk.mp4"), "--size", "160x90", "--character", "child"]
+    assert main([*command, "--json", "--film-rate", "10"]) == 0
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["frames"] == 5
+    assert "100% walk.mp4" in printed.err
+    assert (tmp_path / "walk.mp4").read_bytes()[4:8] == b"ftyp"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["walk.bvh", "walk.mp4"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--out", "walk.gif"], "Let it end with .png or .mp4"),
+        (["--out", "walk.mp4", "--film-rate", "0"], "no rate for a film"),
+        (["--out", "walk.mp4", "--size", "161x90"], "even numbers"),
+    ],
+)
+def test_what_cannot_be_drawn_is_a_sentence(capsys, walk, tmp_path, monkeypatch, arguments, sentence):
+    monkeypatch.chdir(tmp_path)
+    assert main(["render", str(walk), "--character", "child", *arguments]) == 1
+    assert sentence in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["walk.bvh"]
+
+
+@pytest.mark.parametrize("size", ["12x9", "big", "100000x100"])
+def test_a_size_that_is_none_is_bad_usage(capsys, walk, size):
+    with pytest.raises(SystemExit) as end:
+        main(["render", str(walk), "--out", "walk.png", "--size", size])
+    assert end.value.code == 2
+    assert "is no size" in capsys.readouterr().err
