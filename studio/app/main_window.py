@@ -64,9 +64,10 @@ class MainWindow(QMainWindow):
         viewport.setFocus()
         self.bench.views_changed.emit()
 
-    def show_timeline(self, timeline: QWidget) -> None:
+    def show_timeline(self, timeline: Any) -> None:
         """Put the timeline in its dock."""
         self.docks["Timeline"].setWidget(timeline)
+        timeline.told.connect(self.status.tell)
         self.bench.timeline = timeline
         self.bench.views_changed.emit()
 

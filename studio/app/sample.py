@@ -59,7 +59,11 @@ def open_sample(bench: Workbench) -> None:
         bench.document.new(empty_project())
         return
 
+    revision = bench.document.revision
+
     def show(project: Project) -> None:
+        if bench.document.revision != revision:
+            return  # the user has opened or recovered something meanwhile
         bench.document.new(project)
         bench.sources["sample"] = file
         bench.document.playhead.play()

@@ -1,13 +1,16 @@
 """A capture and its import report: what the file says, what was guessed and why, what was repaired."""
 
 from collections.abc import Callable
+from html import escape
 from typing import Any
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
 from studio.core.capture import Capture, Guess
+from studio.document import colours
 from studio.document.document import Document
+from studio.panels.body_map_section import BodyMapSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
 from studio.panels.live import Live
@@ -31,6 +34,8 @@ class CaptureEditor(Editor):
         self.column.addWidget(self._facts)
         self._add_options()
         self._report: QWidget | None = None
+        self._body_map = BodyMapSection(self)
+        self.column.addWidget(self._body_map)
         self.finish()
 
     def _add_options(self) -> None:
@@ -79,6 +84,7 @@ class CaptureEditor(Editor):
         self._rate.show_value(capture.frame_rate)
         self._floor.show_value(capture.floor)
         self._first.show_value(capture.first_frame)
+        self._body_map.refresh()
         self._show_report(capture)
 
     def _show_report(self, capture: Capture) -> None:
@@ -118,5 +124,6 @@ def _make_report(capture: Capture) -> QWidget:
 
 def _guess_lines(guess: Guess) -> QWidget:
     line = labelled("", "hint")
-    line.setText(f"<b>{guess.subject.capitalize()}: {guess.value}</b><br>{guess.reason}")
+    head = f"{guess.subject.capitalize()}: {guess.value}"
+    line.setText(f'<span style="color: {colours.TEXT}">{escape(head)}</span><br>{escape(guess.reason)}')
     return line

@@ -53,6 +53,7 @@ class BodySection(Section):
         reset.setToolTip("All lengths as built")
         self.head.addWidget(reset)
         self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
+        self._preset.setPlaceholderText("Own measures")
         self._preset.chosen.connect(self._choose)
         self.add_row("Preset", self._preset)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}

@@ -63,9 +63,9 @@ class StatusLine(QStatusBar):
         super().__init__()
         self.setSizeGripEnabled(False)
         self.document = document
-        self._time, self._rate, self._guesses, self._journal = (QLabel() for _ in range(4))
+        self._time, self._rate, self._guesses, self._told, self._journal = (QLabel() for _ in range(5))
         self.progress = ProgressLine()
-        for label in (self._time, self._rate, self._guesses):
+        for label in (self._time, self._rate, self._guesses, self._told):
             label.setContentsMargins(8, 0, 8, 0)
             self.addWidget(label)
         self._journal.setContentsMargins(8, 0, 12, 0)
@@ -80,6 +80,10 @@ class StatusLine(QStatusBar):
         document.undo_stack.indexChanged.connect(self._show_journal)
         self._show_facts()
         self._show_journal()
+
+    def tell(self, words: str) -> None:
+        """What is under the mouse."""
+        self._told.setText(words)
 
     def _entity_changed(self, collection: str, _: str) -> None:
         if collection in ("captures", "motions", "performers"):

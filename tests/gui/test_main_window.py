@@ -1,6 +1,8 @@
 """The whole window as a person uses it: drops, keys, clicks; only the 3D view is left out where it is not needed."""
 
+import sys
 import threading
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -8,10 +10,13 @@ from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
 
+from studio.app import recovery
 from studio.app.application import import_views, make_application, make_window, show_views
+from studio.app.problems import ProblemHooks
 from studio.app.settings import Settings
 from studio.document.document import Document
 from studio.document.journal import StateHash
+from studio.document.recovery import Session
 from studio.io.bvh_writer import write_bvh
 from studio.io.importing import load_capture
 from tests.builders import make_capture, make_project
@@ -240,3 +245,83 @@ def test_recent_files_are_remembered_newest_first(tmp_path):
         settings.remember(path)
     assert Settings(tmp_path / "studio.ini").recent == (first, second)
     assert isinstance(settings.recent[0], Path)
+
+
+def test_read_with_another_unit_the_capture_is_replaced_as_one_undo_step(qtbot, window, walk):
+    document = window.bench.document
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    capture_id = list(document.project.captures)[-1]
+    document.selection.set(("captures", capture_id))
+    window.inspector.reimport_wanted.emit(capture_id, {"unit": "inch"})
+    wait_until_idle(qtbot, window)
+    assert document.project.captures[capture_id].unit == "inch"
+    assert document.history == ("Import walk.bvh", "Read walk with unit inch")
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    assert document.project.captures[capture_id].unit == "cm"
+
+
+def test_a_capture_whose_file_is_not_known_is_not_read_again_but_said_so(qtbot, window):
+    window.inspector.reimport_wanted.emit("capture", {"unit": "cm"})
+    assert "Import it again" in window.strip.text
+
+
+def test_a_double_click_on_a_capture_plays_it_on_the_visible_characters(qtbot, window, walk):
+    document = window.bench.document
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    window.library.wanted.emit("capture")
+    assert {p.clips[0].motion_id for p in document.project.performers.values()} == {"motion"}
+    assert document.history[-1] == "Play Walk"
+
+
+def test_the_sample_is_one_motion_playing_on_five_characters(qtbot, window):
+    window.actions_by_id.by_id["open_sample"].trigger()
+    wait_until_idle(qtbot, window)
+    document = window.bench.document
+    assert len(document.project.performers) == 5
+    assert len({performer.clips for performer in document.project.performers.values()}) == 1
+    assert len({performer.position for performer in document.project.performers.values()}) == 5
+    assert document.playhead.playing
+    assert not document.dirty
+
+
+def test_what_a_crashed_session_left_is_offered_and_recovered(qtbot, window, tmp_path, monkeypatch):
+    session = Session(tmp_path / "j.sqlite", "id", None, 3, datetime.now().astimezone(), False)
+    monkeypatch.setattr(recovery, "recoverable_sessions", lambda folder: (session,))
+    recovered = []
+    monkeypatch.setattr(window.bench.document, "recover", recovered.append)
+    recovery.offer(window.bench, tmp_path)
+    assert "3 edits" in window.recovery.text
+    window.recovery.press("Recover")
+    assert recovered == [session]
+    assert window.recovery.text == ""
+
+
+def test_an_exception_that_nobody_caught_is_a_sentence_in_the_strip(qtbot, window):
+    hooks = ProblemHooks()
+    hooks.told.connect(window.bench.said)
+    try:
+        sys.excepthook(KeyError, KeyError("hips"), None)
+        assert "KeyError: 'hips'" in window.strip.text
+    finally:
+        hooks.close()
+
+
+def test_every_action_that_is_enabled_without_the_3d_view_runs(qtbot, window):
+    asking = {
+        "open",
+        "save",
+        "save_as",
+        "save_increment",
+        "import",
+        "export",
+        "quit",
+        "shortcuts",
+        "new",
+        "open_sample",
+    }
+    for name, action in window.actions_by_id.by_id.items():
+        if action.isEnabled() and name not in asking:
+            action.trigger()
+    window.bench.document.playhead.pause()

@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 
-from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QListWidget, QListWidgetItem
 
 from studio.panels.editor import Editor
 from studio.panels.fields import Section, labelled
 
-ROW = 26
+ROW = 30
 ID = Qt.ItemDataRole.UserRole
 
 
@@ -38,6 +38,7 @@ class PrioritySection(Section):
         super().__init__("Priority")
         self._editor = editor
         self._list = OrderList()
+        self._list.setObjectName("priority")
         self._list.setAccessibleName("Priority: highest first")
         self._list.setToolTip("Drag to reorder, or Alt+Up and Alt+Down. A higher one is kept before a lower one.")
         self._list.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
@@ -62,6 +63,7 @@ class PrioritySection(Section):
         for key, text in rows:
             item = QListWidgetItem(text)
             item.setData(ID, key)
+            item.setSizeHint(QSize(0, ROW))
             self._list.addItem(item)
             if key == self._editor.entity_id:
                 self._list.setCurrentItem(item)
