@@ -138,6 +138,14 @@ def test_undo_and_redo_by_keys(qtbot, window):
     assert "constraint 0" not in document.project.constraints
 
 
+def test_delete_takes_the_constraint_and_not_the_body_it_is_seen_on(qtbot, window):
+    document = window.bench.document
+    document.selection.set(("performers", "performer 0"), ("constraints", "constraint 0"))
+    QTest.keyClick(window, Qt.Key.Key_Delete)
+    assert not document.project.constraints
+    assert "performer 0" in document.project.performers
+
+
 def test_saved_and_opened_again_it_is_the_same_project(qtbot, window, tmp_path):
     document = window.bench.document
     document.selection.set(("constraints", "constraint 0"))

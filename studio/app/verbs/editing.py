@@ -7,6 +7,8 @@ from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.project import GROUND_ID
 
+SMALL_THINGS = ("constraints", "contacts", "props")
+
 
 def undo(bench: Workbench) -> None:
     """Take the last step back."""
@@ -38,9 +40,13 @@ def duplicate(bench: Workbench) -> None:
 
 
 def delete(bench: Workbench) -> None:
-    """Remove what is selected, and what cannot be without it."""
+    """Remove what is selected, and what cannot be without it.
+
+    A constraint is selected together with the body it is seen on; the body stays then.
+    """
     document = bench.document
-    items = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
+    selected = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
+    items = [item for item in selected if item[0] in SMALL_THINGS] or selected
     text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} things"
     with document.group(text):
         for collection, key in items:

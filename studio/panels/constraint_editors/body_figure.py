@@ -5,6 +5,7 @@ from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 
 WIDTH, HEIGHT = 104, 172
@@ -31,6 +32,12 @@ SHAPES: dict[BodyPart, QRectF] = {
 }
 
 
+def _place(point: BodyPoint, shape: QRectF) -> QPointF:
+    """Limbs hang down from their joints, the trunk stands up from them."""
+    rises = point.part in (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
+    return QPointF(shape.center().x(), shape.top() if point.at_end == rises else shape.bottom())
+
+
 class BodyFigure(QWidget):
     """Segments filled by their weight; those without one cannot be clicked."""
 
@@ -42,15 +49,17 @@ class BodyFigure(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self.setMouseTracking(True)
         self._weights: dict[BodyPart, float] = {}
-        self._point: BodyPart | None = None
+        self._point: QPointF | None = None
         self._under: BodyPart | None = None
 
     def sizeHint(self) -> QSize:
         return QSize(WIDTH, HEIGHT)
 
-    def show_weights(self, weights: dict[BodyPart, float], point: BodyPart) -> None:
-        """Weights from 0 (locked) to 1 (free) by segment, and the segment that carries the point."""
-        self._weights, self._point = weights, point
+    def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint) -> None:
+        """Weights from 0 (locked) to 1 (free) by segment, and the point that is constrained."""
+        self._weights = weights
+        shape = SHAPES.get(point.part)
+        self._point = None if shape is None else _place(point, shape)
         self.update()
 
     def part_at(self, place: QPointF) -> BodyPart | None:
@@ -98,10 +107,10 @@ class BodyFigure(QWidget):
             painter.setBrush(QColor(colour))
             radius = min(shape.width(), shape.height()) / 2 if part == BodyPart.HEAD else 4
             painter.drawRoundedRect(shape, radius, radius)
-        if self._point in SHAPES:
+        if self._point is not None:
             painter.setPen(QColor(colours.WINDOW))
             painter.setBrush(QColor(colours.SELECTED_HANDLE))
-            painter.drawEllipse(SHAPES[self._point].center(), 3.5, 3.5)
+            painter.drawEllipse(self._point, 3.5, 3.5)
         painter.setPen(QColor(colours.TEXT_THIRD))
         font = painter.font()
         font.setPixelSize(10)

@@ -91,7 +91,7 @@ class ChainSection(Section):
             self._weights[link].setAccessibleName(f"Weight of {words}")
             self._weights[link].show_value(getattr(chain, link))
         weights = {segment: getattr(chain, link) for link, many in parts.items() for segment in many}
-        self._figure.show_weights(weights, part)
+        self._figure.show_weights(weights, constraint.point)
 
     def _setter(self, link: str) -> Callable[[float], None]:
         return lambda weight: self._set(link, weight)
