@@ -15,7 +15,7 @@ shapes = st.sampled_from(EaseShape)
 def curves(draw: st.DrawFn) -> ActivationCurve:
     """Any curve, ramps without length among them."""
     start = draw(times)
-    gaps = [draw(st.sampled_from([0.0, 0.2]) | st.floats(0.0, 10.0)) for _ in range(3)]
+    gaps = [draw(st.sampled_from([0.0, 0.2]) | st.floats(1e-6, 10.0)) for _ in range(3)]
     return ActivationCurve(*np.cumsum([start, *gaps]).tolist(), draw(shapes))
 
 

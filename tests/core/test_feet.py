@@ -1,0 +1,136 @@
+"""Feet that stand: soles level, ankles and toes at one place; the kernels against twins and by laws."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studio.core.kernels import feet as kernel
+from studio.core.rotations import to_matrix
+from tests.core.motions import from_vectors, random_rotations
+from tests.core.twins import feet as twin
+
+seeds = st.integers(0, 2**32 - 1)
+SOLE = twin.Sole(np.array([0.13, 0.0, -0.06]), 0.08, 0.05)
+
+
+class _Steps:
+    """A foot that turns smoothly at random while it stands on heel, toe, both or neither."""
+
+    def __init__(self, seed: int, frames: int = 60) -> None:
+        random = np.random.default_rng(seed)
+        times = np.arange(frames)[:, None] / 10
+        vectors = [0.3, 0.4, 1.0] * np.sin(times * random.uniform(0.5, 2, 3) + random.uniform(0, 6, 3))
+        self.rotations = to_matrix(from_vectors(vectors))
+        self.toes = to_matrix(from_vectors(0.4 * np.sin(times + random.uniform(0, 6, 3))))
+        self.ankles = np.cumsum(random.normal(size=(frames, 3)), axis=0) / 50 + [0, 0, 0.2]
+        lengths = random.integers(1, 12, size=frames)
+        self.states = np.repeat(random.integers(0, 4, size=frames), lengths)[:frames]
+        self.ground = 0.1 * np.sin(times[:, 0])
+
+
+def _levelled(steps: _Steps) -> np.ndarray:
+    out = np.empty_like(steps.rotations)
+    kernel.level_soles(steps.rotations, steps.states, out)
+    return out
+
+
+def _planted(steps: _Steps, feet: np.ndarray) -> np.ndarray:
+    out = np.empty_like(steps.ankles)
+    sole = (SOLE.foot, SOLE.ankle_height, SOLE.heel_length)
+    kernel.plant_ankles(steps.ankles, feet, steps.states, *sole, steps.ground, out)
+    return out
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_the_kernels_agree_with_their_twins(seed: int) -> None:
+    steps = _Steps(seed)
+    feet = _levelled(steps)
+    assert np.allclose(feet, twin.level_soles(steps.rotations, steps.states), atol=1e-9)
+    toes = np.empty_like(feet)
+    kernel.level_toes(feet, steps.toes, steps.states, toes)
+    assert np.allclose(toes, twin.level_toes(feet, steps.toes, steps.states), atol=1e-9)
+    planted = twin.plant_ankles(steps.ankles, feet, steps.states, SOLE, steps.ground)
+    assert np.allclose(_planted(steps, feet), planted, atol=1e-12)
+    values, known = steps.ankles.copy(), steps.states == 2
+    kernel.fill_gaps(values, known)
+    assert np.allclose(values, twin.fill_gaps(steps.ankles, known), atol=1e-12)
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_a_flat_foot_is_level_and_looks_one_way(seed: int) -> None:
+    steps = _Steps(seed)
+    feet = _levelled(steps)
+    for stretch in twin.stretches(steps.states == twin.FLAT):
+        assert np.allclose(feet[stretch, :, 2], [0.0, 0.0, 1.0], atol=1e-9)
+        assert np.allclose(feet[stretch], feet[stretch[0]], atol=1e-9)
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_what_stands_stays_where_it_is(seed: int) -> None:
+    steps = _Steps(seed)
+    feet = _levelled(steps)
+    ankles = _planted(steps, feet)
+    toes = ankles + feet @ SOLE.foot
+    for bit, track in ((twin.HEEL, ankles), (twin.TOE, toes)):
+        for stretch in twin.stretches((steps.states & bit) != 0):
+            still = track[stretch, :2]
+            assert np.allclose(still, still[0], atol=1e-9)
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_the_lowest_of_heel_and_ball_lies_on_the_ground(seed: int) -> None:
+    steps = _Steps(seed)
+    feet = _levelled(steps)
+    ankles = _planted(steps, feet)
+    for frame in np.flatnonzero(steps.states):
+        heel, ball = SOLE.heel_below_ankle(feet[frame]), SOLE.ball_below_ankle(feet[frame])
+        assert ankles[frame, 2] + min(heel[2], ball[2]) == pytest.approx(steps.ground[frame], abs=1e-12)
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_a_foot_tilted_the_wrong_way_is_put_down_and_a_right_one_left_alone(seed: int) -> None:
+    steps = _Steps(seed)
+    feet = _levelled(steps)
+    kept = feet.copy()
+    kernel.keep_pitch_on_ground(SOLE.foot, SOLE.ankle_height, SOLE.heel_length, steps.states, kept)
+    for frame in np.flatnonzero(steps.states):
+        before, after = (SOLE.ball_below_ankle(r)[2] - SOLE.heel_below_ankle(r)[2] for r in (feet[frame], kept[frame]))
+        state = steps.states[frame]
+        right = state == twin.FLAT or (before >= 0.0) == (state == twin.HEEL)
+        if right:
+            assert np.allclose(kept[frame], feet[frame], atol=1e-12)
+        else:
+            assert after == pytest.approx(0.0, abs=1e-3)
+
+
+@given(seeds)
+def test_how_the_ball_lies_above_the_heel_is_told_by_geometry(seed: int) -> None:
+    rotation = random_rotations(np.random.default_rng(seed))
+    rise = SOLE.ball_below_ankle(rotation)[2] - SOLE.heel_below_ankle(rotation)[2]
+    found = kernel.ball_above_heel(rotation, SOLE.foot, SOLE.ankle_height, SOLE.heel_length)
+    assert found == pytest.approx(rise, abs=1e-12)
+
+
+def test_a_foot_that_never_stands_is_left_as_it_is() -> None:
+    steps = _Steps(0)
+    steps.states[:] = 0
+    assert np.allclose(_levelled(steps), steps.rotations, atol=1e-15)
+    assert np.array_equal(_planted(steps, steps.rotations), steps.ankles)
+
+
+def test_the_way_between_two_stands_has_no_corner() -> None:
+    """Position, velocity and acceleration pass over both ends of a gap without a jump."""
+    known = np.ones(90, dtype=bool)
+    known[30:60] = False
+    values = np.zeros((90, 3))
+    values[60:] = 1.0
+    kernel.fill_gaps(values, known)
+    acceleration = np.diff(values[:, 0], 2)
+    assert np.abs(np.diff(values[:, 0])).max() < 2.0 / 30
+    assert np.abs(np.diff(acceleration)).max() < 3 * np.abs(acceleration).max() * 2 * np.pi / 30

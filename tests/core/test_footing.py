@@ -1,0 +1,163 @@
+"""What the ground asks of a body: states of the feet, comfort of the legs, how far the root comes down."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.ground import Ground
+from studio.core.kernels.adapt import place_frames
+from studio.core.kernels.legs import hip_heights, place_leg
+from studio.core.normalized.realize import realize
+from studio.core.solver.footing import (
+    STANDING_REACH,
+    SWINGING_REACH,
+    find_footing,
+    foot_states,
+    freedom,
+    leg_comforts,
+    smooth_drops,
+)
+from tests.builders import make_morphology
+from tests.core.motions import random_rotations, walk
+from tests.core.twins import legs as twin
+
+seeds = st.integers(0, 2**32 - 1)
+drops = arrays(np.float64, st.integers(1, 80), elements=st.floats(-0.2, 0.5))
+BODY = make_morphology(leg_scale=1.1)
+WALK, CONTACTS = walk(120)
+
+
+@given(drops, st.sampled_from([24.0, 60.0, 120.0]))
+def test_smoothed_drops_are_deep_enough_everywhere_and_never_deeper_than_the_deepest(
+    raw: np.ndarray, frame_rate: float
+) -> None:
+    smooth = smooth_drops(raw, frame_rate)
+    assert smooth.shape == raw.shape
+    assert (smooth >= raw - 1e-12).all()
+    assert smooth.max() <= max(raw.max(), 0.0) + 1e-12
+    assert smooth.min() >= -1e-15
+
+
+def test_smoothed_drops_have_no_jolt() -> None:
+    raw = np.zeros(240)
+    raw[100:140] = 0.1
+    smooth = smooth_drops(raw, 120.0)
+    assert np.abs(np.diff(smooth)).max() * 120.0 < 0.1 / 0.15 * 1.2
+    assert np.abs(np.diff(smooth, 2)).max() * 120.0**2 < 0.1 / 0.15**2 * 4
+
+
+def test_states_are_bits_of_heel_and_toe() -> None:
+    contacts = [
+        ContactInterval("walk", point, first, last)
+        for point, first, last in (
+            (FootPoint.LEFT_HEEL, 1, 3), (FootPoint.LEFT_TOE, 3, 5), (FootPoint.RIGHT_TOE, 0, 0),
+            (FootPoint.RIGHT_HEEL, 6, 99),
+        )
+    ]  # fmt: skip
+    assert foot_states(contacts, 8).tolist() == [[0, 1, 1, 3, 2, 2, 0, 0], [2, 0, 0, 0, 0, 0, 1, 1]]
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=60), st.sampled_from([30.0, 60.0]))
+def test_a_foot_is_free_when_its_nearest_stand_is_long_ago(planted: list[bool], frame_rate: float) -> None:
+    free = freedom(np.array(planted), frame_rate)
+    stands = np.flatnonzero(planted)
+    for frame, share in enumerate(free):
+        gap = np.abs(stands - frame).min() / frame_rate if len(stands) else np.inf
+        assert share == (0.0 if gap == 0.0 else pytest.approx(1.0) if gap >= 0.15 - 1e-9 else pytest.approx(share))
+        assert 0.0 <= share <= 1.0
+    assert np.allclose(freedom(np.array(planted[::-1]), frame_rate), free[::-1])
+
+
+def test_a_standing_leg_stretches_as_far_as_the_motions_own_or_nearly_straight() -> None:
+    comforts = leg_comforts(WALK, foot_states(CONTACTS, WALK.frame_count))
+    standing = foot_states(CONTACTS, WALK.frame_count) != 0
+    assert (comforts[standing] >= STANDING_REACH - 1e-12).all()
+    assert (comforts < 1.0).all()
+    assert comforts.min() == pytest.approx(SWINGING_REACH, abs=0.02)
+
+
+@given(seeds)
+@settings(max_examples=25)
+def test_how_far_the_root_comes_down_is_what_the_twin_says(seed: int) -> None:
+    random, frames = np.random.default_rng(seed), 6
+    rotations = random_rotations(random, frames, BODY.layout.segment_count)
+    ankles = random.normal(size=(2, frames, 3)) * 0.4 + [0.0, 0.0, -0.9]
+    comforts, states = random.uniform(0.9, 1.0, (2, frames)), random.integers(0, 4, (2, frames))
+    found = np.empty(frames)
+    hip_heights(WALK.channels[:frames], BODY.packed[None], rotations, ankles, comforts, states, found)
+    expected = [
+        twin.drop(BODY, rotations[frame, 0], ankles[:, frame], comforts[:, frame], states[:, frame])
+        for frame in range(frames)
+    ]
+    assert np.allclose(found, expected, atol=1e-12)
+
+
+class _Leg:
+    """One leg of one frame of the walk, set on a random ankle."""
+
+    def __init__(self, seed: int, stretch: tuple[float, float] = (0.4, 1.4)) -> None:
+        random = np.random.default_rng(seed)
+        self.side, self.row = int(random.integers(2)), WALK.channels[random.integers(WALK.frame_count)]
+        self.positions = np.tile(random.normal(size=3), (BODY.layout.point_count, 1))
+        self.rotations = random_rotations(random, BODY.layout.segment_count)
+        self.hip = self.positions[0] + self.rotations[0] @ BODY.hip_offset[self.side]
+        self.direction = random.normal(size=3)
+        self.direction /= np.linalg.norm(self.direction)
+        self.comfort, self.length = random.uniform(0.95, 0.999), BODY.leg[self.side].sum()
+        self.ankle = self.hip + random.uniform(*stretch) * self.length * self.direction
+        self.foot, self.toe = random_rotations(random), random_rotations(random)
+        self.before = self.positions.copy(), self.rotations.copy()
+        place_leg(
+            self.row, BODY.packed, self.side, self.comfort, self.ankle, self.foot, self.toe, np.empty((3, 3, 3)),
+            self.positions, self.rotations,
+        )  # fmt: skip
+        first, upper = BODY.layout.hip(self.side), BODY.layout.spine_count + 10 + 4 * self.side
+        self.points, self.segments = slice(first, first + 5), slice(upper, upper + 4)
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_a_leg_is_placed_as_its_twin_and_nothing_else_moves(seed: int) -> None:
+    leg = _Leg(seed)
+    root, pelvis = leg.before[0][0], leg.before[1][0]
+    points, segments = twin.place_leg(leg.row, BODY, leg.side, leg.comfort, leg.ankle, leg.foot, leg.toe, root, pelvis)
+    assert np.allclose(leg.positions[leg.points], points, atol=1e-9)
+    assert np.allclose(leg.rotations[leg.segments], segments, atol=1e-9)
+    others = np.delete(leg.positions, leg.points, axis=0), np.delete(leg.rotations, leg.segments, axis=0)
+    assert np.array_equal(others[0], np.delete(leg.before[0], leg.points, axis=0))
+    assert np.array_equal(others[1], np.delete(leg.before[1], leg.segments, axis=0))
+
+
+@given(seeds)
+def test_an_ankle_within_comfort_is_met(seed: int) -> None:
+    leg = _Leg(seed, (0.3, 0.95))
+    assert np.allclose(leg.positions[BODY.layout.ankle(leg.side)], leg.ankle, atol=1e-12)
+
+
+@given(seeds)
+def test_an_ankle_out_of_reach_is_neared_along_its_line(seed: int) -> None:
+    leg = _Leg(seed, (1.0, 3.0))
+    stretched = leg.positions[BODY.layout.ankle(leg.side)] - leg.hip
+    assert np.allclose(np.cross(stretched, leg.direction), 0.0, atol=1e-12)
+    assert leg.comfort * leg.length < np.linalg.norm(stretched) <= leg.length + 1e-12
+
+
+def test_a_clip_is_placed_frame_by_frame() -> None:
+    """``place_frames`` lowers every root and then puts both legs on their ankles."""
+    positions, rotations = realize(WALK, BODY)
+    footing = find_footing(WALK, BODY, CONTACTS, Ground(), positions, rotations)
+    placed, turned = positions.copy(), rotations.copy()
+    stance = (footing.comforts, footing.ankles, footing.feet, footing.toes)
+    place_frames(WALK.channels, BODY.packed[None], footing.drops, *stance, placed, turned)
+    for frame in (0, 33, 119):
+        root = positions[frame, 0] - [0.0, 0.0, footing.drops[frame]]
+        assert np.allclose(placed[frame, 0], root)
+        for side in range(2):
+            each = [array[side, frame] for array in stance]
+            points, _ = twin.place_leg(WALK.channels[frame], BODY, side, *each, root, rotations[frame, 0])
+            assert np.allclose(placed[frame, BODY.layout.hip(side) :][:5], points, atol=1e-9)
+    above = positions[:, BODY.layout.neck_base] - placed[:, BODY.layout.neck_base]
+    assert np.allclose(above[:, 2], footing.drops)

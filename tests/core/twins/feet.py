@@ -1,0 +1,106 @@
+"""Feet on the ground, frame by frame in plain words. States: bit 1 the heel stands, bit 2 the toe."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.core.twins.rotation import from_vector, level, to_vector
+
+HEEL, TOE, FLAT = 1, 2, 3
+
+
+@dataclass
+class Sole:
+    """A foot: ankle to toe joint in foot axes, ankle above the sole, heel behind the ankle."""
+
+    foot: np.ndarray
+    ankle_height: float
+    heel_length: float
+
+    def heel_below_ankle(self, rotation: np.ndarray) -> np.ndarray:
+        return rotation @ np.array([-self.heel_length, 0.0, -self.ankle_height])
+
+    def ball_below_ankle(self, rotation: np.ndarray) -> np.ndarray:
+        """The ball's sole hangs straight below the toe joint, for toes lie level."""
+        return rotation @ self.foot - np.array([0.0, 0.0, self.ankle_height + self.foot[2]])
+
+
+def stretches(mask: np.ndarray) -> Iterator[range]:
+    """Unbroken runs of true frames."""
+    inside = [frame for frame in range(len(mask)) if mask[frame]]
+    for first in (frame for frame in inside if frame - 1 not in inside):
+        last = first
+        while last + 1 in inside:
+            last += 1
+        yield range(first, last + 1)
+
+
+def fill_gaps(values: np.ndarray, known: np.ndarray) -> np.ndarray:
+    frames = np.flatnonzero(known)
+    if not len(frames):
+        return np.zeros_like(values)
+    filled = values.copy()
+    for frame in np.flatnonzero(~known):
+        before, after = frames[frames < frame], frames[frames > frame]
+        if len(before) and len(after):
+            t = (frame - before[-1]) / (after[0] - before[-1])
+            ease = 6 * t**5 - 15 * t**4 + 10 * t**3
+            filled[frame] = (1 - ease) * values[before[-1]] + ease * values[after[0]]
+        else:
+            filled[frame] = values[before[-1] if len(before) else after[0]]
+    return filled
+
+
+def level_soles(rotations: np.ndarray, states: np.ndarray) -> np.ndarray:
+    corrections = np.zeros((len(states), 3))
+    for stretch in stretches(states == FLAT):
+        wanted = level(rotations[stretch].mean(axis=0))
+        for frame in stretch:
+            corrections[frame] = to_vector(wanted @ rotations[frame].T)
+    turns = [from_vector(each) for each in fill_gaps(corrections, states == FLAT)]
+    return np.array(turns) @ rotations
+
+
+def level_toes(feet: np.ndarray, toes: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """``toes`` relative to the foot; the answer in the world."""
+    standing = (states & TOE) != 0
+    corrections = np.zeros((len(states), 3))
+    for frame in np.flatnonzero(standing):
+        corrections[frame] = to_vector(feet[frame].T @ level(feet[frame]) @ toes[frame].T)
+    turns = np.array([from_vector(each) for each in fill_gaps(corrections, standing)])
+    return feet @ turns @ toes
+
+
+def plant_ankles(
+    ankles: np.ndarray, feet: np.ndarray, states: np.ndarray, sole: Sole, ground: np.ndarray
+) -> np.ndarray:
+    shift = np.zeros_like(ankles)
+    for episode in stretches(states != 0):
+        for frame, place in _planted(ankles, feet, states, sole, episode).items():
+            height = -min(sole.heel_below_ankle(feet[frame])[2], sole.ball_below_ankle(feet[frame])[2])
+            shift[frame] = [*(place - ankles[frame, :2]), ground[frame] + height - ankles[frame, 2]]
+    return ankles + fill_gaps(shift, states != 0)
+
+
+def _planted(
+    ankles: np.ndarray, feet: np.ndarray, states: np.ndarray, sole: Sole, episode: range
+) -> dict[int, np.ndarray]:
+    """Where on the ground the ankle is in every frame of one contact."""
+    to_toe = (feet @ sole.foot)[:, :2]
+    heels = [run for run in stretches(states & HEEL != 0) if run[0] in episode]
+    runs = heels or [run for run in stretches(states & TOE != 0) if run[0] in episode]
+    longest = max(runs, key=len)
+    seed = list(longest)
+    if heels:
+        places = {seed[0]: np.median(ankles[seed, :2], axis=0)}
+    else:
+        places = {seed[0]: np.median((ankles[:, :2] + to_toe)[seed], axis=0) - to_toe[seed[0]]}
+    for frames in (range(seed[0] + 1, episode[-1] + 1), range(seed[0] - 1, episode[0] - 1, -1)):
+        previous = seed[0]
+        for frame in frames:
+            on_heel = states[frame] & states[previous] & HEEL
+            toe = places[previous] + to_toe[previous]
+            places[frame] = places[previous] if on_heel else toe - to_toe[frame]
+            previous = frame
+    return places
