@@ -20,7 +20,6 @@ from studio.cli.adapt_report import Record, character_report  # noqa: E402
 from studio.cli.adaptation import ReadyCapture, made_ready  # noqa: E402
 from studio.core.normalized.round_trip import round_trip  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
-from studio.core.solver.source import source_motion  # noqa: E402
 from studio.io.character_file import bundled_characters  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 
@@ -88,11 +87,10 @@ def trip_row(ready: ReadyCapture) -> list[str]:
 
 def quality_row(ready: ReadyCapture) -> list[str]:
     """Name, and for each figure the worst over the bundled characters."""
-    source = source_motion(ready.motion, ready.actor)
     reports: list[Record] = []
     for character in bundled_characters().values():
         request = AdaptRequest(ready.motion, character.morphology, ready.contacts)
-        reports.append(character_report(request, source, ready.capture.first_frame)[1])
+        reports.append(character_report(request, ready.source, ready.capture.first_frame)[1])
     return [ready.capture.name, *(f"{max(report[key] for report in reports):.2f}" for key in _KEYS)]
 
 

@@ -4,13 +4,12 @@ from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
 from studio.cli.adapt_report import Record, character_report
-from studio.cli.adaptation import MOTION_ID, ReadyCapture, chosen_characters, ready_capture
+from studio.cli.adaptation import MOTION_ID, ReadyCapture, chosen_characters, make_folder, ready_capture
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json, print_table
 from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.source import source_motion
 from studio.io.constraint_file import ConstraintFile, read_constraints
 from studio.io.export import export_bvh
 from studio.io.report_file import write_json
@@ -73,8 +72,7 @@ def adapt_to(character: Character, key: str, ready: ReadyCapture, asked: Constra
     contacts = ready.contacts if asked.contacts is None else asked.contacts
     constraints = tuple(each for each in asked.constraints if each.enabled)
     request = AdaptRequest(ready.motion, character.morphology, contacts, constraints)
-    source = source_motion(ready.motion, ready.actor)
-    adapted, record = character_report(request, source, ready.capture.first_frame)
+    adapted, record = character_report(request, ready.source, ready.capture.first_frame)
     path = folder / f"{ready.capture.name}_{key}.bvh"
     export_bvh(adapted, character.name, path)
     return {"name": key, "file": str(path), **record}
@@ -86,14 +84,6 @@ def check_frames(asked: ConstraintFile, ready: ReadyCapture, path: Path) -> None
     for contact in asked.contacts or ():
         if contact.last > last:
             raise StudioError(f"{path}, contacts, {contact.point}: frame {contact.last} is after the last, {last}.")
-
-
-def make_folder(folder: Path) -> None:
-    """The folder with those above it; StudioError when it cannot be made."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StudioError(f"The folder '{folder}' cannot be made: {error.strerror}. Choose another.") from error
 
 
 def print_report(report: Record) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from studio.core.capture import Capture
@@ -11,6 +12,8 @@ from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.source import source_motion
 from studio.io.character_file import bundled_characters, read_character
 from studio.io.importing import ImportOptions, load_capture
 
@@ -25,6 +28,19 @@ class ReadyCapture:
     motion: NormalizedMotion
     actor: Actor
     contacts: tuple[ContactInterval, ...]
+
+    @cached_property
+    def source(self) -> AdaptedMotion:
+        """The motion on its own actor, with which adapted ones are compared."""
+        return source_motion(self.motion, self.actor)
+
+
+def make_folder(folder: Path) -> None:
+    """The folder with those above it; StudioError when it cannot be made."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StudioError(f"The folder '{folder}' cannot be made: {error.strerror}. Choose another.") from error
 
 
 def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = False) -> ReadyCapture:

@@ -31,7 +31,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE", help="adult_woman by default")
     parser.add_argument("--runs", type=int, default=9, metavar="N", help="runs of which the median counts; 9")
-    parser.add_argument("--json", action="store_true", help="a list of {name, microseconds, reference, ratio}")
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="a list of {name, microseconds, reference, ratio}; below 1 is faster than the reference",
+    )
 
 
 def run(arguments: Namespace) -> int:

@@ -8,8 +8,8 @@ Progress = Callable[[float, str], None]
 
 
 def print_json(value: object) -> None:
-    """The one document on standard output."""
-    print(json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False))
+    """The one document on standard output, in ASCII, so that no terminal or pipe can refuse a letter of it."""
+    print(json.dumps(value, indent=1, allow_nan=False))
 
 
 def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -4,13 +4,14 @@ import re
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterator
 from importlib.metadata import entry_points
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.adaptation import MOTION_ID, chosen_characters, ready_capture
+from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, ready_capture
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import Progress, print_json, progress_line
 from studio.core.errors import StudioError
@@ -41,7 +42,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="NAME|FILE",
         help="characters that perform a capture; all bundled ones by default",
     )
-    parser.add_argument("--time", type=float, metavar="S", help="moment of a picture in seconds; else the middle")
+    parser.add_argument("--time", type=moment, metavar="S", help="moment of a picture in seconds; else the middle")
     parser.add_argument("--size", type=size_of, default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default")
     parser.add_argument("--film-rate", type=float, default=30.0, metavar="HZ", help="frames a second of a film; 30")
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
@@ -57,6 +58,13 @@ def size_of(text: str) -> Size:
     return size
 
 
+def moment(text: str) -> float:
+    """Seconds that are a finite number."""
+    if not isfinite(seconds := float(text)):
+        raise ArgumentTypeError(f"'{text}' is no moment: say how many seconds")
+    return seconds
+
+
 def run(arguments: Namespace) -> int:
     """Stage, adapt, draw."""
     suffix = arguments.out.suffix.lower()
@@ -69,7 +77,7 @@ def run(arguments: Namespace) -> int:
     if not results:
         raise StudioError(f"{arguments.source.name} has no visible character with a motion: there is nothing to draw.")
     duration = max(stage_duration(project, key) for key in results)
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(arguments.out.parent)
     if suffix == ".png":
         time = duration / 2 if arguments.time is None else arguments.time
         times = [time]

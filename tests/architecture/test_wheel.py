@@ -1,5 +1,6 @@
 """What is published is what works: the wheel in an empty environment, away from the checkout."""
 
+import json
 import subprocess
 import sys
 import sysconfig
@@ -64,3 +65,12 @@ def test_the_installed_command_knows_its_version(away):
     [wheel] = away.glob("morpho_studio-*.whl")
     version = wheel.name.split("-")[1]
     assert version in run(away / "venv" / BIN / "morpho-studio", "--version", cwd=away)
+
+
+def test_the_installed_command_reads_a_bundled_capture_away_from_the_checkout(away):
+    python = away / "venv" / BIN / "python"
+    captures = Path(run(python, "-c", PRINT_PLACES, cwd=away).splitlines()[1])
+    capture = min(captures.glob("*.bvh"))
+    [record] = json.loads(run(away / "venv" / BIN / "morpho-studio", "info", "--json", capture, cwd=away))
+    assert record["ok"]
+    assert record["round_trip"]["position_mm"] < 0.1
