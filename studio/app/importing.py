@@ -93,10 +93,20 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
         if capture_id in bench.document.project.captures:
             _replace_motion(bench.document, capture_id, read, text)
 
-    options = ImportOptions(
-        **{"unit": capture.unit if capture.unit != "unknown" else None, "up_axis": capture.up_axis} | option
-    )
+    options = ImportOptions(**overruled(capture) | option)
     bench.runner.run(text, lambda progress: read_motion(path, options, progress), done)
+
+
+def overruled(capture: Capture) -> dict[str, Any]:
+    """Options that keep what the user has said about a capture: all that is not listed as a guess."""
+    guessed = {guess.subject for guess in capture.guesses}
+    values = {
+        "unit": capture.unit,
+        "up axis": capture.up_axis,
+        "frame rate": capture.frame_rate,
+        "body map": capture.body_map.to_json(capture.skeleton) if capture.body_map else None,
+    }
+    return {subject.replace(" ", "_"): value for subject, value in values.items() if subject not in guessed}
 
 
 def show_motion(document: Document) -> None:

@@ -16,6 +16,7 @@ from studio.panels.fields import Choice, NumberField, Section, labelled
 from studio.panels.live import Live
 
 UNITS = (("m", "metres"), ("cm", "centimetres"), ("mm", "millimetres"), ("inch", "inches"), ("cmu", "5.64 cm units"))
+REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
 AXES = tuple((axis, f"{axis} up") for axis in "XYZ")
 
 
@@ -44,6 +45,9 @@ class CaptureEditor(Editor):
         self._unit.chosen.connect(lambda unit: self._ask(unit=unit))
         self._axis = Choice("Up axis", AXES)
         self._axis.chosen.connect(lambda axis: self._ask(up_axis=axis))
+        self._reference = Choice("Reference pose", REFERENCES)
+        self._reference.setPlaceholderText("As guessed")
+        self._reference.chosen.connect(self._ask_reference)
         self._rate = self.bind(
             NumberField("Frame rate", "Hz", 1.0, 1000.0, 1.0, 3),
             self._changer("Set frame rate", lambda capture, value: capture.with_frame_rate(value)),
@@ -59,6 +63,7 @@ class CaptureEditor(Editor):
         for label, field in (
             ("Unit", self._unit),
             ("Up axis", self._axis),
+            ("Reference", self._reference),
             ("Frame rate", self._rate),
             ("Floor", self._floor),
             ("First frame", self._first),
@@ -79,6 +84,7 @@ class CaptureEditor(Editor):
         )
         for label, text in zip(self._values.values(), facts, strict=True):
             label.setText(text)
+        self._reference.show_value(None)
         _show(self._unit, capture.unit)
         _show(self._axis, capture.up_axis)
         self._rate.show_value(capture.frame_rate)
@@ -98,6 +104,9 @@ class CaptureEditor(Editor):
 
     def _changer(self, text: str, make: Callable[[Capture, float], Capture]) -> Callable[[float], None]:
         return lambda value: self.put(lambda: make(self.entity, value), f"{text} of {self.entity.name}")
+
+    def _ask_reference(self, which: str) -> None:
+        self._ask(reference="zero" if which == "zero" else str(self.document.playhead.frame))
 
     def _ask(self, **option: Any) -> None:
         self.reimport_wanted.emit(self.entity_id, option)
