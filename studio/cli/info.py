@@ -4,7 +4,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from math import degrees
 from pathlib import Path
-from textwrap import fill
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -137,7 +137,8 @@ _SHOWN = (
 
 
 def _wrapped(label: str, text: str) -> str:
-    return fill(text, 110, initial_indent=f"  {label:<12} ", subsequent_indent=" " * 15)
+    lines = wrap(text, 95, break_long_words=False, break_on_hyphens=False)
+    return f"\n{' ' * 15}".join([f"  {label:<12} {lines[0]}", *lines[1:]])
 
 
 def _label(key: str) -> str:
