@@ -137,7 +137,7 @@ _SHOWN = (
 
 
 def _wrapped(label: str, text: str) -> str:
-    lines = wrap(text, 95, break_long_words=False, break_on_hyphens=False)
+    lines = wrap(text, 95, break_long_words=False, break_on_hyphens=False) or [""]
     return f"\n{' ' * 15}".join([f"  {label:<12} {lines[0]}", *lines[1:]])
 
 
