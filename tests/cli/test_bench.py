@@ -49,7 +49,7 @@ def test_the_wrists_that_are_called_reachable_are_reached(ready):
     feet = adapt(AdaptRequest(motion, body, contacts))
     targets = tuple(wrist_target(feet, side, 0.8, ARM) for side in (0, 1))
     solved = adapt(AdaptRequest(motion, body, contacts, targets))
-    assert np.median(solved.residuals) < 2e-4
+    assert solved.residuals.max() < 2e-4
 
 
 @pytest.mark.parametrize(("arguments", "sentence"), [(["--runs", "0"], "one run"), (["none.bvh"], "none.bvh")])
