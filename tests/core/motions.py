@@ -13,7 +13,7 @@ from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.pose import PoseSequence
-from studio.core.rotations import from_matrix, multiply, rotate, to_matrix
+from studio.core.rotations import multiply, rotate, to_matrix
 from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion
 from tests.builders import make_capture, make_skeleton
@@ -117,9 +117,10 @@ def walk(frames: int = 150) -> tuple[NormalizedMotion, tuple[ContactInterval, ..
 
 
 def target(
-    part: BodyPart, place: object, chain: Chain | None = None, priority: int = 0, at_end: bool = True, **changes: object
+    part: str, place: object, chain: Chain | None = None, priority: int = 0, at_end: bool = True, **changes: object
 ) -> PositionConstraint:
     """A position constraint, active all the time unless said otherwise."""
+    part = BodyPart(part)
     fields = {"activation": ALWAYS, "point": BodyPoint(part, changes.pop("offset", (0.0, 0.0, 0.0)), at_end)}
     return PositionConstraint(
         "motion", part.label, chain=chain or Chain(), priority=priority, target=tuple(place), **fields | changes
@@ -133,7 +134,3 @@ def local_rotations(adapted: AdaptedMotion) -> np.ndarray:
         if parent >= 0:
             local[:, segment] = np.swapaxes(adapted.rotations[:, parent], 1, 2) @ adapted.rotations[:, segment]
     return local
-
-
-def quaternions(matrices: np.ndarray) -> np.ndarray:
-    return from_matrix(matrices)
