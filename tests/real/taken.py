@@ -1,0 +1,37 @@
+"""The shared captures as tests want them: loaded once, normalised once, with their contacts."""
+
+from functools import lru_cache
+from pathlib import Path
+
+from studio.core.capture import Capture
+from studio.core.contacts import ContactInterval
+from studio.core.normalized.actor import Actor
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.io.importing import load_capture
+from tests.conftest import CAPTURES
+
+HUMANS = tuple(path for path in sorted((CAPTURES / "bvh").rglob("*.bvh")) if path.stem != "pybvh_rotation_first_root")
+WALKS = tuple(path for path in HUMANS if "walk" in path.stem.lower() or "Retreat" in path.stem)
+STRIKES = tuple(path for path in HUMANS if path.parent.name == "strikes")
+REPRESENTATIVE = (
+    "bvhtoolbox_walk01", "cmu_max_jumping_jacks", "fair_dab_zup", "geno_bind_6ch", "pybvh_test1_inch_zup",
+    "pybvh_test3_fingers", "accad_male2_G2_FrontKick", "accad_male2_E1_JabLeft", "mass_kick", "mass_backflip",
+    "accad_female1_B03_Walk1", "accad_female1_A08_CrouchToLie", "accad_female1_D6_CartWheel",
+)  # fmt: skip
+"""One of every convention, actor and kind of movement."""
+
+
+@lru_cache(maxsize=len(HUMANS) or None)
+def taken(path: Path) -> tuple[Capture, NormalizedMotion, Actor]:
+    capture = load_capture(path)
+    return capture, *normalize(capture)
+
+
+def named(stem: str) -> Path:
+    return next(path for path in HUMANS if path.stem == stem)
+
+
+def contacts_of(capture: Capture) -> tuple[ContactInterval, ...]:
+    found = capture_contacts(capture)
+    return tuple(ContactInterval("motion", point, *span) for point, spans in found.items() for span in spans)
