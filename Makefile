@@ -2,7 +2,7 @@
 PYTHON ?= python3
 STUDIO = .venv/bin/python main.py
 
-.PHONY: run test bench examples format
+.PHONY: run test bench examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -18,7 +18,10 @@ bench: .venv/.ready-to-run
 	@$(STUDIO) bench
 
 examples: .venv/.ready-to-run
-	@set -e; for script in examples/make_*.py; do echo "$$script"; .venv/bin/python "$$script"; done
+	@set -e; for made in captures characters; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done
+
+pictures: .venv/.ready-to-run
+	.venv/bin/python examples/make_pictures.py
 
 format: .venv/.ready-to-test
 	.venv/bin/ruff format .

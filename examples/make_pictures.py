@@ -1,0 +1,32 @@
+"""Make the pictures and the film of README and guide: python examples/make_pictures.py [FOLDER] [NAME...]."""
+
+import sys
+from pathlib import Path
+
+from pictured.encode import write_film, write_picture
+from pictured.kick_film import FRAME_RATE, KickFilm
+from pictured.shots import constrain, import_report, sliders, timeline, window
+
+FILM_WIDTH = 880
+STILLS = {
+    "window": window,
+    "constrain": constrain,
+    "timeline": timeline,
+    "import_report": import_report,
+    "sliders": sliders,
+}
+
+
+def main(arguments: list[str]) -> None:
+    """Make each picture into the folder, by default docs/pictures."""
+    folder = Path(arguments[0]) if arguments else Path(__file__).parent.parent / "docs" / "pictures"
+    names = arguments[1:] or [*STILLS, "kick"]
+    for name in names:
+        if name == "kick":
+            write_film(folder / "kick.gif", KickFilm().images, FRAME_RATE, FILM_WIDTH)
+        else:
+            write_picture(folder / f"{name}.png", STILLS[name]())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

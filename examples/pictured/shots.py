@@ -1,0 +1,90 @@
+"""The still pictures: each a moment of a session."""
+
+from dataclasses import replace
+
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
+
+from pictured.session import KICK_TIME, Session, example, kick_target, left_wrist
+from studio.core.morphology import Proportions
+from studio.viewport.body_points import body_joints
+
+LEFT, NO_KEY = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+
+
+def window() -> QImage:
+    """The whole window: the kick on five bodies, the child short of the target."""
+    session = Session("front_kick", (1440, 940))
+    _aim(session, "child")
+    session.look(35, 8, 1.15)
+    return _taken(session)
+
+
+def constrain() -> QImage:
+    """The right wrist of one body is picked, and the studio offers to constrain it."""
+    session = Session("reach_grasp", (1440, 860))
+    session.document.playhead.set_time(2.2)
+    session.settle()
+    session.look(28, 6, 1.25, among=("stocky_man", "tall_man", "adult_woman"))
+    viewport = session.bench.viewport
+    pose = viewport.posed["tall_man"]
+    joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "right wrist")
+    QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
+    session.rest(0.2)
+    return _taken(session, [viewport])
+
+
+def timeline() -> QImage:
+    """The bars of the kick with their strips, near enough to be grabbed."""
+    session = Session("front_kick", (1040, 1040))
+    session.document.add("constraints", left_wrist(), "Add 'Guard up'")
+    _aim(session, "stocky_man")
+    shown = session.bench.timeline
+    shown.tracks.axis.zoom(2.2, shown.x_of_frame(145))
+    session.rest(0.3)
+    return _taken(session, [session.window.docks["Timeline"]])
+
+
+def import_report() -> QImage:
+    """A dropped walk: what was read and guessed."""
+    session = Session("front_kick", (1280, 1080))
+    session.window.open_paths([example("walk_turn")])
+    session.until(lambda: len(session.document.project.captures) == 2)
+    session.settle()
+    session.document.playhead.set_time(2.2)
+    session.window.actions_by_id.by_id["report"].trigger()
+    session.settle()
+    session.look(35, 8, 1.15)
+    return _taken(session, [session.bench.viewport, session.window.docks["Inspector"]])
+
+
+def sliders() -> QImage:
+    """The form of a body, whose arms were made longer and whose legs were made shorter."""
+    session = Session("walk_turn", (1280, 980))
+    woman = session.document.project.characters["adult_woman"]
+    longer = replace(woman, proportions=Proportions(upper_arms=1.25, forearms=1.3, thighs=0.8, shanks=0.8))
+    session.document.replace("characters", "adult_woman", longer, "Set arms and legs")
+    session.document.selection.set(("performers", "adult_woman"))
+    session.document.playhead.set_time(2.2)
+    session.settle()
+    session.look(30, 6, 1.3, among=("stocky_man", "tall_man", "adult_woman"))
+    return _taken(session, [session.bench.viewport, session.window.docks["Inspector"]])
+
+
+def _aim(session: Session, performer_id: str) -> None:
+    key = session.document.add("constraints", kick_target(), "Add 'Kick target'")
+    session.document.selection.set(("performers", performer_id), ("constraints", key))
+    session.document.playhead.set_time(KICK_TIME)
+    session.settle()
+
+
+def _taken(session: Session, parts: list[QWidget] | None = None) -> QImage:
+    """The picture of the window, or of the parts of it that lie side by side; the session ends."""
+    part = QRect()
+    for widget in parts or []:
+        part = part.united(QRect(widget.mapTo(session.window, QPoint(0, 0)), widget.size()))
+    image = session.picture(part=part if parts else None)
+    session.close()
+    return image
