@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 FloatArray = NDArray[np.float64]
 
@@ -52,6 +52,10 @@ SHORTEST = 0.05
 """Seconds: shorter contacts are dropped, shorter gaps closed."""
 SMOOTHING = 0.02
 """Seconds, standard deviation of the smoothing before speed is taken."""
+DRIFT_WINDOW = 1.0
+"""Seconds to each side in which a foot is taken to touch the ground at least once."""
+GREATEST_DRIFT = 0.04
+"""Metres by which the ground of a capture may rise above its usual low."""
 ON_THE_FLOOR = 0.12
 """Metres that one foot's usual low may lie above the other's; higher, and it never stands."""
 
@@ -70,12 +74,19 @@ def detect_contacts(
             track = tracks[first_frame:, side]
             standing = np.zeros(len(track), dtype=bool)
             if len(track) > 1 and lows[side] < lows.min() + ON_THE_FLOOR:
+                ground = _drifting_low(track[:, 2], lows[side], round(DRIFT_WINDOW * frame_rate))
                 smooth = gaussian_filter1d(track, SMOOTHING * frame_rate, axis=0, mode="nearest")
                 speed = np.linalg.norm(np.gradient(smooth, axis=0), axis=1) * frame_rate
-                standing = (track[:, 2] < lows[side] + HEIGHT_MARGIN) & (speed < STILL_SPEED)
+                standing = (track[:, 2] < ground + HEIGHT_MARGIN) & (speed < STILL_SPEED)
             spans = _without_flicker(_spans(standing), round(SHORTEST * frame_rate))
             found[FootPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
+
+
+def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
+    """(F,) the low of each moment, within ``reach`` frames of it: captures' floors rise and sink by centimetres."""
+    local = minimum_filter1d(heights, 2 * reach + 1, mode="nearest")
+    return np.clip(local, low, low + GREATEST_DRIFT)
 
 
 def contact_mask(spans: Iterable[tuple[int, int]], frame_count: int) -> NDArray[np.bool_]:

@@ -1,6 +1,6 @@
 """The constraints of one limb: the first exactly, the second by what freedom it leaves (K05 figure 11).
 
-``asked`` and ``pose`` are the tuples that ``kernels.constraints`` describes.
+``asked``, ``goal`` and ``pose`` are the tuples that ``kernels.constraints`` describes.
 """
 
 import math
@@ -8,11 +8,13 @@ import math
 import numpy as np
 from numba import njit
 
-from studio.core.kernels.body import body_point
-from studio.core.kernels.reach import aim_at, bend_to, longest_reach, swivel_to
+from studio.core.kernels.body import body_point, turn_part
+from studio.core.kernels.goals import ORIENTATION
+from studio.core.kernels.reach import aim_at, bend_range, bend_to, longest_reach, swivel_to
+from studio.core.kernels.rotation import multiply
 
 CLOSE_ENOUGH = 5e-5
-"""Metres of error that are left as they are."""
+"""Metres (or radians) of error that are left as they are."""
 
 
 @njit(cache=True, nogil=True)
@@ -31,70 +33,109 @@ def limb_indices(limb, spine_count):
 
 
 @njit(cache=True, nogil=True)
-def reach_of(code, point, pose):
-    """Greatest distance of ``point`` from the root of its limb, in metres."""
-    positions, rotations = pose
-    root, upper = limb_indices(code[2], positions.shape[0] - 23)
-    if code[1] == upper:
-        return distance(point, positions[root])
-    return longest_reach(positions[root], positions[root + 1], rotations[upper, :, 0], point)
+def held_turn(limb, level, asked, goal, spine_count):
+    """The constraint that holds the orientation of a limb's end segment at this level, -1 if none."""
+    kinds, ranks, ends = asked[0], asked[1], asked[2]
+    _, upper = limb_indices(limb, spine_count)
+    for c in range(kinds.shape[0]):
+        if kinds[c] == ORIENTATION and goal[4][c] and ranks[c] <= level and ends[c, 0, 1] == upper + 2:
+            return c
+    return -1
 
 
 @njit(cache=True, nogil=True)
-def solve_limb(limb, asked, turn, pose):
-    """All constraints of one limb, in order; ``turn`` (3, 3) is scratch."""
-    codes, offsets, chains, targets, wanted = asked
+def reach_of(limb, segment, holds_end, point, pose):
+    """Greatest distance from the root of its limb that ``point`` can have, in metres; of the end joint if held."""
+    positions, rotations = pose
+    root, upper = limb_indices(limb, positions.shape[0] - 23)
+    if segment == upper:
+        return distance(point, positions[root])
+    reached = positions[root + 2] if holds_end and segment >= upper + 2 else point
+    return longest_reach(positions[root], positions[root + 1], rotations[upper, :, 0], reached)
+
+
+@njit(cache=True, nogil=True)
+def nearest_of(limb, segment, holds_end, point, pose):
+    """Least distance from the root of its limb that ``point`` can have, in metres; of the end joint if held."""
+    positions, rotations = pose
+    root, upper = limb_indices(limb, positions.shape[0] - 23)
+    if segment == upper:
+        return distance(point, positions[root])
+    reached = positions[root + 2] if holds_end and segment >= upper + 2 else point
+    c0, c1, _ = bend_range(positions[root], positions[root + 1], rotations[upper, :, 0], reached)
+    return math.sqrt(max(0.0, c0 - 2.0 * c1))
+
+
+@njit(cache=True, nogil=True)
+def solve_limb(limb, level, asked, goal, turn, pose):
+    """All constraints of one limb down to ``level``, in order; ``turn`` (2, 3, 3) is scratch."""
+    ranks, ends, offsets, freedoms = asked[1], asked[2], asked[3], asked[5]
+    places, wanted = goal[0], goal[4]
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
-    held, point = np.empty(3), np.empty(3)
+    turning = held_turn(limb, level, asked, goal, spine_count)
+    if turning >= 0:
+        multiply(goal[1][turning], rotations[upper + 2].T, turn[0])
+        turn_part(turn[0], upper + 2, spine_count, positions[root + 2], positions, rotations)
+    first, point = np.empty(3), np.empty(3)
     solved, held_upper = 0, False
-    for c in range(codes.shape[0]):
-        if not wanted[c] or codes[c, 2] != limb:
+    for c in range(ranks.shape[0]):
+        if not wanted[c] or ranks[c] > level or asked[0][c] == ORIENTATION:
             continue
-        body_point(codes[c, 0], codes[c, 1], offsets[c], positions, rotations, point)
-        if chains[c, 0] > 0.0 and solved == 0:
-            held_upper = codes[c, 1] == upper
-            reach_with_limb(codes[c], offsets[c], targets[c], point, turn, pose)
-        elif chains[c, 0] > 0.0 and solved == 1 and held_upper:
-            aim_at(targets[c], point, upper + 1, spine_count, positions[root + 1], turn, positions, rotations)
-        elif chains[c, 0] > 0.0 and solved == 1:
-            swivel_to(targets[c], point, held, upper, spine_count, positions[root], turn, positions, rotations)
-        body_point(codes[c, 0], codes[c, 1], offsets[c], positions, rotations, point)
-        if chains[c, 1] > 0.0 and codes[c, 1] > upper + 1:
-            aim_end(chains[c, 1], targets[c], point, root + 2, upper + 2, turn, pose)
-        if solved == 0:
-            body_point(codes[c, 0], codes[c, 1], offsets[c], positions, rotations, held)
-        solved += 1
+        for end in range(2):
+            if ends[c, end, 2] != limb:
+                continue
+            target, segment = places[c, end], ends[c, end, 1]
+            body_point(ends[c, end, 0], segment, offsets[c, end], positions, rotations, point)
+            free = freedoms[c, end, 0] > 0.0
+            if free and solved == 0:
+                held_upper = segment == upper
+                holds_end = limb >= 2 or turning >= 0
+                reach_with_limb(ends[c, end], offsets[c, end], target, holds_end, point, turn[0], pose)
+            elif free and solved == 1 and held_upper:
+                aim_at(target, point, upper + 1, spine_count, positions[root + 1], turn[0], positions, rotations)
+            elif free and solved == 1:
+                swivel_to(target, point, first, upper, spine_count, positions[root], turn[0], positions, rotations)
+            body_point(ends[c, end, 0], segment, offsets[c, end], positions, rotations, point)
+            if freedoms[c, end, 1] > 0.0 and segment > upper + 1 and turning < 0:
+                aim_end(freedoms[c, end, 1], target, point, root + 2, upper + 2, turn[0], pose)
+            if solved == 0:
+                body_point(ends[c, end, 0], segment, offsets[c, end], positions, rotations, first)
+            solved += 1
 
 
 @njit(cache=True, nogil=True)
-def reach_with_limb(code, offset, target, point, turn, pose):
+def reach_with_limb(end, offset, target, holds_end, point, turn, pose):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
-    A foot keeps its orientation in the world; a hand goes with its forearm.
+    A foot, or a hand whose orientation is held, keeps its orientation in the world; else it goes with the limb.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
-    root, upper = limb_indices(code[2], spine_count)
-    end, end_point = upper + 2, root + 2
+    root, upper = limb_indices(end[2], spine_count)
+    if not holds_end:
+        if end[1] != upper:
+            bend_to(distance(target, positions[root]), upper, spine_count, root, point, turn, positions, rotations)
+            body_point(end[0], end[1], offset, positions, rotations, point)
+        aim_at(target, point, upper, spine_count, positions[root], turn, positions, rotations)
+        return
+    tip, tip_point, past = upper + 2, root + 2, 2 if end[2] >= 2 else 1
     goal = target.copy()
-    on_foot = code[2] >= 2 and code[1] >= end
-    foot = rotations[end : end + 2].copy()
-    toes = positions[end_point + 1 : end_point + 3] - positions[end_point]
-    if on_foot:
-        goal -= point - positions[end_point]
-        point[:] = positions[end_point]
-    if code[1] != upper:
+    turned = rotations[tip : tip + past].copy()
+    beyond = positions[tip_point + 1 : tip_point + 1 + past] - positions[tip_point]
+    if end[1] >= tip:
+        goal -= point - positions[tip_point]
+        point[:] = positions[tip_point]
+    if end[1] != upper:
         bend_to(distance(goal, positions[root]), upper, spine_count, root, point, turn, positions, rotations)
-        if on_foot:
-            point[:] = positions[end_point]
+        if end[1] >= tip:
+            point[:] = positions[tip_point]
         else:
-            body_point(code[0], code[1], offset, positions, rotations, point)
+            body_point(end[0], end[1], offset, positions, rotations, point)
     aim_at(goal, point, upper, spine_count, positions[root], turn, positions, rotations)
-    if on_foot:
-        rotations[end : end + 2] = foot
-        positions[end_point + 1 : end_point + 3] = positions[end_point] + toes
+    rotations[tip : tip + past] = turned
+    positions[tip_point + 1 : tip_point + 1 + past] = positions[tip_point] + beyond
 
 
 @njit(cache=True, nogil=True)

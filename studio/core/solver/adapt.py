@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +13,15 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames, solve_frames
+from studio.core.kernels.goals import POSITION
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.solver.chains import free_joints, segment_masses
 from studio.core.solver.footing import Footing, find_footing, freedom
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,16 +67,18 @@ def hold(
     residuals = np.full((len(constraints), len(positions)), np.nan)
     if constraints:
         activations = constraint_activations(constraints, standing.footing, motion.frame_rate)[:, window]
+        joints = free_joints([constraint.chain for constraint in constraints], body.layout)
+        asked, wishes = pack_constraints(constraints, body.layout)
         solve_frames(
-            *pack_constraints(constraints, body.layout),
+            (*asked[:4], joints.mobilities, asked[4], np.ones(len(constraints)), joints.joints),
+            wishes,
             np.ascontiguousarray(activations),
             np.ascontiguousarray(standing.footing.states[:, window]),
-            motion.channels[window],
-            body.packed[None],
-            *_legs(standing.footing, window),
+            (motion.channels[window], *_legs(standing.footing, window)),
+            (body.packed[None], segment_masses(body.layout), joints.limits),
+            residuals,
             positions,
             rotations,
-            residuals,
         )
     return AdaptedMotion(body, motion.frame_rate, first, positions, rotations, residuals)
 
@@ -104,23 +108,29 @@ def constraint_activations(constraints: Sequence[Constraint], footing: Footing, 
 
 def pack_constraints(
     constraints: Sequence[Constraint], layout: BodyLayout
-) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-    """Codes (C, 4), offsets (C, 3), chains (C, 5) and targets (C, 3) for the kernel.
+) -> tuple[tuple[NDArray[Any], ...], tuple[FloatArray, ...]]:
+    """``asked`` and ``wishes`` for the kernel (``kernels.constraints``, ``kernels.adapt``).
 
     Raises TypeError for a kind that the solver does not know.
     """
-    codes = np.empty((len(constraints), 4), dtype=np.int64)
-    ranks = sorted({constraint.priority for constraint in constraints})
-    offsets, targets = np.empty((len(constraints), 3)), np.empty((len(constraints), 3))
-    chains = np.empty((len(constraints), 5))
-    for row, constraint in enumerate(constraints):
+    count = len(constraints)
+    levels = sorted({constraint.priority for constraint in constraints})
+    kinds, ranks = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    ends, offsets = np.full((count, 2, 3), -1, dtype=np.int64), np.zeros((count, 2, 3))
+    freedoms, places = np.zeros((count, 2, 2)), np.full((count, 1, 3), np.nan)
+    for c, constraint in enumerate(constraints):
         if not isinstance(constraint, PositionConstraint):
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
-        point, chain = constraint.point, constraint.chain
-        codes[row] = *point_indices(point, layout), limb_of(point.part), ranks.index(constraint.priority)
-        offsets[row], targets[row] = point.offset, constraint.target
-        chains[row] = chain.limb, chain.end_segment, chain.clavicle, chain.trunk, chain.root
-    return codes, offsets, chains, targets
+        kinds[c], ranks[c] = POSITION, levels.index(constraint.priority)
+        ends[c, 0] = *point_indices(constraint.point, layout), limb_of(constraint.point.part)
+        offsets[c, 0], places[c, 0] = constraint.point.offset, constraint.target
+        freedoms[c, 0] = constraint.chain.limb, constraint.chain.end_segment
+    return (kinds, ranks, ends, offsets, freedoms), (
+        places,
+        np.zeros((count, 1, 3, 3)),
+        np.zeros((count, 1)),
+        np.zeros((count, 2)),
+    )
 
 
 def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:

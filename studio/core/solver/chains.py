@@ -1,0 +1,63 @@
+"""How far each joint may help a constraint: its chain in the words of the solver."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout
+from studio.core.constraints.base import Chain
+from studio.core.kernels.joints import ROOT, joint_table
+
+FloatArray = NDArray[np.float64]
+
+ROOT_MOBILITY = 0.15
+"""Mobility of the root's translation beside one vertebra's rotation (square metres)."""
+CLAVICLE_MOBILITY = 4.0
+"""Mobility of a clavicle beside one vertebra (METHOD 6)."""
+PELVIS_LIMIT, VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.5, 0.35, 0.7
+"""Radians that a joint may turn away from the motion, in all."""
+
+
+@dataclass(frozen=True, eq=False)
+class FreeJoints:
+    """The joints that any of some chains frees: ``joints`` (N, 4) as ``kernels.joints``, ``mobilities`` (C + 1, N) what
+    each chain makes of them (the last row is that of the planted feet), ``limits`` (N,) radians each may turn in all.
+    """
+
+    joints: NDArray[np.int64]
+    mobilities: FloatArray
+    limits: FloatArray
+
+
+def free_joints(chains: Sequence[Chain], layout: BodyLayout) -> FreeJoints:
+    """Pelvis, spine, clavicles, neck, head and the root's translation, as far as ``chains`` free them."""
+    k = layout.spine_count
+    segments = [*range(k), k + 2, k + 6, k, k + 1, ROOT]
+    limits = [PELVIS_LIMIT, *[VERTEBRA_LIMIT] * (k - 1), *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2, np.inf]
+    weights = np.zeros((len(chains) + 1, len(segments)))
+    for row, chain in zip(weights, chains, strict=False):
+        row[1:k] = chain.trunk
+        row[k : k + 2] = CLAVICLE_MOBILITY * chain.clavicle
+        row[k + 2] = max(chain.limb, chain.clavicle)
+        row[k + 3] = max(chain.limb, chain.end_segment)
+        row[k + 4] = ROOT_MOBILITY * chain.root
+    weights[-1, -1] = weights[:-1, -1].max(initial=0.0)
+    free = weights.any(axis=0)
+    table = joint_table(np.array(segments)[free], k)
+    return FreeJoints(table, np.ascontiguousarray(weights[:, free]), np.array(limits)[free])
+
+
+def segment_masses(layout: BodyLayout) -> FloatArray:
+    """(S, 2) share of the body's mass and its place along each segment (de Leva 1996, male; METHOD 7)."""
+    masses = np.zeros((layout.segment_count, 2))
+    k = layout.spine_count
+    masses[:k] = [0.3229 / (k - 1), 0.5]
+    masses[0] = [0.1117, 0.5]
+    masses[k], masses[k + 1] = (0.0, 0.5), (0.0694, 0.5)
+    for side in range(2):
+        arm, leg = k + 3 + 4 * side, k + 10 + 4 * side
+        masses[arm : arm + 3] = [(0.0271, 0.577), (0.0162, 0.457), (0.0061, 0.5)]
+        masses[leg : leg + 3] = [(0.1416, 0.41), (0.0433, 0.44), (0.0137, 0.4)]
+    return masses

@@ -1,0 +1,73 @@
+"""Priorities are strict: what stands lower takes nothing from what stands higher."""
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.morphology import Morphology
+from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.io.character_file import bundled_characters
+from tests.core.motions import target, walk
+from tests.core.reachable import reachable_target
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+WALK, CONTACTS = walk()
+LIMB, ARM, BACK, ALL = Chain(clavicle=0.0), Chain(), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
+WRIST = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
+LEAK = 2e-4
+
+
+def _solved(body: Morphology, *constraints: PositionConstraint) -> AdaptedMotion:
+    return adapt(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
+
+
+def _higher(body: Morphology, chain: Chain, random: np.random.Generator) -> PositionConstraint:
+    """The left wrist at a place within reach or, as often, somewhat beyond."""
+    place = reachable_target(_solved(body), 0, WRIST, chain, random)
+    beyond = random.choice([0.0, 0.15]) * body.stature * np.array([0.9, 0.4, 0.0])
+    return target(BodyPart.LEFT_FOREARM, place + beyond, chain, 0)
+
+
+@pytest.mark.parametrize("chain", [LIMB, ARM, BACK, ALL], ids=["limb", "arm", "back", "all"])
+@pytest.mark.parametrize("lower", ["left_upper_arm", "right_forearm", "head", "thorax"])
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_a_lower_constraint_does_not_worsen_a_higher(body: Morphology, lower: str, chain: Chain) -> None:
+    random = np.random.default_rng(3)
+    part = BodyPart(lower)
+    own = Chain(0.0, 0.0, 0.0, 1.0, chain.root) if part is BodyPart.THORAX else chain
+    for _ in range(4):
+        higher = _higher(body, chain, random)
+        before = place_of(BodyPoint(part, at_end=True), _solved(body))[0]
+        wish = target(part, before + random.normal(size=3) * random.choice([0.05, 0.4]), own, 1)
+        alone, both = _solved(body, higher), _solved(body, higher, wish)
+        assert both.residuals[0, 0] <= alone.residuals[0, 0] + LEAK
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_priorities_count_and_not_the_order_in_which_constraints_stand(body: Morphology) -> None:
+    random = np.random.default_rng(4)
+    for chain in (LIMB, ARM, ALL):
+        wrist = _higher(body, chain, random)
+        elbow = target(BodyPart.LEFT_UPPER_ARM, wrist.target + random.normal(size=3) * 0.2, chain, 1)
+        head = target(BodyPart.HEAD, (1.0, 0.2, 1.2), Chain(1.0, 1.0, 0.0, 1.0, 0.0), 2)
+        in_order, mixed = _solved(body, wrist, elbow, head), _solved(body, head, wrist, elbow)
+        assert np.allclose(mixed.positions, in_order.positions, atol=1e-9)
+        assert np.allclose(mixed.residuals[[1, 2, 0]], in_order.residuals, atol=1e-9)
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_only_the_order_of_priorities_counts_and_not_their_numbers(body: Morphology) -> None:
+    random = np.random.default_rng(5)
+    wrist = _higher(body, ALL, random)
+    found = [
+        _solved(
+            body,
+            target(BodyPart.LEFT_FOREARM, wrist.target, ALL, first),
+            target(BodyPart.HEAD, (1.0, 0.2, 1.2), Chain(1.0, 1.0, 0.0, 1.0, 0.0), second),
+        ).positions
+        for first, second in ((0, 1), (3, 40))
+    ]
+    assert np.array_equal(*found)
