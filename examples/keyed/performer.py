@@ -4,7 +4,8 @@ import numpy as np
 
 from studio.core.mannequin.physique import Physique
 from studio.core.morphology import FloatArray
-from studio.core.rest_pose import CLAVICLE, FORWARD, frame_along
+from studio.core.rest_pose import FORWARD
+from studio.core.rotations import frame_along
 from studio.core.skeleton import Skeleton
 
 BODY = Physique(stature=1.76).morphology()
@@ -38,7 +39,7 @@ def t_pose() -> FloatArray:
     axes = np.tile(np.eye(3), (LAYOUT.segment_count, 1, 1))
     for side, outward in enumerate(OUTWARD):
         sideways = np.array([0.0, outward, 0.0])
-        axes[clavicle(side)] = frame_along(CLAVICLE * [1.0, outward, 1.0], FORWARD)
+        axes[clavicle(side)] = frame_along(BODY.clavicle_rest[side], FORWARD)
         axes[clavicle(side) + 1 : clavicle(side) + 4] = frame_along(sideways, np.cross(sideways, FORWARD))
         axes[thigh(side) : thigh(side) + 2] = frame_along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
     return axes

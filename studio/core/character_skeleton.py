@@ -13,8 +13,8 @@ from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.humanoid import BodyMap
 from studio.core.morphology import Morphology
 from studio.core.pose import PoseSequence
-from studio.core.rest_pose import CLAVICLE, FORWARD, frame_along
-from studio.core.rotations import from_matrix
+from studio.core.rest_pose import FORWARD
+from studio.core.rotations import frame_along, from_matrix
 from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion
 
@@ -57,7 +57,7 @@ def character_poses(adapted: AdaptedMotion) -> PoseSequence:
     """An adapted motion as local rotations and translations of its body's ``character_skeleton``, exactly."""
     joints = _joints(adapted.morphology.layout)
     skeleton = character_skeleton(adapted.morphology)
-    rest = t_pose_rotations(adapted.morphology.layout)
+    rest = t_pose_rotations(adapted.morphology)
     world = adapted.rotations @ np.swapaxes(rest, 1, 2)
     local = np.tile(np.eye(3), (adapted.frame_count, skeleton.joint_count, 1, 1))
     for joint, (segment, parent) in enumerate(zip(joints.segments, joints.parents, strict=True)):
@@ -75,14 +75,15 @@ def joint_points(layout: BodyLayout) -> tuple[int, ...]:
     return _joints(layout).points
 
 
-def t_pose_rotations(layout: BodyLayout) -> FloatArray:
-    """(S, 3, 3) world rotations of the canonical segments in the T-pose."""
+def t_pose_rotations(morphology: Morphology) -> FloatArray:
+    """(S, 3, 3) world rotations of the canonical segments in the T-pose; neck and clavicles lie as at ease."""
+    layout = morphology.layout
     rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
+    rotations[layout.neck_base] = frame_along(morphology.neck_rest, FORWARD)
     for side in range(2):
-        outward = np.array([1.0, 1.0 - 2.0 * side, 1.0])
-        bone = np.array([0.0, 1.0, 0.0]) * outward
+        bone = np.array([0.0, 1.0 - 2.0 * side, 0.0])
         arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
-        rotations[arm] = frame_along(CLAVICLE * outward, FORWARD)
+        rotations[arm] = frame_along(morphology.clavicle_rest[side], FORWARD)
         rotations[arm + 1 : arm + 4] = frame_along(bone, np.cross(bone, FORWARD))
         rotations[leg : leg + 2] = frame_along(_DOWN, np.array([0.0, 1.0, 0.0]))
     return rotations
@@ -90,7 +91,7 @@ def t_pose_rotations(layout: BodyLayout) -> FloatArray:
 
 def _t_pose_points(morphology: Morphology) -> FloatArray:
     """(P, 3) the canonical points in the T-pose, the longer leg's sole on z = 0."""
-    layout, rotations = morphology.layout, t_pose_rotations(morphology.layout)
+    layout, rotations = morphology.layout, t_pose_rotations(morphology)
     bones = np.einsum("sij,sj->si", rotations, _bone_vectors(morphology))
     points = np.zeros((layout.point_count, 3))
     points[1 : layout.neck_base + 1] = np.cumsum(morphology.spine, axis=0)

@@ -1,6 +1,6 @@
 """Morphology: the measures of one body, all that a character adds to a morphology-independent motion."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -25,8 +25,11 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "ankle_height": (2,),
     "toe_height": (2,),
     "heel_length": (2,),
+    "neck_rest": (3,),
+    "clavicle_rest": (2, 3),
 }
 _LENGTHS = ("neck", "head", "clavicle", "arm", "leg")
+_DIRECTIONS = ("neck_rest", "clavicle_rest")
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,10 @@ class Morphology:
     """(2,) toe joint above the sole of the flat foot."""
     heel_length: FloatArray
     """(2,) from below the ankle back to the heel."""
+    neck_rest: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    """(3,) direction of the neck in the body at ease, thorax axes."""
+    clavicle_rest: FloatArray = field(default_factory=lambda: np.array([[-0.2, 1.0, 0.05], [-0.2, -1.0, 0.05]]))
+    """(2, 3) direction of each clavicle in the body at ease, thorax axes."""
 
     def __post_init__(self) -> None:
         spine = np.array(self.spine, dtype=np.float64)
@@ -72,14 +79,19 @@ class Morphology:
             if array.shape != shape:
                 raise ValueError(f"{name}: expected shape {shape}, got {array.shape}.")
             object.__setattr__(self, name, float(array) if shape == () else array)
-        for field in fields(self):
-            array = np.asarray(getattr(self, field.name))
+        for name in ("spine", *_SHAPES):
+            array = np.asarray(getattr(self, name))
             if not np.isfinite(array).all():
-                raise ValueError(f"{field.name}: holds a number that is not finite.")
-            if field.name in _LENGTHS and (array <= 0).any():
-                raise ValueError(f"{field.name}: a bone needs a length above zero.")
-            if isinstance(getattr(self, field.name), np.ndarray):
-                getattr(self, field.name).setflags(write=False)
+                raise ValueError(f"{name}: holds a number that is not finite.")
+            if name in _LENGTHS and (array <= 0).any():
+                raise ValueError(f"{name}: a bone needs a length above zero.")
+            if name in _DIRECTIONS:
+                lengths = np.linalg.norm(array, axis=-1, keepdims=True)
+                if (lengths < 1e-9).any():
+                    raise ValueError(f"{name}: a direction needs a length above zero.")
+                object.__setattr__(self, name, array / lengths)
+            if isinstance(getattr(self, name), np.ndarray):
+                getattr(self, name).setflags(write=False)
 
     @cached_property
     def layout(self) -> BodyLayout:
@@ -108,15 +120,15 @@ class Morphology:
         return row
 
     def to_json(self) -> dict[str, Any]:
-        return {field.name: np.asarray(getattr(self, field.name)).tolist() for field in fields(self)}
+        return {name: np.asarray(getattr(self, name)).tolist() for name in ("spine", *_SHAPES)}
 
     @classmethod
     def from_json(cls, record: dict[str, Any]) -> Self:
         """Inverse of ``to_json``. Raises ValueError naming a missing or wrong field."""
-        missing = [field.name for field in fields(cls) if field.name not in record]
+        missing = [name for name in ("spine", *_SHAPES) if name not in record]
         if missing:
             raise ValueError(f"A morphology needs {', '.join(missing)}.")
-        return cls(**{field.name: record[field.name] for field in fields(cls)})
+        return cls(**{name: record[name] for name in ("spine", *_SHAPES)})
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Morphology) and np.array_equal(self.packed, other.packed)
@@ -142,10 +154,10 @@ class Proportions:
     head: float = 1.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            factor = getattr(self, field.name)
+        for each in fields(self):
+            factor = getattr(self, each.name)
             if not (np.isfinite(factor) and 0.2 <= factor <= 5.0):
-                raise ValueError(f"{field.name}: a proportion lies between 0.2 and 5, got {factor}.")
+                raise ValueError(f"{each.name}: a proportion lies between 0.2 and 5, got {factor}.")
 
     def applied_to(self, build: Morphology) -> Morphology:
         """``build`` with its measures multiplied by these factors."""

@@ -4,10 +4,10 @@ import numpy as np
 
 from studio.core.canonical import BodyPart
 from studio.core.morphology import FloatArray, Morphology
+from studio.core.rotations import frame_along
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 UP = np.array([0.0, 0.0, 1.0])
-CLAVICLE = np.array([-0.2, 1.0, 0.05])
 UPPER_ARM = np.array([0.06, np.cos(np.radians(50)), -np.sin(np.radians(50))])
 ELBOW_FLEXION = np.radians(12)
 
@@ -25,20 +25,13 @@ def rest_pose(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     positions[0, 2] = hips_to_sole.min()
     positions[1 : layout.neck_base + 1] = positions[0] + np.cumsum(morphology.spine, axis=0)
     neck_base = positions[layout.neck_base]
-    positions[layout.head_joint] = neck_base + morphology.neck * UP
+    rotations[layout.neck_base] = frame_along(morphology.neck_rest, FORWARD)
+    positions[layout.head_joint] = neck_base + morphology.neck * rotations[layout.neck_base][:, 2]
     positions[layout.head_end] = positions[layout.head_joint] + morphology.head * UP
     for side in (0, 1):
         _hang_arm(morphology, side, positions, rotations)
         _stand_leg(morphology, side, positions, rotations)
     return positions, rotations
-
-
-def frame_along(bone: FloatArray, x_hint: FloatArray) -> FloatArray:
-    """The rotation whose z axis is ``bone`` and whose x axis is ``x_hint`` made orthogonal to it."""
-    z = bone / np.linalg.norm(bone)
-    x = x_hint - (x_hint @ z) * z
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(z, x), z], axis=1)
 
 
 def turned(frame: FloatArray, flexion: float) -> FloatArray:
@@ -49,7 +42,7 @@ def turned(frame: FloatArray, flexion: float) -> FloatArray:
 
 def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotations: FloatArray) -> None:
     outward = np.array([1.0, 1 - 2 * side, 1.0])
-    clavicle = frame_along(CLAVICLE * outward, FORWARD)
+    clavicle = frame_along(morphology.clavicle_rest[side], FORWARD)
     bone = UPPER_ARM * outward
     upper = frame_along(bone, np.cross(bone, FORWARD))
     forearm = turned(upper, ELBOW_FLEXION)

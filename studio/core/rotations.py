@@ -116,6 +116,16 @@ def shortest_arc(start: FloatArray, end: FloatArray) -> FloatArray:
     return np.where(opposite[..., None, None], half_turn, arc)
 
 
+def frame_along(bone: FloatArray, x_hint: FloatArray) -> FloatArray:
+    """The rotation (3, 3) whose z axis is ``bone`` and whose x axis is as near to ``x_hint`` as that allows."""
+    z = normalized(bone)
+    x = x_hint - x_hint @ z * z
+    if np.linalg.norm(x) < 1e-6:
+        x = np.array([z[1], -z[0], 0.0]) if abs(z[2]) < 0.9 else np.array([0.0, z[2], -z[1]])
+    x = normalized(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
 def slerp(first: FloatArray, second: FloatArray, share: FloatArray | float) -> FloatArray:
     """Rotations (..., 4) on the shortest way from ``first`` (share 0) to ``second`` (share 1), evenly."""
     share = np.asarray(share, dtype=np.float64)[..., None]

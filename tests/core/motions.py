@@ -10,6 +10,8 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.kernels import layout as at
+from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.pose import PoseSequence
@@ -65,6 +67,13 @@ def swaying(
     translations = np.tile(skeleton.offsets, (frames, 1, 1))
     translations[:, 0] += 0.2 * np.sin(2 * times[:, 0] + random.uniform(0, 6, size=3)) + [0.0, 0.0, lift]
     return make_capture("sway", frames, skeleton=skeleton, poses=PoseSequence(rotations, translations))
+
+
+def times(factor: float, body: Morphology) -> np.ndarray:
+    """The packed measures of a body ``factor`` times as large: directions stay as they are."""
+    packed = factor * body.packed
+    packed[at.M_NECK_REST : at.M_SPINE] = body.packed[at.M_NECK_REST : at.M_SPINE]
+    return packed
 
 
 def scaled(capture: Capture, factor: float) -> Capture:

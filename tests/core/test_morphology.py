@@ -11,6 +11,7 @@ from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology, Proportions
 from studio.io.character_file import bundled_characters
 from tests.builders import make_morphology
+from tests.core.motions import times
 
 factors = st.floats(0.2, 5.0)
 proportions = st.builds(Proportions, *(factors for _ in fields(Proportions)))
@@ -24,7 +25,7 @@ def test_proportions_of_1_are_the_build_itself() -> None:
 @given(factors)
 def test_stature_scales_every_measure_alike(factor: float) -> None:
     body = make_morphology()
-    assert np.allclose(Proportions(stature=factor).applied_to(body).packed, factor * body.packed)
+    assert np.allclose(Proportions(stature=factor).applied_to(body).packed, times(factor, body))
 
 
 @given(proportions)

@@ -1,17 +1,18 @@
 """Where each number stands in the arrays that kernels take: one column number a field, said once.
 
 Channels of a normalised motion (``core.normalized.motion``): 93 + 4 (K - 1) numbers a frame, spine last.
-Measures of a body (``Morphology.packed``): 48 + 3 K numbers, spine last.
+Measures of a body (``Morphology.packed``): 57 + 3 K numbers, spine last.
 """
 
 # --- channels -------------------------------------------------------------------------------------------------
 HIPS = 0  # 3   middle of the hip joints above the ankles' plane, parts of the leg length
 YAW = 3  # 1   low-passed heading of the pelvis
 PELVIS = 4  # 4   pelvis relative to the heading
-NECK = 8  # 4   relative to the thorax
-HEAD = 12  # 4   relative to the neck
-CLAVICLE = 16  # 2 x 4 relative to the thorax
-LIMB_FRAME = 24  # 4 x 4 relative to clavicle or pelvis: z from limb root to extremity, x the hinge axis
+NECK = 8  # 4   away from its rest in the thorax
+HEAD = 12  # 4   relative to the thorax carried along by the neck
+CLAVICLE = 16  # 2 x 4 away from their rest in the thorax
+# 4 x 4 in the pelvis or the thorax carried along by the clavicle: z from limb root to extremity, x the hinge axis
+LIMB_FRAME = 24
 LIMB_SLACK = 40  # 4   1 - |extremity - root| / limb length (slack, not reach: float32 keeps straight limbs exact)
 LIMB_OFF_PLANE = 44  # 4   x of elbow or knee in the limb frame, parts of the limb length
 LIMB_BEND = 48  # 4   sign of its y
@@ -37,4 +38,6 @@ M_TOE = 36
 M_ANKLE_HEIGHT = 42
 M_TOE_HEIGHT = 44
 M_HEEL_LENGTH = 46
-M_SPINE = 48
+M_NECK_REST = 48
+M_CLAVICLE_REST = 51
+M_SPINE = 57

@@ -2,23 +2,24 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
 from studio.core.kernels import layout as at
 from studio.core.kernels.limb import place_limb
-from studio.core.kernels.rotation import add_rotated, multiply, quaternion_to_matrix
+from studio.core.kernels.rotation import add_rotated, frame_along, multiply, quaternion_to_matrix
 
 
 @njit(cache=True, nogil=True)
 def realize_frames(channels, measures, spine_from, spine_share, play, out_positions, out_rotations):
     """Pose a body at every frame (METHOD 3; eq. 2 of K05).
 
-    ``channels`` (F, 89 + 4 K_motion); ``measures`` (F or 1, 48 + 3 K); ``spine_from`` (K,) and ``spine_share``
+    ``channels`` (F, 89 + 4 K_motion); ``measures`` (F or 1, 57 + 3 K); ``spine_from`` (K,) and ``spine_share``
     (K,) say between which of the motion's spine segments each segment of the body lies; ``play`` 1 keeps the
     actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
     """
     scratch = out_rotations[0, 0].copy()
-    work = scratch.copy()
+    work, carriers = scratch.copy(), np.empty((2, 3, 3))
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         realize_trunk(
@@ -28,20 +29,64 @@ def realize_frames(channels, measures, spine_from, spine_share, play, out_positi
             spine_share,
             play,
             scratch,
-            work,
+            carriers,
             out_positions[frame],
             out_rotations[frame],
         )
         for limb in range(4):
-            realize_limb(channels[frame], row, limb, play, scratch, work, out_positions[frame], out_rotations[frame])
+            carrier = carriers[limb] if limb < 2 else out_rotations[frame, 0]
+            realize_limb(
+                channels[frame], row, limb, play, carrier, scratch, work, out_positions[frame], out_rotations[frame]
+            )
 
 
 @njit(cache=True, nogil=True)
-def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, work, out_positions, out_rotations):
-    """Root, spine, neck, head and clavicles of one frame (METHOD 3.1 to 3.3)."""
+def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, carriers, out_positions, out_rotations):
+    """Root, spine, neck, head and clavicles of one frame (METHOD 3.1 to 3.3).
+
+    Neck and clavicles turn away from their own rest in the thorax, because bodies (and captures) draw them along
+    other lines: what a motion carries over is the turn, not the line. ``carriers`` (2, 3, 3) becomes the thorax
+    carried along by each clavicle, in which arms lie.
+    """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    place_root(channels, measures, scratch, out_positions, out_rotations)
+    for k in range(spine_count):
+        if k > 0:
+            spine_rotation(channels, spine_from[k], spine_share[k], scratch)
+            multiply(out_rotations[0], scratch, out_rotations[k])
+        place_offset(measures, at.M_SPINE + 3 * k, out_positions[k], out_rotations[k], out_positions[k + 1])
+    thorax, neck = spine_count - 1, spine_count
+    carrier = carriers[0]
+    m, length = at.M_NECK_REST, measures[at.M_NECK]
+    turn_from_rest(channels, at.NECK, measures, m, out_rotations[thorax], scratch, carrier, out_rotations[neck])
+    stray = play * length
+    add_rotated(
+        out_positions[neck],
+        out_rotations[neck],
+        stray * channels[at.HEAD_PLAY],
+        stray * channels[at.HEAD_PLAY + 1],
+        length + stray * channels[at.HEAD_PLAY + 2],
+        out_positions[neck + 1],
+    )
+    quaternion_to_matrix(channels[at.HEAD : at.HEAD + 4], scratch)
+    multiply(carrier, scratch, out_rotations[neck + 1])
+    head, along = out_rotations[neck + 1], measures[at.M_HEAD]
+    add_rotated(out_positions[neck + 1], head, 0.0, 0.0, along, out_positions[neck + 2])
+    for side in range(2):
+        point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
+        m, q = at.M_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side
+        base = at.M_COLLAR_BASE + 3 * side
+        place_offset(measures, base, out_positions[neck], out_rotations[thorax], out_positions[point])
+        thorax_turn, clavicle = out_rotations[thorax], out_rotations[segment]
+        turn_from_rest(channels, q, measures, m, thorax_turn, scratch, carriers[side], clavicle)
+        along = measures[at.M_CLAVICLE + side]
+        add_rotated(out_positions[point], clavicle, 0.0, 0.0, along, out_positions[point + 1])
+
+
+@njit(cache=True, nogil=True)
+def place_root(channels, measures, scratch, out_positions, out_rotations):
+    """Rotation and place of the pelvis of one frame: the middle of the hips stands where the channels say."""
     leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
-    ankle = 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1])
     quaternion_to_matrix(channels[at.PELVIS : at.PELVIS + 4], scratch)
     c, s = math.cos(channels[at.YAW]), math.sin(channels[at.YAW])
     for column in range(3):
@@ -54,68 +99,22 @@ def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, wo
         for column in range(3):
             middle = 0.5 * (measures[m + column] + measures[m + 3 + column])
             out_positions[0, axis] -= out_rotations[0, axis, column] * middle
-    out_positions[0, 2] += ankle
-    for k in range(spine_count):
-        if k > 0:
-            spine_rotation(channels, spine_from[k], spine_share[k], scratch)
-            multiply(out_rotations[0], scratch, out_rotations[k])
-        m = at.M_SPINE + 3 * k
-        add_rotated(
-            out_positions[k],
-            out_rotations[k],
-            measures[m],
-            measures[m + 1],
-            measures[m + 2],
-            out_positions[k + 1],
-        )
-    thorax, neck = spine_count - 1, spine_count
-    quaternion_to_matrix(channels[at.NECK : at.NECK + 4], scratch)
-    multiply(out_rotations[thorax], scratch, out_rotations[neck])
-    length = measures[at.M_NECK]
-    stray = play * length
-    add_rotated(
-        out_positions[neck],
-        out_rotations[neck],
-        stray * channels[at.HEAD_PLAY],
-        stray * channels[at.HEAD_PLAY + 1],
-        length + stray * channels[at.HEAD_PLAY + 2],
-        out_positions[neck + 1],
-    )
-    quaternion_to_matrix(channels[at.HEAD : at.HEAD + 4], scratch)
-    multiply(out_rotations[neck], scratch, out_rotations[neck + 1])
-    add_rotated(
-        out_positions[neck + 1],
-        out_rotations[neck + 1],
-        0.0,
-        0.0,
-        measures[at.M_HEAD],
-        out_positions[neck + 2],
-    )
-    for side in range(2):
-        point, segment, m = (
-            spine_count + 3 + 5 * side,
-            spine_count + 2 + 4 * side,
-            at.M_COLLAR_BASE + 3 * side,
-        )
-        add_rotated(
-            out_positions[neck],
-            out_rotations[thorax],
-            measures[m],
-            measures[m + 1],
-            measures[m + 2],
-            out_positions[point],
-        )
-        q = at.CLAVICLE + 4 * side
-        quaternion_to_matrix(channels[q : q + 4], scratch)
-        multiply(out_rotations[thorax], scratch, out_rotations[segment])
-        add_rotated(
-            out_positions[point],
-            out_rotations[segment],
-            0.0,
-            0.0,
-            measures[at.M_CLAVICLE + side],
-            out_positions[point + 1],
-        )
+    out_positions[0, 2] += 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1])
+
+
+@njit(cache=True, nogil=True)
+def place_offset(measures, m, origin, rotation, out_point):
+    """Point (3,) at the measures ``m`` to ``m + 2`` from ``origin``, in the axes of ``rotation`` (3, 3)."""
+    add_rotated(origin, rotation, measures[m], measures[m + 1], measures[m + 2], out_point)
+
+
+@njit(cache=True, nogil=True)
+def turn_from_rest(channels, q, measures, m, thorax, scratch, out_carrier, out_rotation):
+    """Neck or clavicle: the thorax carried along (3, 3), and the segment that lies in it along its rest (3, 3)."""
+    quaternion_to_matrix(channels[q : q + 4], scratch)
+    multiply(thorax, scratch, out_carrier)
+    frame_along(measures[m], measures[m + 1], measures[m + 2], scratch)
+    multiply(out_carrier, scratch, out_rotation)
 
 
 @njit(cache=True, nogil=True)
@@ -141,25 +140,19 @@ def spine_rotation(channels, index, share, out_matrix):
 
 
 @njit(cache=True, nogil=True)
-def realize_limb(channels, measures, limb, play, scratch, work, out_positions, out_rotations):
+def realize_limb(channels, measures, limb, play, carrier, scratch, work, out_positions, out_rotations):
     """One arm (limb 0, 1) or leg (2, 3) of one frame with its hand or foot (METHOD 3.3 to 3.5)."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     side, is_leg = limb % 2, limb >= 2
     if is_leg:
-        point, segment, carrier, m = (
-            spine_count + 13 + 5 * side,
-            spine_count + 10 + 4 * side,
-            0,
-            at.M_LEG + 2 * side,
-        )
+        point, segment, m = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, at.M_LEG + 2 * side
         place_hip(channels, measures, side, play, out_positions[0], out_rotations[0], out_positions[point])
     else:
         point, segment, m = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side, at.M_ARM + 2 * side
-        carrier = segment - 1
     upper, lower = measures[m], measures[m + 1]
     q, t = at.LIMB_FRAME + 4 * limb, at.LIMB_TWIST + 2 * limb
     quaternion_to_matrix(channels[q : q + 4], scratch)
-    multiply(out_rotations[carrier], scratch, work)
+    multiply(carrier, scratch, work)
     place_limb(
         out_positions[point],
         work,

@@ -164,3 +164,17 @@ def matrix_to_rotation_vector(matrix, out_vector):
     sine = math.sqrt(x * x + y * y + z * z)
     scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0
     out_vector[0], out_vector[1], out_vector[2] = scale * x, scale * y, scale * z
+
+
+@njit(cache=True, nogil=True)
+def frame_along(zx, zy, zz, out_matrix):
+    """Rotation (3, 3) whose z axis is unit z and whose x axis is as near to world X as that allows."""
+    x, y, w = 1.0 - zx * zx, -zx * zy, -zx * zz
+    length = math.sqrt(x * x + y * y + w * w)
+    if length < 1e-6:
+        x, y, w = (zy, -zx, 0.0) if abs(zz) < 0.9 else (0.0, zz, -zy)
+        length = math.sqrt(x * x + y * y + w * w)
+    x, y, w = x / length, y / length, w / length
+    out_matrix[0, 0], out_matrix[1, 0], out_matrix[2, 0] = x, y, w
+    out_matrix[0, 1], out_matrix[1, 1], out_matrix[2, 1] = zy * w - zz * y, zz * x - zx * w, zx * y - zy * x
+    out_matrix[0, 2], out_matrix[1, 2], out_matrix[2, 2] = zx, zy, zz

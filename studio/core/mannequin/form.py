@@ -14,7 +14,8 @@ from studio.core.canonical import BodyPart
 from studio.core.mannequin.field import Ellipsoid, Loft, Solid, smooth_union, union
 from studio.core.mannequin.physique import Physique
 from studio.core.morphology import FloatArray
-from studio.core.rest_pose import frame_along, rest_pose
+from studio.core.rest_pose import rest_pose
+from studio.core.rotations import frame_along
 
 _FORWARD, _LEFT, _UP = np.eye(3)
 _Parts = list[tuple[Solid, float]]

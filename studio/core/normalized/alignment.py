@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.normalized.landmarks import Landmarks
-from studio.core.rotations import normalized, shortest_arc
+from studio.core.rotations import frame_along, normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
 
@@ -56,15 +56,6 @@ def anatomical_frame(leftward: FloatArray) -> FloatArray:
     """Axes (columns) x forward, y left, z up of an upright body whose left lies ``leftward`` (3,)."""
     y = normalized(leftward - leftward @ UP * UP)
     return np.stack([np.cross(y, UP), y, UP], axis=1)
-
-
-def frame_along(z: FloatArray, x_hint: FloatArray) -> FloatArray:
-    """Axes (columns) with z as given (unit) and x as near to ``x_hint`` as that allows."""
-    x = x_hint - x_hint @ z * z
-    if np.linalg.norm(x) < 1e-6:
-        x = np.array([z[1], -z[0], 0.0]) if abs(z[2]) < 0.9 else np.array([0.0, z[2], -z[1]])
-    x = normalized(x)
-    return np.stack([x, np.cross(z, x), z], axis=1)
 
 
 def foot_frame(bone: FloatArray, body: FloatArray) -> FloatArray:

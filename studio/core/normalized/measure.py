@@ -17,14 +17,16 @@ USUAL_ANKLE = 0.045
 
 def measure_actor(
     marks: Landmarks,
+    alignments: FloatArray,
     rotations: FloatArray,
     points: FloatArray,
     contacts: dict[FootPoint, list[tuple[int, int]]],
     first_frame: int,
 ) -> Morphology:
-    """Medians over the motion of all bones, in canonical axes; sole heights from the frames in which feet stand.
+    """Medians over the motion of all bones, in canonical axes; sole heights where feet stand.
 
-    ``rotations`` (F, S, 3, 3) canonical; ``points`` (F, P, 3) in the motion's space (ground at z = 0).
+    ``alignments`` (S, 3, 3) and ``rotations`` (F, S, 3, 3) canonical; ``points`` (F, P, 3) in the motion's space
+    (ground at z = 0).
     """
     layout = marks.layout
     thorax = layout.spine_count - 1
@@ -57,7 +59,15 @@ def measure_actor(
         ankle_height=ankle,
         toe_height=np.maximum(ankle + feet[:, 2], 0.0),
         heel_length=0.3 * np.linalg.norm(feet[:, :2], axis=1),
+        neck_rest=_rest_direction(marks, alignments, layout.neck_base),
+        clavicle_rest=np.array([_rest_direction(marks, alignments, layout.spine_count + 2 + 4 * s) for s in (0, 1)]),
     )
+
+
+def _rest_direction(marks: Landmarks, alignments: FloatArray, segment: int) -> FloatArray:
+    """How a segment that hangs on the thorax lies in it (3,), in the reference pose: its z axis."""
+    reference = marks.reference_rotations @ alignments
+    return np.asarray(reference[marks.layout.spine_count - 1].T @ reference[segment][:, 2])
 
 
 def _head_length(marks: Landmarks, points: FloatArray, first_frame: int) -> float:

@@ -14,11 +14,12 @@ from studio.core.normalized.alignment import find_alignments, level_feet
 from studio.core.normalized.landmarks import Landmarks, find_landmarks
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.rotations import from_matrix, normalized, shortest_arc, sign_continuous
+from studio.core.rotations import frame_along, from_matrix, normalized, shortest_arc, sign_continuous
 
 FloatArray = NDArray[np.float64]
 Contacts = dict[FootPoint, list[tuple[int, int]]]
 
+FORWARD = np.array([1.0, 0.0, 0.0])
 HEADING_SMOOTHING = 0.25
 """Seconds, standard deviation of the low-pass on the pelvis' heading."""
 
@@ -40,7 +41,7 @@ def normalize(capture: Capture) -> tuple[NormalizedMotion, Actor]:
     rotations = marks.rotations @ alignments
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
     points = marks.points - origin
-    body = measure_actor(marks, rotations, points, contacts, capture.first_frame)
+    body = measure_actor(marks, alignments, rotations, points, contacts, capture.first_frame)
     channels = _channels(body, points, rotations, capture.frame_rate)
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(body.spine[:-1], axis=1))])
     motion = NormalizedMotion(capture.name, capture.frame_rate, channels, places / places[-1])
@@ -81,17 +82,19 @@ def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame
     channels[:, at.YAW] = yaw
     put = _QuaternionWriter(channels)
     put(at.PELVIS, _about_z(-yaw) @ pelvis)
-    put(at.NECK, _local(rotations[:, thorax], rotations[:, neck]))
-    put(at.HEAD, _local(rotations[:, neck], rotations[:, head]))
+    carrier = rotations[:, neck] @ frame_along(body.neck_rest, FORWARD).T
+    put(at.NECK, _local(rotations[:, thorax], carrier))
+    put(at.HEAD, _local(carrier, rotations[:, head]))
     for segment in range(1, layout.spine_count):
         put(at.SPINE + 4 * (segment - 1), _local(pelvis, rotations[:, segment]))
     for side in range(2):
         arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
-        put(at.CLAVICLE + 4 * side, _local(rotations[:, thorax], rotations[:, arm]))
+        carrier = rotations[:, arm] @ frame_along(body.clavicle_rest[side], FORWARD).T
+        put(at.CLAVICLE + 4 * side, _local(rotations[:, thorax], carrier))
         put(at.HAND + 4 * side, _local(rotations[:, arm + 2], rotations[:, arm + 3]))
         put(at.FOOT + 4 * side, _local(pelvis, rotations[:, leg + 2]))
         put(at.TOE + 4 * side, _local(rotations[:, leg + 2], rotations[:, leg + 3]))
-        _encode_limb(channels, put, side, rotations[:, arm], points, rotations, layout.collar(side) + 1, arm + 1)
+        _encode_limb(channels, put, side, carrier, points, rotations, layout.collar(side) + 1, arm + 1)
         _encode_limb(channels, put, 2 + side, pelvis, points, rotations, layout.hip(side), leg)
         hip = _apply_inverse(pelvis, points[:, layout.hip(side)] - points[:, 0])
         play = at.HIP_PLAY + 3 * side

@@ -5,6 +5,7 @@ import numpy as np
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import frame_along
 from tests.core.twins.limb import place_limb
 from tests.core.twins.rotation import about_z, from_quaternion
 
@@ -28,17 +29,19 @@ def realize_frame(row: np.ndarray, places: np.ndarray, body: Morphology, play: b
         rotations[k] = pelvis @ relative
         positions[k + 1] = positions[k] + rotations[k] @ body.spine[k]
     thorax, neck, head = layout.spine_count - 1, layout.neck_base, layout.head_joint
-    rotations[neck] = rotations[thorax] @ quaternion(at.NECK)
+    carried = rotations[thorax] @ quaternion(at.NECK)
+    rotations[neck] = carried @ frame_along(body.neck_rest, np.array([1.0, 0.0, 0.0]))
     stray = play * row[at.HEAD_PLAY : at.HEAD_PLAY + 3]
     positions[head] = positions[neck] + body.neck * rotations[neck] @ (np.array([0.0, 0.0, 1.0]) + stray)
-    rotations[head] = rotations[neck] @ quaternion(at.HEAD)
+    rotations[head] = carried @ quaternion(at.HEAD)
     positions[head + 1] = positions[head] + rotations[head] @ [0.0, 0.0, body.head]
     for side in range(2):
         arm, collar = layout.spine_count + 2 + 4 * side, layout.collar(side)
         positions[collar] = positions[neck] + rotations[thorax] @ body.collar_base[side]
-        rotations[arm] = rotations[thorax] @ quaternion(at.CLAVICLE + 4 * side)
+        carried = rotations[thorax] @ quaternion(at.CLAVICLE + 4 * side)
+        rotations[arm] = carried @ frame_along(body.clavicle_rest[side], np.array([1.0, 0.0, 0.0]))
         positions[collar + 1] = positions[collar] + rotations[arm] @ [0.0, 0.0, body.clavicle[side]]
-        _limb(row, side, rotations[arm], body.arm[side], collar + 1, arm + 1, positions, rotations)
+        _limb(row, side, carried, body.arm[side], collar + 1, arm + 1, positions, rotations)
         rotations[arm + 3] = rotations[arm + 2] @ quaternion(at.HAND + 4 * side)
         positions[collar + 4] = positions[collar + 3] + rotations[arm + 3] @ body.hand[side]
         leg, hip = layout.spine_count + 10 + 4 * side, layout.hip(side)
