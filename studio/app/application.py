@@ -18,7 +18,7 @@ from studio.document.document import Document
 from studio.document.file_lock import journal_folder
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
-from studio.engine.warm_up import start_warm_up
+from studio.engine.warm_up import WarmUp
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -27,12 +27,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     start_log()
     application = make_application()
     problems = ProblemHooks()
-    warm_up = start_warm_up()
+    warm_up = WarmUp()
     journals = journal_folder()
-    window = make_window(Settings(), Document(journal_folder=journals))
+    window = make_window(Settings(), Document(journal_folder=journals), warm_up)
     problems.told.connect(window.bench.said)
     window.show()
-    QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals))
+    QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()
     problems.close()
     warm_up.join()
@@ -49,30 +49,36 @@ def make_application() -> QApplication:
     return application
 
 
-def make_window(settings: Settings, document: Document | None = None) -> MainWindow:
+def make_window(settings: Settings, document: Document | None = None, warm_up: WarmUp | None = None) -> MainWindow:
     """The window with its document and engine, still without the views of the motion."""
     document = document or Document()
-    live = LiveAdaptation(document)
+    live = LiveAdaptation(document, until_ready=warm_up.join if warm_up else lambda: None)
     return MainWindow(Workbench(document, live, TaskRunner(), settings))
 
 
-def fill_window(window: MainWindow, paths: list[Path], journals: Path | None = None) -> None:
+def fill_window(
+    window: MainWindow, paths: list[Path], journals: Path | None = None, warm_up: WarmUp | None = None
+) -> None:
     """Begin what may take longer than a moment: offer recovery, open files, make the views."""
     bench = window.bench
     if journals is not None:
         recovery.offer(bench, journals)
+    bench.document.new(sample.empty_project())  # somebody stands on the stage while the motion is read
     if paths:
         window.open_paths(paths)
     else:
         sample.open_sample(bench)
     # The imports take a second or more; the interpreter does them beside the window.
     bench.runner.run("Starting the 3D view", lambda _: import_views(), lambda _: show_views(window))
+    if warm_up is not None and warm_up.running:
+        bench.runner.run("Preparing the solver", warm_up.follow)
 
 
 def import_views() -> None:
     """Load what the views are made of."""
     import_module("studio.timeline.timeline")
     import_module("studio.viewport.widget")
+    import_module("studio.viewport.scene")  # VTK, which the first picture would load otherwise
 
 
 def show_views(window: MainWindow) -> None:

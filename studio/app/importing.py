@@ -47,7 +47,7 @@ def import_motion(bench: Workbench, path: Path, options: ImportOptions | None = 
         bench.sources[capture_id] = path
 
     task: int = bench.runner.run(
-        f"Import {path.name}", lambda progress: read_motion(path, options or ImportOptions(), progress), done
+        f"Opening {path.name}", lambda progress: read_motion(path, options or ImportOptions(), progress), done
     )
     return task
 

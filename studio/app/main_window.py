@@ -56,11 +56,12 @@ class MainWindow(QMainWindow):
         self._restore_layout()
         self._show_title()
 
-    def show_viewport(self, viewport: QWidget) -> None:
+    def show_viewport(self, viewport: Any) -> None:
         """Put the 3D view in the place that is kept for it."""
         self._stage_layout.replaceWidget(self._waiting, viewport)
         self._waiting.hide()
         self.bench.viewport = viewport
+        self._show_progress(*self.status.progress.now)
         viewport.setFocus()
         self.bench.views_changed.emit()
 
@@ -69,6 +70,7 @@ class MainWindow(QMainWindow):
         self.docks["Timeline"].setWidget(timeline)
         timeline.told.connect(self.status.tell)
         self.bench.timeline = timeline
+        self._show_progress(*self.status.progress.now)
         self.bench.views_changed.emit()
 
     def show_shortcuts(self) -> None:
@@ -182,6 +184,7 @@ class MainWindow(QMainWindow):
         for over in (runner.finished, runner.failed, runner.cancelled):
             over.connect(lambda task, *_: self.status.progress.end(task))
         self.status.progress.cancel_wanted.connect(runner.cancel)
+        self.status.progress.told.connect(self._show_progress)
         self.library.wanted.connect(lambda capture: importing.perform_capture(bench, capture))
         self.inspector.reimport_wanted.connect(self._reimport)
 
@@ -192,6 +195,11 @@ class MainWindow(QMainWindow):
             self.restoreState(layout[1])
 
     # What it answers to
+
+    def _show_progress(self, words: str, share: float) -> None:
+        for view in (self.bench.viewport, self.bench.timeline):
+            if view is not None:
+                view.show_progress(words, share)
 
     def _saved_state_changed(self) -> None:
         self._show_title()
@@ -256,6 +264,7 @@ class MainWindow(QMainWindow):
             self.bench.viewport.stop()
         if self.bench.timeline is not None:
             self.bench.timeline.close()
+        self.hide()  # workers may take a moment to end
         self.bench.close()
         event.accept()
         self.closed.emit()

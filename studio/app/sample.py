@@ -71,4 +71,4 @@ def open_sample(bench: Workbench) -> None:
     def work(progress: Callable[[float, str], None]) -> Project:
         return sample_project(importing.read_motion(file, ImportOptions(), progress))
 
-    bench.runner.run("Open sample", work, show)
+    bench.runner.run(f"Opening {file.stem}", work, show)

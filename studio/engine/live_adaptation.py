@@ -101,11 +101,14 @@ class LiveAdaptation(QObject):
         realise: Realise = as_recorded,
         parent: QObject | None = None,
         workers: int | None = None,
+        until_ready: Callable[[], object] = lambda: None,
     ) -> None:
+        """``until_ready`` returns when all kernels are there; no solve begins, and none is timed, before."""
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
         self._solve, self._realise = solve or StandingSolver(), realise
+        self._until_ready = until_ready
         self._wanted: dict[str, Wanted] = {}
         self._results: dict[str, AdaptedMotion] = {}
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
@@ -215,6 +218,7 @@ class LiveAdaptation(QObject):
         self._scheduler.request(key, self._document.revision, *stages)
 
     def _timed(self, wanted: Wanted, first: int, last: int | None) -> Solved:
+        self._until_ready()
         motion, _ = self._prepare(wanted.capture)
         request = AdaptRequest(motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground)
         begin = time.perf_counter()

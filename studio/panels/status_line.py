@@ -1,7 +1,7 @@
 """The status line: where in time, how fast, what was guessed, what is running, whether the work is safe."""
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QStatusBar, QWidget
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QWidget
 
 from studio.document.document import Document
 from studio.panels.fields import press_button
@@ -14,11 +14,13 @@ class ProgressLine(QWidget):
     """The running job with its share, and a way to stop it."""
 
     cancel_wanted = Signal(int)
+    told = Signal(str, float)
+    """Words and share of the job that is shown; empty words when none runs."""
 
     def __init__(self) -> None:
         super().__init__()
         row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
+        row.setContentsMargins(0, 0, 12, 0)
         row.setSpacing(8)
         self._words = QLabel()
         self._bar = QProgressBar()
@@ -26,30 +28,43 @@ class ProgressLine(QWidget):
         self._bar.setTextVisible(False)
         self._bar.setRange(0, 1000)
         self._cancel = press_button("Cancel", self._ask, "link")
+        self._cancel.setObjectName("cancel")
+        self._cancel.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         for widget in (self._words, self._bar, self._cancel):
-            row.addWidget(widget)
-        self._jobs: dict[int, str] = {}
+            row.addWidget(widget, 0, Qt.AlignmentFlag.AlignVCenter)
+        self._titles: dict[int, str] = {}
+        self._jobs: dict[int, tuple[str, float]] = {}
         self.hide()
+
+    @property
+    def now(self) -> tuple[str, float]:
+        """What is running, in words, and its share from 0 to 1; the newest job where there are several."""
+        return next(reversed(self._jobs.values()), ("", 0.0))
 
     def begin(self, task: int, title: str) -> None:
         """A job has begun; the newest one is shown."""
-        self._jobs[task] = title
+        self._titles[task] = title
         self.show_share(task, 0.0, "")
-        self.show()
 
     def show_share(self, task: int, share: float, words: str) -> None:
         """How far it is, from 0 to 1."""
-        if task in self._jobs:
-            self._words.setText(" · ".join(filter(None, (self._jobs[task], words))))
-            self._bar.setValue(round(share * 1000))
-            self._bar.setAccessibleName(f"{self._jobs[task]}, {share:.0%}")
+        if task in self._titles:
+            self._jobs[task] = (" · ".join(filter(None, (self._titles[task], words))), share)
+            self._show()
 
     def end(self, task: int) -> None:
         """It is over, in whichever way."""
+        self._titles.pop(task, None)
         self._jobs.pop(task, None)
+        self._show()
+
+    def _show(self) -> None:
+        words, share = self.now
+        self._words.setText(words)
+        self._bar.setValue(round(share * 1000))
+        self._bar.setAccessibleName(f"{words}, {share:.0%}")
         self.setVisible(bool(self._jobs))
-        for last in list(self._jobs)[-1:]:
-            self._words.setText(self._jobs[last])
+        self.told.emit(words, share)
 
     def _ask(self) -> None:
         for task in list(self._jobs)[-1:]:

@@ -1,6 +1,6 @@
 """What lies over the rows' picture: the playhead, the moment a drag has caught on, and what the drag says."""
 
-from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtCore import QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
 
 from studio.document import colours
@@ -9,6 +9,7 @@ from studio.timeline.shown import LABEL_WIDTH, Shown
 from studio.timeline.tracks import ruler
 from studio.timeline.tracks.brush import font, hairline, paint_bar
 
+BAR_WIDTH = 200.0
 HEAD = 6.0
 
 
@@ -52,9 +53,13 @@ def paint_mark(painter: QPainter, shown: Shown, mark: Mark, mouse: QPointF, area
     painter.drawText(chip, Qt.AlignmentFlag.AlignCenter, mark.text)
 
 
-def paint_prompt(painter: QPainter, area: QRect, text: str) -> None:
-    """The one line that says what to do while there is nothing to show."""
+def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None = None) -> None:
+    """The one line that says what to do, or what is under way and how far, while there is nothing to show."""
     painter.fillRect(area, QColor(colours.PANEL))
     painter.setFont(font(13))
     painter.setPen(QColor(colours.TEXT_SECOND))
     painter.drawText(area, Qt.AlignmentFlag.AlignCenter, text)
+    if share is not None:
+        bar = QRectF(area.center().x() - BAR_WIDTH / 2, area.center().y() + 22.0, BAR_WIDTH, 4.0)
+        paint_bar(painter, bar, QColor(colours.CONTROL), 2)
+        paint_bar(painter, QRectF(bar.topLeft(), QSizeF(BAR_WIDTH * share, 4.0)), QColor(colours.KINDS["position"]), 2)

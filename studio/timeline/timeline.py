@@ -87,6 +87,10 @@ class Timeline(QWidget):
         """Show all of time."""
         self.tracks.axis.fit()
 
+    def show_progress(self, words: str, share: float) -> None:
+        """What is waited for, from 0 to 1; empty words when nothing runs."""
+        self.tracks.show_progress(words, share)
+
     def add_contact(self, point: FootPoint) -> str | None:
         """Add a contact at the playhead and return its id; None where one stands already, or without a motion."""
         shown = self.tracks.shown

@@ -5,6 +5,7 @@ from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QScrollBar, QWidget
 
 from studio.document.document import Document
+from studio.engine.empty_stage import empty_words
 from studio.timeline import edits, overlay
 from studio.timeline.axis import TimeAxis
 from studio.timeline.gestures.gesture import Gesture
@@ -15,8 +16,6 @@ from studio.timeline.subject import stage_extent, subject_of
 from studio.timeline.tracks.plot import Quantity
 
 FOLLOW_MILLISECONDS = 100
-DROP = "Drop a BVH here"
-SHOW = "Show a character to see its motion here"
 
 
 class TrackView(QWidget):
@@ -31,6 +30,7 @@ class TrackView(QWidget):
         self.gesture: Gesture | None = None
         self.handle: Part | None = None
         self.mouse = QPointF()
+        self._progress = ("", 0.0)
         self._playhead_area = QRect()
         self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
         self.scroll_bar.setAccessibleName("Scroll the timeline's rows")
@@ -71,8 +71,14 @@ class TrackView(QWidget):
 
     @property
     def prompt(self) -> str:
-        """What to do while there is nothing to show."""
-        return SHOW if self.document.project.motions else DROP
+        """What is under way, or what to do, while there is nothing to show."""
+        return self._progress[0] or empty_words(self.document.project)
+
+    def show_progress(self, words: str, share: float) -> None:
+        """What is waited for, from 0 to 1; empty words when nothing runs."""
+        self._progress = (words, share)
+        if self.sheet is None:
+            self.update()
 
     def lay_out(self) -> None:
         """Fetch which rows there are, place them, and draw everything again."""
@@ -160,7 +166,9 @@ class TrackView(QWidget):
         """The picture, then what lies over it."""
         with QPainter(self) as painter:  # an error inside must not leave a painter on a widget that goes on
             if self.sheet is None:
-                overlay.paint_prompt(painter, self.rect(), self.prompt)
+                overlay.paint_prompt(
+                    painter, self.rect(), self.prompt, self._progress[1] if self._progress[0] else None
+                )
             else:
                 self._paint(painter, self.sheet)
 

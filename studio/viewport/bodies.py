@@ -69,6 +69,12 @@ class BodyVisual:
             self._bones.pose(motion.positions[row])
             place(self.bones_actor, posed.placement)
             return
+        if posed.resting and motion.morphology == self._character.build:
+            # As it was bound: needs no kernel, which may not be compiled yet.
+            self._skin.points[:], self._skin.normals[:] = self._character.skin.vertices, self._character.skin.normals
+            self._skin.touch()
+            place(self.skin_actor, posed.placement)
+            return
         skin_vertices(
             self._character.skin, self._character.build, motion.morphology,
             motion.positions[row], motion.rotations[row], self._skin.points, self._skin.normals,

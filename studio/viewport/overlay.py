@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QLineF, QPointF, Qt
+from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
@@ -17,6 +17,9 @@ HOVERED = "#ffe08a"
 SHADOW = QColor(12, 14, 17, 170)
 GHOST = QColor(196, 204, 214, 215)
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
+
+NOTICE_ABOVE = 110.0
+"""Pixels from the lower edge up to what is said while nobody performs."""
 
 
 class Overlay:
@@ -82,6 +85,26 @@ class Overlay:
             if gizmo.usable(axis):
                 self._arrow(gizmo.centre, gizmo.tips[index], HOVERED if axis == hot else AXIS_COLOURS[axis])
         self._disc(gizmo.centre, 6.0, QColor(HOVERED if hot == BALL else "#f4f7fb"))
+
+    def notice(self, words: str, share: float | None) -> None:
+        """One line low in the middle, with a bar under it where something is under way."""
+        font = self._painter.font()
+        font.setPixelSize(13)
+        self._painter.setFont(font)
+        width = self._painter.fontMetrics().horizontalAdvance(words) + 40.0
+        middle, top = self._size[0] / 2, self._size[1] - NOTICE_ABOVE
+        plate = QRectF(middle - width / 2, top, width, 34.0 if share is None else 46.0)
+        self._painter.setPen(Qt.PenStyle.NoPen)
+        self._painter.setBrush(QColor(22, 25, 29, 225))
+        self._painter.drawRoundedRect(plate, 11.0, 11.0)
+        self._painter.setPen(QColor(colours.TEXT))
+        self._painter.drawText(QRectF(plate.topLeft(), QSizeF(width, 34.0)), Qt.AlignmentFlag.AlignCenter, words)
+        if share is not None:
+            self._painter.setPen(Qt.PenStyle.NoPen)
+            for colour, part in ((colours.CONTROL, 1.0), (colours.KINDS["position"], share)):
+                self._painter.setBrush(QColor(colour))
+                bar = QRectF(plate.left() + 20.0, top + 33.0, (width - 40.0) * part, 4.0)
+                self._painter.drawRoundedRect(bar, 2.0, 2.0)
 
     def _target(self, place: FloatArray, colour: QColor, selected: bool) -> None:
         self._disc(place, 6.0, colour)

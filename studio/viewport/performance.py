@@ -1,7 +1,7 @@
 """What a performer does at a moment of the stage: its clip's frame, its pose, its place."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.project import Clip, Performer, Project
+from studio.core.rest_pose import rest_pose
 from studio.core.solver.request import AdaptedMotion
 
 FloatArray = NDArray[np.float64]
@@ -68,6 +69,8 @@ class Posed:
     motion: AdaptedMotion
     row: int
     placement: Placement
+    resting: bool = False
+    """Whether it only stands and waits for its motion."""
 
     @cached_property
     def points(self) -> FloatArray:
@@ -101,3 +104,15 @@ def posed_performers(project: Project, result_of: Results, time: float) -> dict[
         if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
             posed[performer_id] = pose_of(performer, motion, time)
     return posed
+
+
+def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str, Posed]:
+    """Every visible performer that is not in ``posed``, in its rest pose at its place."""
+    resting = {}
+    for performer_id, performer in project.performers.items():
+        character = project.characters.get(performer.character_id) if performer.visible else None
+        if character is not None and performer_id not in posed:
+            positions, rotations = (part[None] for part in rest_pose(character.morphology))
+            motion = AdaptedMotion(character.morphology, 1.0, 0, positions, rotations, np.empty((0, 1)))
+            resting[performer_id] = Posed(performer, motion, 0, Placement.of(performer), resting=True)
+    return resting

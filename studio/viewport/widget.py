@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QWidget
 from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 from studio.document.document import Document
+from studio.engine.empty_stage import empty_words
 from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
@@ -28,7 +29,7 @@ from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.paths import StagePath, contact_marks, selection_rings, trails
-from studio.viewport.performance import Placement, Posed, pose_of, posed_performers
+from studio.viewport.performance import Placement, Posed, pose_of, posed_performers, resting_performers
 from studio.viewport.picking import PickedJoint
 from studio.viewport.problem import Problem, worst_problem
 
@@ -52,6 +53,8 @@ class Viewport(Canvas):
         self._document, self._live = document, live
         self.tool = "move"
         self.posed: dict[str, Posed] = {}
+        self.resting: dict[str, Posed] = {}
+        self._progress = ("", 0.0)
         self.joint_picked: PickedJoint | None = None
         self.joint_hovered: PickedJoint | None = None
         self.gizmo_part_hovered: str | None = None
@@ -91,7 +94,7 @@ class Viewport(Canvas):
 
     def frame_all(self) -> None:
         """Show all performers, as large as they fit."""
-        points = [pose.points for pose in self.posed.values()]
+        points = [pose.points for pose in (self.posed | self.resting).values()]
         if points:
             self._frame(np.concatenate(points))
 
@@ -162,6 +165,19 @@ class Viewport(Canvas):
         self._document.selection.set(("performers", picked.performer_id), ("constraints", constraint_id))
         return constraint_id
 
+    def show_progress(self, words: str, share: float) -> None:
+        """What the stage waits for, from 0 to 1; empty words when nothing runs."""
+        self._progress = (words, share)
+        if not self.posed:
+            self.update()
+
+    @property
+    def notice(self) -> str:
+        """What is said while nobody performs: what is under way, else what to do."""
+        if self.posed:
+            return ""
+        return self._progress[0] or empty_words(self._document.project)
+
     def cancel_gesture(self) -> bool:
         """Take back the drag under way; False when there is none."""
         gesture, self.gesture = self.gesture, None
@@ -213,13 +229,16 @@ class Viewport(Canvas):
         """Pose every visible performer at the playhead."""
         project, time = self._document.project, self._document.playhead.time
         self.posed = posed_performers(project, self._live.result, time)
+        self.resting = resting_performers(project, self.posed)
         if self.posed and not self._framed:
             # Results come one by one: the view is settled when every body is there.
             self._framed = all(key in self.posed for key in self._expected())
             self.camera = opening_camera(self.posed, self.view_size, self.camera.parallel)
+        elif self.resting and not self._framed:
+            self.camera = opening_camera(self.resting, self.view_size, self.camera.parallel)
         if self._problem_stale:
             self._problem, self._problem_stale = worst_problem(project, self._live.result), False
-        scene.sync(project, self.posed, self._bones, self._paths())
+        scene.sync(project, self.posed | self.resting, self._bones, self._paths())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
@@ -241,6 +260,8 @@ class Viewport(Canvas):
         gizmo = self.gizmo()
         if gizmo is not None:
             overlay.gizmo(gizmo, self.gizmo_part_hovered)
+        if self.notice:
+            overlay.notice(self.notice, self._progress[1] if self._progress[0] else None)
         self._place_constrain_chip()
 
     def _place_constrain_chip(self) -> None:

@@ -12,6 +12,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.contacts import FootPoint
 from studio.core.project import Project
 from studio.document.document import Document
+from studio.engine.empty_stage import HIDDEN
 from studio.timeline.menus import menu_at
 from studio.timeline.strips import StripState
 from studio.timeline.timeline import Timeline
@@ -484,7 +485,7 @@ def test_with_nobody_shown_the_line_asks_for_a_character(document, timeline):
     for key, performer in document.project.performers.items():
         document.replace("performers", key, replace(performer, visible=False), "")
     assert timeline.row_rect("ruler").isEmpty()
-    assert timeline.tracks.prompt == "Show a character to see its motion here"
+    assert timeline.tracks.prompt == HIDDEN
 
 
 # The transport

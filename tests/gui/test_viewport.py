@@ -1,5 +1,7 @@
 """The viewport driven as a person would: mouse and keys on the widget, looking at the document."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
@@ -9,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QPushButton
 
 from studio.core.project import Prop
 from studio.document.document import Document
+from studio.engine.empty_stage import HIDDEN
 from studio.viewport.body_points import body_joints
 from studio.viewport.gizmo import AXES
 from studio.viewport.widget import Viewport
@@ -404,3 +407,29 @@ def test_a_viewport_closed_before_it_has_started_stays_closed(qtbot):
     assert not started
     viewport.close()
     viewport.deleteLater()
+
+
+def test_a_body_whose_motion_is_not_there_yet_stands_in_its_rest_pose(studio):
+    viewport, document, live = studio
+    live.late = {"performer 1"}
+    viewport.show_again()
+    settle(viewport)
+    assert set(viewport.posed) == {"performer 0"}
+    assert set(viewport.resting) == {"performer 1"}
+    [placed] = viewport.resting.values()
+    assert placed.points[0, 1] == pytest.approx(document.project.performers["performer 1"].position[1])
+
+
+def test_while_nobody_performs_the_view_says_what_is_under_way_and_else_what_to_do(studio):
+    viewport, document, live = studio
+    assert viewport.notice == ""
+    live.late = set(document.project.performers)
+    viewport.show_again()
+    settle(viewport)
+    viewport.show_progress("Opening walk.bvh", 0.4)
+    assert viewport.notice == "Opening walk.bvh"
+    viewport.show_progress("", 0.0)
+    assert viewport.notice == ""
+    for key, performer in document.project.performers.items():
+        document.replace("performers", key, replace(performer, visible=False), "Hide")
+    assert viewport.notice == HIDDEN

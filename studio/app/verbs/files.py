@@ -108,4 +108,4 @@ def _open(bench: Workbench, path: Path) -> None:
         bench.document.show_opened(opened)
         bench.settings.remember(path)
 
-    bench.runner.run(f"Open {path.name}", lambda _: read_project(path), show)
+    bench.runner.run(f"Opening {path.name}", lambda _: read_project(path), show)

@@ -4,6 +4,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter
 
 from studio.document import colours
+from studio.engine.empty_stage import HIDDEN, empty_words
 from studio.timeline.figures import rate
 from studio.timeline.shown import Hit, Part, Shown, label_area
 from studio.timeline.tracks.brush import LABEL_INDENT, font, paint_bar, paint_dot, paint_label
@@ -20,14 +21,14 @@ def clip_bar(shown: Shown, row: QRect) -> QRectF:
 
 
 def clip_text(shown: Shown) -> str:
-    """``front_kick · 70 f at 30 Hz → 5 bodies``."""
+    """``front_kick · 70 frames at 30 Hz → 5 bodies``; where all are hidden, that."""
     subject = shown.subject
     frames = subject.clip.last - subject.clip.first + 1
     bodies = len(subject.bodies)
-    return (
-        f"{subject.motion.name} · {frames} f at {rate(subject.frame_rate)} → "
-        f"{bodies} {'body' if bodies == 1 else 'bodies'}"
-    )
+    what = f"{subject.motion.name} · {frames} frame{'' if frames == 1 else 's'} at {rate(subject.frame_rate)}"
+    if not bodies:
+        return f"{what} · {HIDDEN if empty_words(shown.project) == HIDDEN else 'no body that is shown plays it'}"
+    return f"{what} → {bodies} {'body' if bodies == 1 else 'bodies'}"
 
 
 def paint_clip(painter: QPainter, row: QRect, shown: Shown) -> None:
