@@ -11,7 +11,7 @@ from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_id
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
 from studio.document.playhead import Playhead
-from studio.document.selection import Selection
+from studio.document.selection import Item, Selection
 
 
 class EditedProject(QObject):
@@ -167,11 +167,17 @@ class EditedProject(QObject):
         self._project = applied(self._project, edits)
         self._revision += 1
         gone = {edit.item for edit in edits if edit.new is None}
-        self.selection.set(*(item for item in self.selection.items if item not in gone))
+        self.selection.set(*(item for item in self.selection.items if item not in gone and self._may_be_seen(item)))
         if not had_motion and self.active_motion_id is not None:
             self._fit_playhead()
         for item in dict.fromkeys(edit.item for edit in edits):
             self.entity_changed.emit(*item)
+
+    def _may_be_seen(self, item: Item) -> bool:
+        """A constraint or contact of a motion that nobody on the stage plays any more is not worked on."""
+        motion_id = getattr(self._project.get(*item), "motion_id", None)
+        playing = (performer for performer in self._project.performers.values() if performer.visible)
+        return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.clips)
 
     def _fit_playhead(self) -> None:
         """The range and frame rate of the active motion."""
