@@ -45,6 +45,7 @@ def import_motion(bench: Workbench, path: Path, options: ImportOptions | None = 
         put_motion(bench.document, motion, f"Import {path.name}")
         capture_id = list(bench.document.project.captures)[-1]
         bench.sources[capture_id] = path
+        tell_repairs(bench, capture_id)
 
     task: int = bench.runner.run(
         f"Opening {path.name}", lambda progress: read_motion(path, options or ImportOptions(), progress), done
@@ -92,9 +93,26 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
     def done(read: ReadMotion) -> None:
         if capture_id in bench.document.project.captures:
             _replace_motion(bench.document, capture_id, read, text)
+            tell_repairs(bench, capture_id)
 
     options = ImportOptions(**overruled(capture) | option)
     bench.runner.run(text, lambda progress: read_motion(path, options, progress), done)
+
+
+def tell_repairs(bench: Workbench, capture_id: str) -> None:
+    """What had to be repaired, with the way to its report; without repairs, what went wrong before is past."""
+    capture = bench.document.project.captures[capture_id]
+    if not capture.repairs:
+        bench.window.strip.clear()
+        return
+    report = ("Import report", lambda: bench.document.selection.set(("captures", capture_id)))
+    bench.window.strip.say(repair_words(capture), report, ("Close", bench.window.strip.clear))
+
+
+def repair_words(capture: Capture) -> str:
+    """``walk.bvh was read with 2 repairs: The last row, line 214, is cut off and was dropped.``"""
+    count = len(capture.repairs)
+    return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {capture.repairs[0]}"
 
 
 def overruled(capture: Capture) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from studio.core.errors import StudioError
 from studio.document.document import Document
 from studio.engine.tasks import TaskRunner
 from studio.io.archive import Stamp
@@ -15,6 +16,7 @@ def save_in_background(
     thumbnail: bytes | None = None,
     overwrite: bool = False,
     on_saved: Callable[[], None] = lambda: None,
+    on_error: Callable[[StudioError], None] = lambda _error: None,
 ) -> int:
     """Start a save and return its task id. Raises StudioError at once when there is no place to save to."""
     saving = document.saving(path, thumbnail, overwrite)
@@ -23,4 +25,4 @@ def save_in_background(
         document.saved(saving, stamp)
         on_saved()
 
-    return tasks.run(f"Saving {saving.path.name}", saving.write, saved)
+    return tasks.run(f"Saving {saving.path.name}", saving.write, saved, on_error)

@@ -4,6 +4,7 @@ import itertools
 import logging
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
@@ -38,6 +39,15 @@ class Progress:
         self._cancelled.set()
 
 
+@dataclass(frozen=True, eq=False)
+class _Task:
+    title: str
+    progress: Progress
+    thread: threading.Thread
+    on_done: Callable[[Any], None]
+    on_error: Callable[[StudioError], None]
+
+
 class TaskRunner(QObject):
     """Each job runs in a thread of its own; its signals and its ``on_done`` come on the window's thread."""
 
@@ -51,7 +61,7 @@ class TaskRunner(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._numbers = itertools.count(1)
-        self._tasks: dict[int, tuple[str, Progress, threading.Thread, Callable[[Any], None]]] = {}
+        self._tasks: dict[int, _Task] = {}
         self._ended.connect(self._end, Qt.ConnectionType.QueuedConnection)
 
     @property
@@ -64,8 +74,12 @@ class TaskRunner(QObject):
         title: str,
         job: Callable[[Progress], Result],
         on_done: Callable[[Result], None] = lambda _result: None,
+        on_error: Callable[[StudioError], None] = lambda _error: None,
     ) -> int:
-        """Run ``job(progress)``, then ``on_done`` unless it failed or was cancelled. Returns the job's id."""
+        """Run ``job(progress)``, then ``on_done`` unless it failed or was cancelled. Returns the job's id.
+
+        ``on_error`` is called after ``failed`` with an error meant for the user, where there is more to offer.
+        """
         number = next(self._numbers)
         progress = Progress(lambda fraction, text: self.progressed.emit(number, fraction, text))
 
@@ -77,7 +91,7 @@ class TaskRunner(QObject):
             self._ended.emit(number, result, error)
 
         thread = threading.Thread(target=work, name=f"task-{number}", daemon=True)
-        self._tasks[number] = (title, progress, thread, on_done)
+        self._tasks[number] = _Task(title, progress, thread, on_done, on_error)
         self.started.emit(number, title)
         thread.start()
         return number
@@ -85,31 +99,32 @@ class TaskRunner(QObject):
     def cancel(self, task_id: int) -> None:
         """Ask a job to stop; ``cancelled`` tells when it has. One that has ended is left alone."""
         if task_id in self._tasks:
-            self._tasks[task_id][1].cancel()
+            self._tasks[task_id].progress.cancel()
 
     def close(self) -> None:
         """Cancel all jobs and wait for their threads; nothing is emitted afterwards."""
         self._ended.disconnect(self._end)
-        for _, progress, _, _ in self._tasks.values():
-            progress.cancel()
-        for _, _, thread, _ in self._tasks.values():
-            thread.join()
+        for task in self._tasks.values():
+            task.progress.cancel()
+        for task in self._tasks.values():
+            task.thread.join()
         self._tasks.clear()
 
     def _end(self, number: int, result: Any, error: Exception | None) -> None:
-        title, _, thread, on_done = self._tasks.pop(number)
-        thread.join()
+        task = self._tasks.pop(number)
+        task.thread.join()
         if isinstance(error, CancelledError):
             self.cancelled.emit(number)
             return
         try:
             if error is not None:
                 raise error
-            on_done(result)
+            task.on_done(result)
         except StudioError as sentence:
             self.failed.emit(number, str(sentence))
+            task.on_error(sentence)
         except Exception as fault:  # noqa: BLE001 - told to the user and logged with its stack
-            _log.exception("%s failed", title)
-            self.failed.emit(number, f"{title} failed by a fault of the program: {type(fault).__name__}: {fault}.")
+            _log.exception("%s failed", task.title)
+            self.failed.emit(number, f"{task.title} failed by a fault of the program: {type(fault).__name__}: {fault}.")
         else:
             self.finished.emit(number, result)

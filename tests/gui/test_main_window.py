@@ -103,6 +103,36 @@ def test_a_file_that_cannot_be_read_is_a_sentence_and_changes_nothing(qtbot, win
     assert document.history == ()
 
 
+def test_what_was_selected_of_the_motion_before_is_let_go_of_by_an_import(qtbot, window, walk):
+    document = window.bench.document
+    document.selection.set(("performers", "performer 0"), ("constraints", "constraint 0"))
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert document.selection.items == (("performers", "performer 0"),)
+
+
+def test_a_file_cut_in_the_middle_is_opened_and_its_repairs_are_told_with_the_way_to_the_report(qtbot, window, walk):
+    document = window.bench.document
+    walk.write_text(walk.read_text()[:-200])
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert "2 repairs" in window.strip.text
+    assert "cut off" in window.strip.text
+    assert " line " in window.strip.text
+    window.strip.press("Import report")
+    assert document.selection.items == (("captures", list(document.project.captures)[-1]),)
+    assert window.strip.text == ""
+
+
+def test_an_import_that_succeeds_takes_away_the_error_of_the_one_before(qtbot, window, walk, tmp_path):
+    drop(window, tmp_path / "nowhere.bvh")
+    wait_until_idle(qtbot, window)
+    assert "nowhere.bvh" in window.strip.text
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    assert window.strip.text == ""
+
+
 def test_a_click_on_the_eye_hides_and_shows_a_character(qtbot, window):
     document, view = window.bench.document, window.library.view
     row = window.library.row_rect(("performers", "performer 0"))
@@ -166,6 +196,24 @@ def test_saved_and_opened_again_it_is_the_same_project(qtbot, window, tmp_path):
     drop(window, path)
     wait_until_idle(qtbot, window)
     assert same(document.project, saved)
+
+
+def test_a_file_that_somebody_else_changed_is_kept_until_the_user_says_to_replace_it(qtbot, window, tmp_path):
+    from studio.app.verbs import files
+
+    path = tmp_path / "kick.studio"
+    files.save_to(window.bench, path)
+    wait_until_idle(qtbot, window)
+    foreign = path.read_bytes() + b"more"
+    path.write_bytes(foreign)
+    window.actions_by_id.by_id["save"].trigger()
+    wait_until_idle(qtbot, window)
+    assert path.read_bytes() == foreign
+    assert "changed on the disk" in window.strip.text
+    window.strip.press("Save anyway")
+    wait_until_idle(qtbot, window)
+    assert path.read_bytes() != foreign
+    assert window.strip.text == ""
 
 
 def test_space_plays_and_arrow_keys_step(qtbot, window):

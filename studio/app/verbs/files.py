@@ -8,7 +8,7 @@ from studio.app.file_dialogs import MOTIONS, PROJECTS, ask_file, ask_folder, ask
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
-from studio.io.project_file import OpenedProject, read_project
+from studio.io.project_file import ChangedOnDisk, OpenedProject, read_project
 
 NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
@@ -69,10 +69,19 @@ def next_increment(path: Path) -> Path:
             return candidate
 
 
-def save_to(bench: Workbench, path: Path) -> None:
-    """Write the project; what cannot be written is said in a sentence."""
-    remember = lambda: bench.settings.remember(path)  # noqa: E731
-    save_in_background(bench.document, bench.runner, path, on_saved=remember)
+def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
+    """Write the project; what cannot be written is said in a sentence, with what can be done instead."""
+
+    def saved() -> None:
+        bench.settings.remember(path)
+        bench.window.strip.clear()
+
+    def refused(error: StudioError) -> None:
+        if isinstance(error, ChangedOnDisk):
+            again = ("Save anyway", lambda: save_to(bench, path, overwrite=True))
+            bench.window.strip.say(str(error), ("Save as…", lambda: save_as(bench)), again, ("Close", lambda: None))
+
+    save_in_background(bench.document, bench.runner, path, overwrite=overwrite, on_saved=saved, on_error=refused)
 
 
 def import_motion(bench: Workbench) -> None:
