@@ -3,18 +3,17 @@
 Members carry their CRC-32; the archive's comment is a seal, the SHA-256 of all bytes before it.
 """
 
-import contextlib
-import errno
 import hashlib
 import os
 import struct
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from studio.core.errors import StudioError
+from studio.io.replacing import FolderNotWritable, remove_leftovers, replacing
 
 SEAL = b"morpho-studio sha256:"
 DIGEST_SIZE = 64
@@ -25,10 +24,6 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 _MOST_DAMAGED = 100  # a file made to keep the reader busy has many more
 
 Stamp = tuple[int, int, int]
-
-
-class FolderNotWritable(StudioError):  # noqa: N818 - it names what is the matter
-    """The file cannot be written where it is; another folder may do (Save As)."""
 
 
 @dataclass
@@ -76,32 +71,24 @@ def write_archive(
     ``report`` is told the share that is done; it may raise to cancel. Raises FolderNotWritable, StudioError.
     """
     path = path.resolve()
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    remove_leftovers(path)
     try:
-        _remove_leftovers(path)
-        with open(part, "xb") as stream:
-            _write_members(stream, members, report)
-        _seal(part)
-        _verify(part, members)
-        if path.exists():
-            part.chmod(path.stat().st_mode & 0o777)
-        os.replace(part, path)
-        _sync_folder(path.parent)
-    except OSError as error:
-        raise _refusal(path, error) from error
-    finally:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
+        with replacing(path) as part:
+            _write_members(part, members, report)
+            _seal(part)
+            _verify(part, members)
+    except FolderNotWritable as error:
+        raise FolderNotWritable(f"{error} Nothing is lost: use Save As.") from error
     written = stamp(path)
     if written is None:
         raise StudioError(f"'{path}' is gone right after it was saved. Save it in another place.")
     return written
 
 
-def _write_members(stream: object, members: Mapping[str, bytes], report: Callable[[float, str], None]) -> None:
+def _write_members(part: Path, members: Mapping[str, bytes], report: Callable[[float, str], None]) -> None:
     total = sum(map(len, members.values())) or 1
     done = 0
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:  # type: ignore[call-overload]
+    with zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as archive:
         for name, content in members.items():
             report(done / total, f"Writing {name.split('/')[0]}")
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), content)
@@ -110,7 +97,7 @@ def _write_members(stream: object, members: Mapping[str, bytes], report: Callabl
 
 
 def _seal(part: Path) -> None:
-    """Put the digest of all that stands before it at the end, and see the file onto the disk."""
+    """Put the digest of all that stands before it at the end."""
     with open(part, "r+b") as stream:
         length = stream.seek(0, os.SEEK_END) - DIGEST_SIZE
         stream.seek(0)
@@ -119,8 +106,6 @@ def _seal(part: Path) -> None:
             digest.update(block)
         stream.seek(length)
         stream.write(digest.hexdigest().encode())
-        stream.flush()
-        os.fsync(stream.fileno())
 
 
 def _verify(part: Path, members: Mapping[str, bytes]) -> None:
@@ -175,37 +160,3 @@ def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
         struct.error,
     ):
         return {}
-
-
-def _remove_leftovers(path: Path) -> None:
-    """A process that was killed while saving leaves its part behind."""
-    for leftover in _parts_of(path):
-        leftover.unlink(missing_ok=True)
-
-
-def _parts_of(path: Path) -> Iterable[Path]:
-    return (item for item in path.parent.iterdir() if item.name.startswith(f".{path.name}.") and item.suffix == ".part")
-
-
-def _sync_folder(folder: Path) -> None:
-    if os.name == "nt":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
-
-
-def _refusal(path: Path, error: OSError) -> StudioError:
-    untouched = "Nothing was changed on the disk, and nothing is lost."
-    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR):
-        return FolderNotWritable(
-            f"The folder '{path.parent}' cannot be written: {error.strerror}. {untouched} Choose another"
-            " place with Save As."
-        )
-    if error.errno in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT):
-        return StudioError(
-            f"There is no room for '{path.name}' ({error.strerror}). {untouched} Make room or choose another disk."
-        )
-    return StudioError(f"'{path.name}' could not be saved: {error.strerror or error}. {untouched}")

@@ -1,7 +1,5 @@
 """Writing BVH: Y up, centimetres unless told otherwise, with digits enough to lose nothing."""
 
-import os
-import tempfile
 from collections.abc import Iterator, Sequence
 from io import StringIO
 from pathlib import Path
@@ -13,6 +11,7 @@ from studio.core.errors import StudioError
 from studio.core.pose import PoseSequence
 from studio.core.rotations import to_euler
 from studio.core.skeleton import Skeleton
+from studio.io.replacing import write_whole
 
 FloatArray = NDArray[np.float64]
 
@@ -31,12 +30,14 @@ def write_bvh(
     *,
     unit_scale: float = 100.0,
     position_channels: Sequence[int] | None = None,
+    decimals: int | None = None,
 ) -> None:
     """Write ``poses`` so that reading back gives every joint within 0.01 mm.
 
     ``unit_scale`` is file units a metre. ``position_channels`` are the joints that get positions; None means
-    the root and every joint whose translation leaves its offset. The file appears whole or not at all. Raises
-    StudioError when it cannot be written.
+    the root and every joint whose translation leaves its offset. ``decimals`` rounds the numbers of the motion
+    (file units and degrees) for a smaller file, None keeps all that count: with 4, a body of human size is still
+    within 0.01 mm. The file appears whole or not at all. Raises StudioError when it cannot be written.
     """
     if position_channels is None:
         travel = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2))
@@ -46,8 +47,9 @@ def write_bvh(
     text.write("HIERARCHY\n")
     text.writelines(_hierarchy(skeleton, positioned, unit_scale))
     text.write(f"MOTION\nFrames: {poses.frame_count}\nFrame Time: {1.0 / frame_rate:.10f}\n")
-    np.savetxt(text, _rows(skeleton, poses, positioned, unit_scale), fmt="%.9g")
-    _replace(Path(path), text.getvalue())
+    rows = _rows(skeleton, poses, positioned, unit_scale)
+    np.savetxt(text, rows if decimals is None else rows.round(decimals) + 0.0, fmt="%.9g")  # no "-0"
+    write_whole(Path(path), text.getvalue().encode())
 
 
 def _hierarchy(skeleton: Skeleton, positioned: frozenset[int], scale: float) -> Iterator[str]:
@@ -103,20 +105,3 @@ def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], s
             columns.append(angles[:, joint])
     rows: FloatArray = np.concatenate(columns, axis=1) + 0.0  # no "-0"
     return rows
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write beside ``path``, then rename, so that a reader sees the old file or the new one."""
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        temporary = Path(name)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
-                stream.write(text)
-                stream.flush()
-                os.fsync(stream.fileno())
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise StudioError(f"{path} could not be written: {error.strerror}. Choose another folder.") from error

@@ -17,6 +17,7 @@ from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.morphology import Morphology, Proportions
 from studio.core.skin import SkinnedMesh
+from studio.io.replacing import replacing_all
 from studio.resources_folder import resources_folder
 
 FORMAT = "morpho-studio character"
@@ -26,7 +27,7 @@ _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights"
 
 
 def write_character(character: Character, path: Path) -> None:
-    """Write ``path`` (.json) and the mesh beside it under the same name (.npz). Raises OSError."""
+    """Write ``path`` (.json) and the mesh beside it under the same name (.npz); both or none. Raises StudioError."""
     mesh = mesh_bytes(character.skin)
     mesh_path = path.with_suffix(".npz")
     record = {
@@ -39,8 +40,9 @@ def write_character(character: Character, path: Path) -> None:
         "proportions": asdict(character.proportions),
         "build": character.build.to_json(),
     }
-    mesh_path.write_bytes(mesh)
-    path.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    with replacing_all(mesh_path, path) as (mesh_part, part):
+        mesh_part.write_bytes(mesh)
+        part.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8", newline="\n")
 
 
 def read_character(path: Path) -> Character:

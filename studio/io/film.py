@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.io.replacing import replacing
 
 
 def write_film(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int, int], frame_rate: float) -> None:
@@ -16,20 +17,37 @@ def write_film(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int,
     """
     if size[0] % 2 or size[1] % 2:
         raise StudioError(f"A film's width and height are even numbers, not {size[0]}x{size[1]}.")
+    with replacing(path) as part:
+        written = _encode(part, frames, size, frame_rate)
+        if _frames_in(part) != written:
+            raise StudioError(f"'{path}' could not be written whole. Make room on the disk or choose another one.")
+
+
+def _encode(part: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int, int], frame_rate: float) -> int:
+    """Returns the number of frames. Raises OSError when ffmpeg takes no more of them."""
     from imageio_ffmpeg import write_frames
 
-    part = path.with_name(f".{path.stem}.part{path.suffix}")
-    options = {"fps": frame_rate, "pix_fmt_in": "rgba", "macro_block_size": 2, "quality": 7}
+    options = {"fps": frame_rate, "pix_fmt_in": "rgba", "macro_block_size": 2, "quality": 7, "ffmpeg_timeout": 0}
+    writer = write_frames(str(part), size, **options, output_params=["-f", "mp4"])
+    writer.send(None)
+    count = 0
     try:
-        writer = write_frames(str(part), size, **options)
-        writer.send(None)
-        try:
-            for frame in frames:
+        for frame in frames:
+            try:
                 writer.send(np.ascontiguousarray(frame))
-        finally:
-            writer.close()
-        part.replace(path)
-    except OSError as error:
-        raise StudioError(f"{path} could not be written: {error}. Choose another folder.") from error
+            except OSError as error:  # its text holds the whole command line
+                raise OSError(str(error).partition("\n")[0]) from error
+            count += 1
     finally:
-        part.unlink(missing_ok=True)
+        writer.close()
+    return count
+
+
+def _frames_in(part: Path) -> int:
+    """How many frames are really in the file: ffmpeg does not say that it ran out of room."""
+    from imageio_ffmpeg import count_frames_and_secs
+
+    try:
+        return int(count_frames_and_secs(str(part))[0])
+    except RuntimeError:  # it is no film at all
+        return -1

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.errors import StudioError
+from studio.io.replacing import write_whole
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -23,14 +23,8 @@ def png_bytes(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def write_png(path: Path, pixels: NDArray[np.uint8]) -> None:
-    """Write a picture beside ``path``, then rename. Raises StudioError when it cannot be written."""
-    part = path.with_name(f".{path.name}.part")
-    try:
-        part.write_bytes(png_bytes(pixels))
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise StudioError(f"{path} could not be written: {error.strerror}. Choose another folder.") from error
+    """Write a picture, whole or not at all. Raises StudioError when it cannot be written."""
+    write_whole(path, png_bytes(pixels))
 
 
 def _chunk(kind: bytes, content: bytes) -> bytes:

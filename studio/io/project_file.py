@@ -13,7 +13,7 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.io.archive import Archive, FolderNotWritable, Stamp, read_archive, stamp, write_archive
+from studio.io.archive import Archive, Stamp, read_archive, stamp, write_archive
 from studio.io.entity_json import (
     MEMBER_NAME,
     PROJECT_SCHEMA,
@@ -26,6 +26,7 @@ from studio.io.entity_json import (
     project_json,
     project_of,
 )
+from studio.io.replacing import FolderNotWritable
 from studio.io.upgrades import schema_of, upgraded
 from studio.io.value_json import Array, Json
 

@@ -13,9 +13,9 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.core.project import Project, Prop
-from studio.io.archive import FolderNotWritable, stamp
+from studio.io.archive import stamp
 from studio.io.entity_json import project_json
-from studio.io.project_file import ChangedOnDisk, read_project, write_project
+from studio.io.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project
 from studio.io.upgrades import upgraded
 from tests.builders import make_project
 

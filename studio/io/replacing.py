@@ -1,0 +1,116 @@
+"""Files that appear whole or not at all: written beside the old one, seen onto the disk, put in its place."""
+
+import contextlib
+import errno
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from studio.core.errors import StudioError
+
+_SUFFIX = ".part"
+_WRONG_PLACE = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR)
+_FULL = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
+_NO_SUCH_THING = (errno.EINVAL, errno.ENOTSUP)  # some network drives cannot see a folder onto the disk
+_UNTOUCHED = "Nothing was changed on the disk."
+
+
+class FolderNotWritable(StudioError):  # noqa: N818 - it names what is the matter
+    """The file cannot be written where it is; another folder may do."""
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """``replacing_all`` for one file."""
+    with replacing_all(path) as (part,):
+        yield part
+
+
+@contextmanager
+def replacing_all(*paths: Path) -> Iterator[tuple[Path, ...]]:
+    """Empty files to be filled in the block; they take the places of ``paths``, in order, once all are on the disk.
+
+    Each keeps the mode of the file that it replaces, or has the usual one; a link stays and its target is
+    replaced. Whatever the block raises, ``paths`` stay as they were and nothing is left beside them. Raises
+    FolderNotWritable where another folder is needed and StudioError for any other OSError, also of the block.
+    """
+    targets = [Path(os.path.realpath(path)) for path in paths]
+    parts = [part_of(target) for target in targets]
+    current = targets[0]
+    try:
+        for current, part in zip(targets, parts, strict=True):
+            _begin(current, part)
+        yield tuple(parts)
+        for part in parts:
+            _see_onto_disk(part)
+        for current, part in zip(targets, parts, strict=True):
+            os.replace(part, current)
+        for folder in {target.parent for target in targets}:
+            _see_folder_onto_disk(folder)
+    except OSError as error:
+        raise _refusal(current, error) from error
+    finally:
+        for part in parts:
+            with contextlib.suppress(OSError):  # the first error is the one to tell
+                part.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Put ``content`` in the place of ``path``, or leave what is there. Raises as ``replacing_all`` does."""
+    with replacing(path) as part:
+        part.write_bytes(content)
+
+
+def part_of(path: Path) -> Path:
+    """A name beside ``path`` that no other process or thread uses."""
+    return path.with_name(f".{path.name}.{os.getpid()}-{secrets.token_hex(4)}{_SUFFIX}")
+
+
+def remove_leftovers(path: Path) -> None:
+    """Remove what killed writers left beside ``path``; only for who knows that nobody else writes it now."""
+    with contextlib.suppress(OSError):  # where files cannot be removed, writing says so
+        for item in path.parent.iterdir():
+            if item.name.startswith(f".{path.name}.") and item.suffix == _SUFFIX:
+                item.unlink(missing_ok=True)
+
+
+def _begin(target: Path, part: Path) -> None:
+    if target.exists() and not target.is_file():
+        raise StudioError(f"'{target}' could not be written: it is no ordinary file. Choose another name.")
+    if target.exists() and not os.access(target, os.W_OK):  # a rename would not ask
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    with open(part, "xb"):
+        pass
+    if target.exists():
+        part.chmod(target.stat().st_mode & 0o777)
+
+
+def _see_onto_disk(part: Path) -> None:
+    with open(part, "r+b") as stream:
+        os.fsync(stream.fileno())
+
+
+def _see_folder_onto_disk(folder: Path) -> None:
+    if os.name == "nt":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno not in _NO_SUCH_THING:
+            raise
+    finally:
+        os.close(handle)
+
+
+def _refusal(path: Path, error: OSError) -> StudioError:
+    reason = error.strerror or str(error)
+    if error.errno in _WRONG_PLACE:
+        return FolderNotWritable(f"'{path}' could not be written: {reason}. {_UNTOUCHED} Choose another folder.")
+    if error.errno in _FULL:
+        return StudioError(
+            f"There is no room for '{path.name}' ({reason}). {_UNTOUCHED} Make room or choose another disk."
+        )
+    return StudioError(f"'{path}' could not be written: {reason}. {_UNTOUCHED} Choose another name or folder.")
