@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from studio.app import recovery
 from studio.app.verbs import editing, files, playback, view
 from studio.app.workbench import Workbench
 
@@ -69,6 +70,8 @@ FILE = (
     Action("new", "File", "New", files.new, ("Ctrl+N",), "Begin with the bundled characters and no capture"),
     Action("open", "File", "Open…", files.open_project, ("Ctrl+O",), "Open a project"),
     Action("open_sample", "File", "Open sample", files.open_sample, tooltip="The bundled motion on five bodies"),
+    Action("recover", "File", "Recover earlier work…", recovery.choose,
+           tooltip="Work that was never saved, kept for 30 days", ends_group=True),
     Action("save", "File", "Save", files.save, ("Ctrl+S",), "Write the project"),
     Action("save_as", "File", "Save as…", files.save_as, ("Ctrl+Shift+S",), "Write the project under another name"),
     Action(
@@ -144,7 +147,9 @@ VIEW = (
     Action("frame_all", "View", "Frame all", view.frame_all, ("A",), enabled=_viewing),
     Action("front", "View", "Front", view.front, ("1",), enabled=_viewing),
     Action("side", "View", "Side", view.side, ("3",), enabled=_viewing),
-    Action("top", "View", "Top", view.top, ("7",), enabled=_viewing, ends_group=True),
+    Action("top", "View", "Top", view.top, ("7",), enabled=_viewing),
+    Action("perspective", "View", "Perspective", view.perspective, ("0",), "Three-quarter view", _viewing,
+           ends_group=True),
     Action("ghost", "View", "Ghost of source", view.toggle_ghost, ("G",), "The capture on its actor's own body",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.ghost_shown, ends_group=True),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Title bars by which panels can be moved",

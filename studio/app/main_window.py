@@ -51,6 +51,7 @@ class MainWindow(QMainWindow):
         self._make_centre()
         self._make_docks()
         self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
+        self.choice_panel = CommandPalette(self, [])
         self._connect()
         self.resize(*SIZE)
         self._restore_layout()
@@ -72,6 +73,16 @@ class MainWindow(QMainWindow):
         self.bench.timeline = timeline
         self._show_progress(*self.status.progress.now)
         self.bench.views_changed.emit()
+
+    def choose(self, title: str, choices: list[tuple[tuple[str, str], Callable[[], object]]]) -> None:
+        """Let the user choose from a list like the palette's: ((text, detail), what it does)."""
+        actions = []
+        for (text, detail), run in choices:
+            action = QAction(text, self)
+            action.setData(detail)
+            action.triggered.connect(lambda _=False, run=run: run())
+            actions.append(action)
+        self.choice_panel.offer(title, actions)
 
     def show_shortcuts(self) -> None:
         """The sheet of all shortcuts."""

@@ -1,20 +1,45 @@
 """Work that a crashed session left is offered beside the new one; no answer deletes it."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from studio.app.workbench import Workbench
-from studio.document.recovery import Session, recoverable_sessions
+from studio.core.errors import StudioError
+from studio.document.recovery import Session, recoverable_sessions, tidy
 
 
 def offer(bench: Workbench, folder: Path) -> None:
-    """Ask about the newest session that ended without being closed, if there is one."""
+    """Ask about the newest session that ended without being closed, if there is one; clear away what is of no use."""
+    bench.journals = folder
     sessions = recoverable_sessions(folder)
     if sessions:
         bench.window.recovery.offer(words_of(sessions[0]), lambda: bench.document.recover(sessions[0]))
+    tidy(folder)
+
+
+def choose(bench: Workbench) -> None:
+    """List all earlier work that no file has, newest first, that which the user gave up too."""
+    sessions = recoverable_sessions(bench.journals, declined=True) if bench.journals else ()
+    if not sessions:
+        raise StudioError("There is no earlier work to recover: everything was saved, or is older than 30 days.")
+    bench.window.choose("Recover earlier work", [(line_of(each), _recovery(bench, each)) for each in sessions])
+
+
+def line_of(session: Session) -> tuple[str, str]:
+    """What was worked on, and when and how much: ``walk.studio`` and ``4 May 14:32 · 12 edits``."""
+    begun = session.begun.astimezone()
+    return session.path.name if session.path else "Untitled", f"{begun.day} {begun:%b %H:%M} · {_edits(session)}"
+
+
+def _recovery(bench: Workbench, session: Session) -> Callable[[], object]:
+    return lambda: bench.window.when_saved(lambda: bench.document.recover(session))
 
 
 def words_of(session: Session) -> str:
     """``Unsaved work on walk.studio from 14:32 was found: 12 edits.``"""
     name = f" on {session.path.name}" if session.path else ""
-    edits = f"{session.edits} edit" + ("" if session.edits == 1 else "s")
-    return f"Unsaved work{name} from {session.begun.astimezone():%H:%M} was found: {edits}."
+    return f"Unsaved work{name} from {session.begun.astimezone():%H:%M} was found: {_edits(session)}."
+
+
+def _edits(session: Session) -> str:
+    return f"{session.edits} edit" + ("" if session.edits == 1 else "s")

@@ -22,6 +22,8 @@ class Workbench(QObject):
         self.window: Any = None
         self.viewport: Any = None
         self.timeline: Any = None
+        self.journals: Path | None = None
+        """Where sessions are kept for recovery."""
         self.sources: dict[str, Path] = {}
         """Files that captures were read from in this run, by capture id."""
         document.problem.connect(self.said)

@@ -35,6 +35,11 @@ def shortcut_text(action: QAction) -> str:
     return action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
 
 
+def detail_text(action: QAction) -> str:
+    """What stands at its right: its own words where it has some, else its shortcut."""
+    return str(action.data() or shortcut_text(action))
+
+
 def ranked(actions: Iterable[QAction], words: str) -> list[QAction]:
     """Actions that hold all letters of ``words`` in order: those where they stand together, and early, first."""
     wanted = words.casefold().strip()
@@ -93,6 +98,13 @@ class CommandPalette(QFrame):
         self.raise_()
         self.field.setFocus()
 
+    def offer(self, title: str, actions: Sequence[QAction]) -> None:
+        """Show these to choose from, and no others."""
+        self._actions = actions
+        self.field.setPlaceholderText(title)
+        self.field.setAccessibleName(title)
+        self.open()
+
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
         """Arrow keys walk, Return runs, Esc closes."""
         if event.type() == QEvent.Type.FocusOut:
@@ -127,7 +139,7 @@ class CommandPalette(QFrame):
     def _find(self, words: str) -> None:
         self.list.clear()
         for action in ranked(self._actions, words):
-            item = QTreeWidgetItem([plain_text(action), shortcut_text(action)])
+            item = QTreeWidgetItem([plain_text(action), detail_text(action)])
             item.setData(0, ACTION, action)
             item.setForeground(1, QColor(colours.TEXT_SECOND))
             item.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)

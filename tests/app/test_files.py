@@ -2,7 +2,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from studio.app.problems import sentence_of
-from studio.app.recovery import words_of
+from studio.app.recovery import line_of, words_of
 from studio.app.verbs.files import next_increment
 from studio.core.errors import StudioError
 from studio.document.recovery import Session
@@ -27,3 +27,9 @@ def test_recovery_says_what_was_found_and_when():
     begun = datetime(2026, 5, 4, 14, 32, tzinfo=UTC).astimezone()
     session = Session(Path("j.sqlite"), "id", Path("walk.studio"), 12, begun, False)
     assert words_of(session) == f"Unsaved work on walk.studio from {begun:%H:%M} was found: 12 edits."
+
+
+def test_earlier_work_is_listed_by_what_it_was_and_when():
+    begun = datetime(2026, 5, 4, 14, 32, tzinfo=UTC).astimezone()
+    session = Session(Path("j.sqlite"), "id", None, 1, begun, True)
+    assert line_of(session) == ("Untitled", f"4 May {begun:%H:%M} · 1 edit")

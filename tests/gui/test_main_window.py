@@ -76,7 +76,7 @@ def test_a_dropped_bvh_is_shown_on_the_visible_characters_as_one_undo_step(qtbot
     new_motion = list(document.project.motions)[-1]
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {new_motion}
     assert len(document.project.captures) == len(before.captures) + 1
-    assert window.bench.live.wait(30.0)
+    assert window.bench.live.wait(300.0)
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     assert same(document.project, before)
 
@@ -258,7 +258,7 @@ def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
     window.show()
     import_views()
     show_views(window)
-    assert window.bench.live.wait(60.0)
+    assert window.bench.live.wait(300.0)
     window.bench.document.playhead.play()
     QTest.qWait(50)
     window.leave()
@@ -279,7 +279,7 @@ def test_a_fault_in_an_action_is_told_and_does_not_stop_the_studio(qtbot, window
 def test_the_adapted_motion_of_a_character_is_exported_as_bvh(qtbot, window, tmp_path):
     from studio.app import exporting
 
-    assert window.bench.live.wait(60.0)
+    assert window.bench.live.wait(300.0)
     path = tmp_path / "out.bvh"
     exporting.export(window.bench, {"performer 0": path})
     wait_until_idle(qtbot, window)
@@ -357,6 +357,28 @@ def test_what_a_crashed_session_left_is_offered_and_recovered(qtbot, window, tmp
     window.recovery.press("Recover")
     assert recovered == [session]
     assert window.recovery.text == ""
+
+
+def test_work_that_the_user_gave_up_is_listed_and_can_be_had_again(qtbot, window, tmp_path):
+    journals = tmp_path / "journal"
+    given_up = Document(make_project(), journal_folder=journals)
+    given_up.remove("constraints", "constraint 0", "Delete Target 0")
+    given_up.close()
+    recovery.offer(window.bench, journals)
+    assert window.recovery.text == ""
+    window.actions_by_id.by_id["recover"].trigger()
+    row = window.choice_panel.list.topLevelItem(0)
+    assert row.text(0) == "Untitled"
+    assert row.text(1).endswith("1 edit")
+    QTest.keyClick(window.choice_panel.field, Qt.Key.Key_Return)
+    assert window.bench.document.history == ("Delete Target 0",)
+    assert "constraint 0" not in window.bench.document.project.constraints
+
+
+def test_without_earlier_work_that_is_said(qtbot, window, tmp_path):
+    recovery.offer(window.bench, tmp_path)
+    window.actions_by_id.by_id["recover"].trigger()
+    assert "no earlier work" in window.strip.text
 
 
 def test_an_exception_that_nobody_caught_is_a_sentence_in_the_strip(qtbot, window):

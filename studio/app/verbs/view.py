@@ -28,6 +28,11 @@ def top(bench: Workbench) -> None:
     bench.viewport.set_view("top")
 
 
+def perspective(bench: Workbench) -> None:
+    """Three-quarter, as at first."""
+    bench.viewport.set_view("perspective")
+
+
 def toggle_ghost(bench: Workbench) -> None:
     """The capture on its own actor's body, beside what was made of it."""
     bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
