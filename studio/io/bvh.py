@@ -79,7 +79,8 @@ def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
     report(0.2, f"Reading the motion of {path.name}")
     header, first_row = _motion_header(path.name, body, motion_line)
     repairs = [*hierarchy.repairs]
-    frames = _frames(path.name, body[first_row:], motion_line + first_row, hierarchy, header, repairs)
+    first_line = motion_line + min(first_row, len(body) - 1)
+    frames = _frames(path.name, body[first_row:], first_line, hierarchy, header, repairs)
     frame_time, digit = _frame_time(path.name, header, repairs)
     report(1.0, f"Read {path.name}")
     skeleton = Skeleton(
@@ -140,9 +141,12 @@ def _partition_motion(content: bytes) -> tuple[bytes, bool, bytes]:
 
 @dataclass
 class _Header:
+    line: int
+    """Of MOTION."""
     frames: str | None = None
+    frames_line: int = 0
     frame_time: str | None = None
-    line: int = 0
+    frame_time_line: int = 0
 
 
 def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Header, int]:
@@ -155,9 +159,10 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
             continue
         if key == "frames":
             header.frames = " ".join(words[words.index(":") + 1 :])
+            header.frames_line = motion_line + at
         elif key in ("frame time", "frametime"):
             header.frame_time = " ".join(words[words.index(":") + 1 :])
-            header.line = motion_line + at
+            header.frame_time_line = motion_line + at
         elif ":" in words:
             raise StudioError(f"{name}, line {motion_line + at}: '{key[:40]}' is not part of a BVH motion. Remove it.")
         else:
@@ -168,15 +173,16 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
 def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float | None, float]:
     text = header.frame_time
     if not text:
-        repairs.append("The file has no Frame Time.")
+        repairs.append(f"{name}, line {header.frame_time_line or header.line}: the file has no Frame Time.")
         return None, 0.0
-    value = number(text, f"{name}, line {header.line}")
+    where = f"{name}, line {header.frame_time_line}"
+    value = number(text, where)
     if not 1e-4 <= value <= 1.0:
-        repairs.append(f"Frame Time {text} on line {header.line} cannot be true and was not used.")
+        repairs.append(f"{where}: Frame Time {text[:20]} cannot be true and was not used.")
         return None, 0.0
     mantissa, _, exponent = text.lower().partition("e")
     digits = len(mantissa.partition(".")[2])
-    return value, 10.0 ** (int(exponent or 0) - digits)
+    return value, float(10.0 ** (float(exponent or 0) - digits))
 
 
 def _frames(
@@ -190,30 +196,36 @@ def _frames(
     total = int(counts.sum())
     if total > _MOST_NUMBERS:
         raise StudioError(f"{name} holds {total} numbers; at most {_MOST_NUMBERS} are read. Cut the take into parts.")
-    last = int(np.flatnonzero(counts)[-1]) if total else -1
+    if total == 0:
+        raise _no_frame(name, first_line, header)
+    last = int(np.flatnonzero(counts)[-1])
     ends = np.cumsum(counts)
     incomplete = total % width
     if incomplete or _is_cut(lines, last, header, total // width):
         dropped = incomplete or width
         row_start = total - dropped
-        if last < 0 or (row_start and row_start not in ends[:last]):
+        if row_start and row_start not in ends[:last]:
             raise _wrong_row(name, counts, width, first_line)
-        last = int(np.searchsorted(ends, row_start, side="left")) if row_start else -1
-        repairs.append(f"The last row, line {first_line + last + 1}, is cut off and was dropped.")
+        if row_start == 0:
+            raise _no_frame(name, first_line, header)
+        last = int(np.searchsorted(ends, row_start, side="left"))
+        repairs.append(f"{name}, line {first_line + last + 1}: the last row is cut off and was dropped.")
         total = row_start
-    if total == 0:
-        raise StudioError(f"{name}, line {first_line}: there is no complete frame in this file. Export it again.")
     if not np.isin(np.arange(width, total + 1, width), ends).all():
         raise _wrong_row(name, counts, width, first_line)
     values = table(lines[: last + 1], total, name, first_line).reshape(-1, width)
-    _compare_count(header, len(values), repairs)
+    _compare_count(name, header, len(values), first_line + last, repairs)
     return values
 
 
 def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
     """A file that ends within a line, short of the frames it promises, has lost digits of its last number."""
-    declared = header.frames if header.frames and header.frames.isdecimal() else "0"
-    return last == len(lines) - 1 and rows < int(declared[:12])
+    return last == len(lines) - 1 and rows < _promised(header)
+
+
+def _no_frame(name: str, line: int, header: _Header) -> StudioError:
+    promised = f", though it says Frames: {header.frames[:20]}" if header.frames else ""
+    return StudioError(f"{name}, line {line}: there is no complete frame in this file{promised}. Export it again.")
 
 
 def _wrong_row(name: str, counts: NDArray[np.int64], width: int, first_line: int) -> StudioError:
@@ -224,8 +236,14 @@ def _wrong_row(name: str, counts: NDArray[np.int64], width: int, first_line: int
     )
 
 
-def _compare_count(header: _Header, rows: int, repairs: list[str]) -> None:
-    if header.frames is None:
-        repairs.append(f"The file does not say how many frames it has; {rows} were found.")
+def _compare_count(name: str, header: _Header, rows: int, last_line: int, repairs: list[str]) -> None:
+    where = f"{name}, line {header.frames_line or header.line}"
+    if not header.frames:
+        repairs.append(f"{where}: the file does not say how many frames it has; found and read: {rows}.")
     elif header.frames != str(rows):
-        repairs.append(f"The file says Frames: {header.frames[:20]}, but {rows} were found and read.")
+        cut = f" The last is on line {last_line}: the file may be cut off." if rows < _promised(header) else ""
+        repairs.append(f"{where}: the file says Frames: {header.frames[:20]}; found and read: {rows}.{cut}")
+
+
+def _promised(header: _Header) -> int:
+    return int(header.frames[:12]) if header.frames and header.frames.isdecimal() else 0

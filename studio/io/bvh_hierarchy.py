@@ -19,6 +19,8 @@ class Hierarchy:
     offsets: list[tuple[float, float, float]] = field(default_factory=list)
     channels: list[tuple[str, ...]] = field(default_factory=list)
     end_sites: list[bool] = field(default_factory=list)
+    places: list[str] = field(default_factory=list)
+    """File and line of each joint."""
     repairs: list[str] = field(default_factory=list)
 
 
@@ -89,7 +91,8 @@ def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
         raise StudioError(f"{words.where}: no ROOT joint is declared. Choose a complete BVH file.")
     if open_joints:
         joint = hierarchy.names[open_joints[-1]]
-        hierarchy.repairs.append(f"The brace of joint '{joint}' is never closed; it was closed before MOTION.")
+        place = hierarchy.places[open_joints[-1]]
+        hierarchy.repairs.append(f"{place}: the brace of joint '{joint}' is never closed; it was closed before MOTION.")
     _make_names_unique(hierarchy)
     return hierarchy
 
@@ -106,7 +109,7 @@ def _begin_joint(hierarchy: Hierarchy, words: _Words, open_joints: list[int], ki
     name = words.take_name()
     if not name:
         name = f"joint{len(hierarchy.names)}"
-        hierarchy.repairs.append(f"The joint on line {where.rsplit(' ', 1)[1]} has no name; it was called '{name}'.")
+        hierarchy.repairs.append(f"{where}: this joint has no name; it was called '{name}'.")
     return _begin(hierarchy, words, name, open_joints, False, where)
 
 
@@ -127,6 +130,7 @@ def _begin(hierarchy: Hierarchy, words: _Words, name: str, open_joints: list[int
     hierarchy.offsets.append((0.0, 0.0, 0.0))
     hierarchy.channels.append(())
     hierarchy.end_sites.append(end_site)
+    hierarchy.places.append(where)
     return len(hierarchy.names) - 1
 
 
@@ -165,4 +169,5 @@ def _make_names_unique(hierarchy: Hierarchy) -> None:
         if unique != name:
             hierarchy.names[joint] = unique
             if not hierarchy.end_sites[joint]:
-                hierarchy.repairs.append(f"A second joint is called '{name}'; it was renamed '{unique}'.")
+                place = hierarchy.places[joint]
+                hierarchy.repairs.append(f"{place}: a second joint is called '{name}'; it was renamed '{unique}'.")

@@ -40,6 +40,17 @@ REFUSED = {
         bvh_text([], header="Frames: 0\nFrame Time: 0.01\n"),
         "there is no complete frame",
     ),
+    "cut in the motion header": (
+        HIERARCHY + "MOTION\nFrames: 3\nFrame Ti",
+        "take.bvh, line 18: there is no complete frame in this file, though it says Frames: 3",
+    ),
+    "cut after the motion header": (
+        bvh_text([]),
+        "take.bvh, line 20: there is no complete frame in this file, though it says Frames: 3",
+    ),
+    "cut in the first frame": (bvh_text([ROW[:9]], end=""), "take.bvh, line 19: there is no complete frame"),
+    "cut in the last number of the only frame": (bvh_text([ROW], end=""), "take.bvh, line 19: there is no complete"),
+    "cut in the word motion": (HIERARCHY + "MOTI", "take.bvh, line 16: the file ends before MOTION"),
     "nothing after motion": (HIERARCHY + "MOTION\n", "there is no complete frame"),
     "nan": (_rows("nan"), "take.bvh, line 20: 'nan' is not a number"),
     "inf": (_rows("-inf"), "take.bvh, line 20: '-inf' is not a number"),
@@ -140,8 +151,16 @@ def test_it_is_refused_in_a_sentence(tmp_path: Path, case: str) -> None:
 
 
 REPAIRED = {
-    "more rows than said": (bvh_text([ROW] * 4), 4, "says Frames: 3, but 4 were found"),
-    "fewer rows than said": (bvh_text([ROW] * 2), 2, "says Frames: 3, but 2 were found"),
+    "more rows than said": (
+        bvh_text([ROW] * 4),
+        4,
+        "take.bvh, line 17: the file says Frames: 3; found and read: 4.",
+    ),
+    "fewer rows than said": (
+        bvh_text([ROW] * 2),
+        2,
+        "take.bvh, line 17: the file says Frames: 3; found and read: 2. The last is on line 20:",
+    ),
     "absurd frames": (
         bvh_text(header="Frames: 999999999999\nFrame Time: 0.01\n"),
         3,
@@ -149,47 +168,64 @@ REPAIRED = {
     ),
     "negative frames": (bvh_text(header="Frames: -1\nFrame Time: 0.01\n"), 3, "says Frames: -1"),
     "no frames line": (bvh_text(header="Frame Time: 0.01\n"), 3, "does not say how many frames"),
-    "no frame time": (bvh_text(header="Frames: 3\n"), 3, "has no Frame Time"),
+    "no frame time": (bvh_text(header="Frames: 3\n"), 3, "take.bvh, line 16: the file has no Frame Time"),
     "frame time zero": (
         bvh_text(header="Frames: 3\nFrame Time: 0\n"),
         3,
-        "Frame Time 0 on line 18 cannot be true",
+        "take.bvh, line 18: Frame Time 0 cannot be true",
     ),
     "frame time negative": (
         bvh_text(header="Frames: 3\nFrame Time: -1\n"),
         3,
-        "Frame Time -1 on line 18 cannot",
+        "take.bvh, line 18: Frame Time -1 cannot",
     ),
     "frame time in milliseconds": (
         bvh_text(header="Frames: 3\nFrame Time: 33.3\n"),
         3,
-        "33.3 on line 18 cannot",
+        "take.bvh, line 18: Frame Time 33.3 cannot",
     ),
     "cut row": (
         bvh_text([ROW, ROW, "1.5 90"], end=""),
         2,
-        "The last row, line 21, is cut off and was dropped",
+        "take.bvh, line 21: the last row is cut off and was dropped",
     ),
-    "cut row before a line break": (bvh_text([ROW, ROW, "1.5 90"]), 2, "The last row, line 21, is cut off"),
+    "cut row before a line break": (bvh_text([ROW, ROW, "1.5 90"]), 2, "take.bvh, line 21: the last row is cut off"),
     "cut number": (
         bvh_text([ROW, ROW, ROW[:-1]], header="Frames: 9\nFrame Time: 0.01\n", end=""),
         2,
         "line 21",
     ),
+    "frame time in milliseconds with an exponent": (
+        bvh_text(header="Frames: 3\nFrame Time: 333e5\n"),
+        3,
+        "take.bvh, line 18: Frame Time 333e5 cannot",
+    ),
+    "frame time without a value": (bvh_text(header="Frames: 3\nFrame Time:\n"), 3, "line 18: the file has no Frame"),
+    "frames without a value": (
+        bvh_text(header="Frames:\nFrame Time: 0.01\n"),
+        3,
+        "line 17: the file does not say how many",
+    ),
+    "frames in words": (bvh_text(header="Frames: many\nFrame Time: 0.01\n"), 3, "line 17: the file says Frames: many"),
+    "cut row of many promised": (
+        bvh_text([ROW, "1.5 90"], header="Frames: 361\nFrame Time: 0.01\n", end=""),
+        1,
+        "take.bvh, line 17: the file says Frames: 361; found and read: 1. The last is on line 19:",
+    ),
     "joint names twice": (
         bvh_text(hierarchy=HIERARCHY.replace("JOINT Spine", "JOINT Hips")),
         3,
-        "A second joint is called 'Hips'; it was renamed 'Hips_2'",
+        "take.bvh, line 6: a second joint is called 'Hips'; it was renamed 'Hips_2'",
     ),
     "joint without a name": (
         bvh_text(hierarchy=HIERARCHY.replace("JOINT Spine", "JOINT")),
         3,
-        "The joint on line 6 has no name",
+        "take.bvh, line 6: this joint has no name",
     ),
     "brace never closed": (
         bvh_text(hierarchy=HIERARCHY[:-2]),
         3,
-        "The brace of joint 'Hips' is never closed",
+        "take.bvh, line 2: the brace of joint 'Hips' is never closed",
     ),
 }
 
@@ -219,6 +255,21 @@ def test_a_file_of_another_kind_is_refused_with_the_kinds_there_are(tmp_path: Pa
     path.write_text("hello")
     with pytest.raises(StudioError, match=r"notes\.txt is no capture the studio reads\. It reads BVH"):
         load_capture(path)
+
+
+def test_a_file_cut_anywhere_opens_with_its_whole_frames_or_is_refused_with_file_and_line(tmp_path: Path) -> None:
+    """At every byte: up to the first whole row it is refused, after it each missing frame is owned to."""
+    text = bvh_text()
+    for length in range(1, len(text) - len(ROW.split()[-1] + "\n") + 1):
+        whole = text[:length].count(ROW + "\n")
+        if whole == 0:
+            with pytest.raises(StudioError, match=r"^take\.bvh, line \d+: "):
+                _read(tmp_path, text[:length])
+        else:
+            file = _read(tmp_path, text[:length])
+            assert len(file.frames) == whole
+            assert any(f"Frames: 3; found and read: {whole}." in repair for repair in file.repairs)
+            assert all(repair.startswith("take.bvh, line ") for repair in file.repairs)
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -200,7 +200,7 @@ def test_a_body_that_is_no_human_says_what_is_missing(captures: Path) -> None:
 
 def test_a_lying_frame_count_is_listed(captures: Path) -> None:
     assert _named(captures, "assimp_Boxing_Toes").repairs == (
-        "The file says Frames: 3069, but 3070 were found and read.",
+        "assimp_Boxing_Toes.bvh, line 128: the file says Frames: 3069; found and read: 3070.",
     )
 
 
