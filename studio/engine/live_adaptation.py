@@ -1,8 +1,10 @@
 """LiveAdaptation: every visible performer's adapted motion, kept up to date while the document changes."""
 
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from statistics import mean, median
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 WINDOW_SECONDS = 0.75
 KEPT_STANDING = 16
+TIMES_KEPT = 7
 _SOURCE = "source "
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
@@ -81,10 +84,11 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A worker's answer and how long the solver took."""
+    """A worker's answer, how long the solver took, and whether for the whole clip."""
 
     adapted: AdaptedMotion
     milliseconds: float
+    whole: bool
 
 
 class LiveAdaptation(QObject):
@@ -114,7 +118,7 @@ class LiveAdaptation(QObject):
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
         self._busy = False
         self.interactive = False
-        self.solve_milliseconds = 0.0
+        self._times: dict[str, deque[float]] = {}
         self._scheduler = SolveScheduler(self, workers)
         self._scheduler.answered.connect(self._take)
         self._scheduler.failed.connect(self._tell)
@@ -126,6 +130,11 @@ class LiveAdaptation(QObject):
         document.entity_changed.connect(self._schedule)
         document.project_opened.connect(self._begin_anew)
         self._refresh()
+
+    @property
+    def solve_milliseconds(self) -> float | None:
+        """What a body's whole clip takes, as of late and on average over the bodies; None while it is not known."""
+        return mean(median(times) for times in self._times.values()) if self._times else None
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest whole-clip result; while dragging, with the newest window in its place."""
@@ -170,7 +179,7 @@ class LiveAdaptation(QObject):
     def _begin_anew(self) -> None:
         for key in (*self._wanted, *(_SOURCE + motion_id for motion_id in self._sources)):
             self._scheduler.forget(key)
-        for held in (self._wanted, self._results, self._sources):
+        for held in (self._wanted, self._results, self._sources, self._times):
             held.clear()
         self._refresh()
 
@@ -185,6 +194,7 @@ class LiveAdaptation(QObject):
             self._scheduler.forget(key)
             del self._wanted[key]
             self._results.pop(key, None)
+            self._times.pop(key, None)
         for key, performer in playing.items():
             self._request(key, performer)
         self._tell_busy()
@@ -223,7 +233,7 @@ class LiveAdaptation(QObject):
         request = AdaptRequest(motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground)
         begin = time.perf_counter()
         answer = self._solve(request, first, last)
-        return Solved(answer, 1000.0 * (time.perf_counter() - begin))
+        return Solved(answer, 1000.0 * (time.perf_counter() - begin), last is None)
 
     def _window(self, performer: Performer, capture: Capture) -> tuple[int, int]:
         """First and last frame of the motion within ``WINDOW_SECONDS`` of the playhead."""
@@ -236,7 +246,8 @@ class LiveAdaptation(QObject):
     def _take(self, key: str, _revision: int, answer: Solved | AdaptedMotion) -> None:
         if isinstance(answer, Solved):
             self._results[key] = answer.adapted
-            self.solve_milliseconds = answer.milliseconds
+            if answer.whole:
+                self._times.setdefault(key, deque(maxlen=TIMES_KEPT)).append(answer.milliseconds)
             self.adapted.emit(key)
             return
         motion_id = key.removeprefix(_SOURCE)

@@ -10,10 +10,10 @@ from PySide6.QtWidgets import QWidget
 from studio.core.capture import Capture, Guess
 from studio.document import colours
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.body_map_section import BodyMapSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
-from studio.panels.live import Live
 
 UNITS = (("m", "metres"), ("cm", "centimetres"), ("mm", "millimetres"), ("inch", "inches"), ("cmu", "5.64 cm units"))
 REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))

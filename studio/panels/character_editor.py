@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QLineEdit
 from studio.core.character import Character
 from studio.core.morphology import Morphology, Proportions
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, press_button
-from studio.panels.live import Live
 from studio.panels.sliders import ValueSlider
 
 LOW, HIGH = 0.5, 1.6

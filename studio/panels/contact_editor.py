@@ -2,9 +2,9 @@
 
 from studio.core.contacts import FootPoint
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
-from studio.panels.live import Live
 
 
 def contact_words(point: FootPoint) -> str:

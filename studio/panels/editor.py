@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.errors import StudioError
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.fields import NumberField, labelled
-from studio.panels.live import Live
 
 
 class Editor(QWidget):

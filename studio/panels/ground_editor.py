@@ -1,9 +1,9 @@
 """The ground: how high it lies."""
 
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled
-from studio.panels.live import Live
 
 
 class GroundEditor(Editor):

@@ -6,13 +6,13 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.capture_editor import CaptureEditor
 from studio.panels.character_editor import CharacterEditor
 from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.contact_editor import ContactEditor
 from studio.panels.editor import Editor, PlainEditor
 from studio.panels.ground_editor import GroundEditor
-from studio.panels.live import Live
 from studio.panels.performer_editor import PerformerEditor
 from studio.panels.stage_editor import StageEditor
 

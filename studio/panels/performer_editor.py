@@ -7,10 +7,10 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
 
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.character_editor import BodySection
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled
-from studio.panels.live import Live
 
 FAR = 1000.0
 

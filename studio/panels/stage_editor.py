@@ -1,9 +1,9 @@
 """What the inspector shows while nothing is selected: what to do next."""
 
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Section, labelled
-from studio.panels.live import Live
 
 STEPS = (
     "Select a character to change its body.",

@@ -6,13 +6,14 @@ from PySide6.QtWidgets import QToolTip, QWidget
 
 from studio.core.contacts import FootPoint
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.timeline import edits
 from studio.timeline.gestures.begin import cursor_at, gesture_at, item_of
 from studio.timeline.gestures.view import Pan, Scrub
 from studio.timeline.hover import hover_text, is_value
 from studio.timeline.keys import is_wanted, press_key
 from studio.timeline.menus import menu_at
-from studio.timeline.shown import LABEL_WIDTH, Hit, Live, Part
+from studio.timeline.shown import LABEL_WIDTH, Hit, Part
 from studio.timeline.view import TrackView
 
 DRAG_BEGINS = 3

@@ -2,28 +2,19 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Protocol
 
 from PySide6.QtCore import QPointF, QRect
 
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
+from studio.engine.live import Live
+from studio.engine.residuals import Residual, worst_residual
 from studio.timeline.axis import TimeAxis
 from studio.timeline.strips import Strip, strip_of
 from studio.timeline.subject import Subject
 
 LABEL_WIDTH = 196
-
-
-class Live(Protocol):
-    """What the timeline asks of the live adaptation."""
-
-    adapted: Any
-    interactive: bool
-
-    def result(self, performer_id: str) -> AdaptedMotion | None:
-        """A body's newest adapted motion."""
 
 
 class Part(StrEnum):
@@ -102,6 +93,10 @@ class Shown:
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
         """How well a constraint holds on a body."""
         return strip_of(self.project, self.result(performer_id), constraint_id)
+
+    def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
+        """The worst miss of a constraint on a body."""
+        return worst_residual(self.project, performer_id, self.result(performer_id), constraint_id)
 
 
 def within(point: QPointF, x: float, y: float, reach: float) -> bool:

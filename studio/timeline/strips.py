@@ -9,11 +9,8 @@ from numpy.typing import NDArray
 
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.residuals import HELD_BELOW, PARTLY_BELOW, residual_row
 
-HELD_BELOW = 0.001
-"""Metres: nobody sees less."""
-PARTLY_BELOW = 0.020
-"""Metres: up to here the eye forgives."""
 WORST_SHOWN = 0.1
 """Metres at which a strip has its full height."""
 
@@ -71,29 +68,17 @@ class Strip:
         """Whether it gives way to a contact in some frame."""
         return bool((self.state_indices == 1).any())
 
-    @property
-    def worst(self) -> tuple[int, float] | None:
-        """Frame and metres of the greatest error, or None when it is held wherever it is asked for."""
-        missed = np.where(self.state_indices >= 3, self.errors, 0.0)
-        if not missed.any():
-            return None
-        place = int(np.argmax(missed))
-        return self.first_frame + place, float(missed[place])
-
 
 STATES = tuple(StripState)
 
 
 def strip_of(project: Project, result: AdaptedMotion | None, constraint_id: str) -> Strip | None:
     """The strip of a constraint in a body's newest result; None while there is none, or it is disabled."""
-    constraint = project.constraints.get(constraint_id)
-    if constraint is None or result is None or not constraint.enabled:
+    row = residual_row(project, result, constraint_id)
+    if row is None or result is None:
         return None
-    asked = [key for key, each in project.constraints_of(constraint.motion_id).items() if each.enabled]
-    if len(result.residuals) != len(asked):
-        return None  # the result answers an older question; the newer one is under way
     times = (result.first_frame + np.arange(result.frame_count)) / result.frame_rate
-    return Strip(result.first_frame, result.residuals[asked.index(constraint_id)], constraint.activation.at(times))
+    return Strip(result.first_frame, row, project.constraints[constraint_id].activation.at(times))
 
 
 def strip_heights(errors: NDArray[np.float64], most: int) -> NDArray[np.int64]:

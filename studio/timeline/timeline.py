@@ -6,10 +6,11 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.contacts import FootPoint
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.timeline import edits
 from studio.timeline.canvas import TrackCanvas
 from studio.timeline.sheet import Sheet
-from studio.timeline.shown import Live, Part
+from studio.timeline.shown import Part
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import constraint, feet
 from studio.timeline.tracks.strip import PITCH

@@ -6,12 +6,13 @@ from PySide6.QtWidgets import QScrollBar, QWidget
 
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
+from studio.engine.live import Live
 from studio.timeline import edits, overlay
 from studio.timeline.axis import TimeAxis
 from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import RIGHT_MARGIN, Sheet, rows_of
-from studio.timeline.shown import LABEL_WIDTH, Live, Part, Shown
+from studio.timeline.shown import LABEL_WIDTH, Part, Shown
 from studio.timeline.subject import stage_extent, subject_of
 from studio.timeline.tracks.plot import Quantity
 

@@ -66,7 +66,7 @@ class Chips:
         self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
         self.work = QLabel(parent)
-        self.work.setAccessibleName("Solve time and bodies")
+        self.work.setAccessibleName("Bodies and the time to adapt each")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
@@ -98,10 +98,11 @@ class Chips:
         self._wide = width >= 620
         self.work.setVisible(self._wide and bool(self.work.text()))
 
-    def tell_work(self, milliseconds: float, bodies: int) -> None:
-        """Show how long the last solve took and how many bodies are seen."""
-        word = "body" if bodies == 1 else "bodies"
-        text = f"solve {milliseconds:.1f} ms · {bodies} {word}"
+    def tell_work(self, milliseconds: float | None, bodies: int) -> None:
+        """Show how many bodies are seen and how long a whole solve of one takes."""
+        text = f"{bodies} {'body' if bodies == 1 else 'bodies'}"
+        if milliseconds is not None:
+            text += f" · {milliseconds:.1f} ms each"
         if text != self.work.text():
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)

@@ -7,9 +7,9 @@ from typing import Protocol
 import numpy as np
 
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.gizmo import Gizmo, moved_axes
-from studio.viewport.live import Live
 from studio.viewport.movables import Movable
 
 FINE = 0.2

@@ -8,9 +8,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QMouseEvent
 
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.viewport import picking
 from studio.viewport.gestures import CameraDrag, GizmoDrag
-from studio.viewport.live import Live
 
 if TYPE_CHECKING:
     from studio.viewport.widget import Viewport

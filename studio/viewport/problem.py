@@ -2,14 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from studio.core.project import Project
+from studio.engine.residuals import Residual, worst_residual
 from studio.viewport.performance import Results, stage_time
 
 WORTH_SAYING = 0.005
 """Metres short of a target below which nobody needs to be told."""
-FULLY = 0.999
 
 
 @dataclass(frozen=True)
@@ -26,33 +24,25 @@ class Problem:
 
 
 def worst_problem(project: Project, result_of: Results) -> Problem | None:
-    """The largest residual of a fully active constraint over all visible performers; None if all hold."""
+    """The worst residual of an enabled constraint over all visible performers; None if all hold."""
     worst: Problem | None = None
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.visible and performer.clips else None
         if motion is None:
             continue
         clip = performer.clips[0]
-        asked = {k: one for k, one in project.constraints_of(clip.motion_id).items() if one.enabled}
-        if len(asked) != len(motion.residuals):
-            continue  # a newer answer is on its way
-        frames = motion.first_frame + np.arange(motion.frame_count)
-        played = (frames >= clip.first) & (frames <= clip.last)
-        for (constraint_id, constraint), residual in zip(asked.items(), motion.residuals, strict=True):
-            full = constraint.activation.at(frames / motion.frame_rate) >= FULLY
-            short = np.where(full & played, np.nan_to_num(residual), 0.0)
-            row = int(np.argmax(short))
-            if short[row] > max(WORTH_SAYING, worst.metres if worst else 0.0):
-                worst = Problem(
-                    performer_id, constraint_id, int(frames[row]),
-                    stage_time(clip, motion.frame_rate, frames[row] / motion.frame_rate), float(short[row]),
-                    _sentence(performer.name, short[row], constraint.name, frames[row]),
-                )  # fmt: skip
+        for constraint_id, constraint in project.constraints_of(clip.motion_id).items():
+            found = worst_residual(project, performer_id, motion, constraint_id)
+            if found is not None and found.metres > max(WORTH_SAYING, worst.metres if worst else 0.0):
+                time = stage_time(clip, motion.frame_rate, found.frame / motion.frame_rate)
+                sentence = _sentence(performer.name, found, constraint.name)
+                worst = Problem(performer_id, constraint_id, found.frame, time, found.metres, sentence)
     return worst
 
 
-def _sentence(performer: str, metres: float, constraint: str, frame: int) -> str:
-    return f"{performer}: {_length(metres)} short of '{constraint}' at frame {frame}"
+def _sentence(performer: str, residual: Residual, constraint: str) -> str:
+    remark = f", {residual.remark}" if residual.remark else ""
+    return f"{performer}: {_length(residual.metres)} short of '{constraint}' at frame {residual.frame}{remark}"
 
 
 def _length(metres: float) -> str:

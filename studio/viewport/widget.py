@@ -14,6 +14,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
+from studio.engine.live import Live
 from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
@@ -24,7 +25,6 @@ from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import Gizmo
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
-from studio.viewport.live import Live
 from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay

@@ -430,7 +430,7 @@ def test_pointing_at_a_name_tells_who_misses_the_constraint_most(timeline, live,
     row = timeline.row_rect("constraints", "kick")
     with qtbot.waitSignal(timeline.told) as told:
         QTest.mouseMove(timeline.tracks, QPoint(60, row.center().y()))
-    assert told.args == ["Kick target: Body 1 42 mm at frame 21"]
+    assert told.args == ["Kick target: Body 1 42 mm at frame 30"]
 
 
 def strip_colour(timeline, frame):

@@ -33,13 +33,7 @@ def test_where_nothing_is_asked_of_an_active_constraint_it_gives_way():
     strip = make_strip([np.nan, 0.0])
     assert [strip.state_at(0), strip.state_at(1)] == [StripState.YIELDING, StripState.HELD]
     assert strip.yields
-    assert strip.worst is None
     assert not make_strip([0.0, 0.0]).yields
-
-
-def test_the_worst_is_the_greatest_error_and_its_frame():
-    strip = Strip(10, np.array([np.nan, 0.03, 0.042, 0.0005]), np.array([0.0, 0.5, 1.0, 1.0]))
-    assert strip.worst == (12, 0.042)
 
 
 def test_outside_the_result_a_strip_says_nothing():

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.document.document import Document
+from studio.engine.live import Live
 from studio.panels.constraint_editors.activation import ActivationSection
 from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
@@ -15,7 +16,6 @@ from studio.panels.constraint_editors.residuals import ResidualSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section
 from studio.panels.library_rows import point_words
-from studio.panels.live import Live
 
 CENTIMETRE = 0.01
 

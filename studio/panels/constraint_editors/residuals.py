@@ -2,65 +2,53 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from studio.core.project import Project
 from studio.document import colours
+from studio.engine.live import Live
+from studio.engine.residuals import PARTLY_BELOW, Residual, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
-from studio.panels.live import Live
 
-HELD_BELOW = 0.001
-PARTLY_BELOW = 0.020
-FULLY_ACTIVE = 1.0 - 1e-6
 ROW = 20
 MILLIMETRES = 1000.0
 
 
 @dataclass(frozen=True)
-class Residual:
-    """The worst distance in metres on one body, and the frame where it is; None while it is not known."""
+class BodyResidual:
+    """A body and the worst miss on it; None while that is not known."""
 
     name: str
     colour: str
-    metres: float | None
-    frame: int
+    worst: Residual | None
 
     @property
     def state(self) -> tuple[str, str]:
         """(word, colour): so that neither stands alone."""
-        if self.metres is None:
+        if self.worst is None:
             return "not active", colours.TEXT_THIRD
-        if self.metres < HELD_BELOW:
+        if self.worst.held:
             return "held", colours.mixed(colours.HELD, "#ffffff", 0.35)
-        if self.metres < PARTLY_BELOW:
+        if self.worst.metres < PARTLY_BELOW:
             return "partly", colours.PARTLY
         return "short", colours.NOT_REACHED
 
 
-def residuals_of(project: Project, live: Live, constraint_id: str) -> list[Residual]:
+def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
     """One for each visible performer that plays the constraint's motion."""
-    constraint = project.constraints[constraint_id]
-    asked = [key for key, each in project.constraints_of(constraint.motion_id).items() if each.enabled]
-    found = []
-    for key, performer in project.performers.items():
-        if not performer.visible or not any(c.motion_id == constraint.motion_id for c in performer.clips):
-            continue
-        colour = project.characters[performer.character_id].colour
-        result = live.result(key)
-        metres, frame = None, 0
-        if result is not None and constraint_id in asked and len(result.residuals) == len(asked):
-            times = (result.first_frame + np.arange(result.frame_count)) / result.frame_rate
-            full = constraint.activation.at(times) >= FULLY_ACTIVE
-            row = np.where(full, result.residuals[asked.index(constraint_id)], np.nan)
-            if np.isfinite(row).any():
-                place = int(np.nanargmax(row))
-                metres, frame = float(row[place]), result.first_frame + place
-        found.append(Residual(performer.name, colour, metres, frame))
-    return found
+    motion_id = project.constraints[constraint_id].motion_id
+    return [
+        BodyResidual(
+            performer.name,
+            project.characters[performer.character_id].colour,
+            worst_residual(project, key, live.result(key), constraint_id),
+        )
+        for key, performer in project.performers.items()
+        if performer.visible and any(clip.motion_id == motion_id for clip in performer.clips)
+    ]
 
 
 class ResidualTable(QWidget):
@@ -69,9 +57,9 @@ class ResidualTable(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.residuals: list[Residual] = []
+        self.residuals: list[BodyResidual] = []
 
-    def show_residuals(self, residuals: list[Residual]) -> None:
+    def show_residuals(self, residuals: list[BodyResidual]) -> None:
         """Show these lines."""
         if residuals != self.residuals:
             resized = len(residuals) != len(self.residuals)
@@ -91,7 +79,7 @@ class ResidualTable(QWidget):
             self._paint(painter, place * ROW, residual)
         painter.end()
 
-    def _paint(self, painter: QPainter, top: int, residual: Residual) -> None:
+    def _paint(self, painter: QPainter, top: int, residual: BodyResidual) -> None:
         baseline = top + 14
         painter.setPen(QColor(0, 0, 0, 0))
         painter.setBrush(QColor(residual.colour))
@@ -103,12 +91,13 @@ class ResidualTable(QWidget):
         painter.drawText(self.width() - painter.fontMetrics().horizontalAdvance(text), baseline, text)
 
 
-def words_of(residual: Residual) -> str:
-    """``42 mm at 23``, or that it holds, or that it is not active."""
+def words_of(residual: BodyResidual) -> str:
+    """``short by 42 mm at 23``, or that it holds, or that it is not active."""
     word, _ = residual.state
-    if residual.metres is None or word == "held":
+    if residual.worst is None or word == "held":
         return word
-    return f"{word} by {residual.metres * MILLIMETRES:.3g} mm at {residual.frame}"
+    remark = f", {residual.worst.remark}" if residual.worst.remark else ""
+    return f"{word} by {residual.worst.metres * MILLIMETRES:.3g} mm at {residual.worst.frame}{remark}"
 
 
 class ResidualSection(Section):

@@ -6,6 +6,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
 
 from studio.core.constraints.base import Constraint
 from studio.document import colours
+from studio.engine.residuals import PARTLY_BELOW
 from studio.timeline.figures import millimetres
 from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
@@ -136,18 +137,20 @@ def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
     """``Child 42 mm at frame 23`` in the state's colour, or that all hold it."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
-    strips = [(body, shown.strip(constraint_id, body.performer_id)) for body in shown.subject.bodies]
-    if not any(strip for _, strip in strips):
+    strips = [shown.strip(constraint_id, body.performer_id) for body in shown.subject.bodies]
+    if not any(strips):
         return "", colours.TEXT_THIRD
-    worst = [(strip.worst, body.name, strip) for body, strip in strips if strip and strip.worst]
-    if not worst:
+    found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in shown.subject.bodies]
+    missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
+    if not missed:
         held = "held by all" if len(strips) > 1 else "held"
-        yields = any(strip.yields for _, strip in strips if strip)
+        yields = any(strip.yields for strip in strips if strip)
         return "gives way to contacts" if yields else held, colours.TEXT_THIRD
-    (frame, error), name, strip = max(worst, key=lambda each: each[0][1])
-    text = f"{name} {millimetres(error)} at frame {frame}"
-    reached = strip.state_at(frame) != "not reached"
-    return text, colours.PARTLY if reached else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
+    worst, name = max(missed, key=lambda each: each[0].metres)
+    text = f"{name} {millimetres(worst.metres)} at frame {worst.frame}"
+    reached = worst.metres < PARTLY_BELOW
+    colour = colours.PARTLY if reached else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
+    return f"{text}, {worst.remark}" if worst.remark else text, colour
 
 
 def row_ground(selected: bool) -> QColor:

@@ -1,4 +1,4 @@
-"""What the viewport asks of the engine."""
+"""What the views ask of the engine."""
 
 from typing import Any, Protocol
 
@@ -6,12 +6,14 @@ from studio.core.solver.request import AdaptedMotion
 
 
 class Live(Protocol):
-    """Keeps every visible performer's adapted motion up to date (``studio.engine`` has the real one)."""
+    """Keeps every visible performer's adapted motion up to date (``LiveAdaptation`` is the real one)."""
 
     adapted: Any
     """Signal(str): a newer result of that performer is there."""
-    solve_milliseconds: float
     interactive: bool
+    """Whether something is being dragged: then the frames round the playhead are solved first."""
+    solve_milliseconds: float | None
+    """A body's whole clip, as of late; None while it is not known."""
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest adapted motion."""

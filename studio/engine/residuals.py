@@ -1,0 +1,98 @@
+"""By how much a constraint is missed on a body: one rule for every view.
+
+What counts is the worst frame in which the constraint is fully active; where it never is, the worst in which it is
+active at all. A foot's constraint is fully active only where no contact holds that foot.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import Constraint
+from studio.core.contacts import ContactInterval
+from studio.core.project import Clip, Project
+from studio.core.solver.request import AdaptedMotion
+
+FloatArray = NDArray[np.float64]
+
+HELD_BELOW = 0.001
+"""Metres: nobody sees less."""
+PARTLY_BELOW = 0.020
+"""Metres: up to here the eye forgives."""
+FULLY = 1.0 - 1e-9
+LEG = ("thigh", "shank", "foot", "toe")
+
+
+@dataclass(frozen=True)
+class Residual:
+    """The worst miss of a constraint on a body: metres, the motion's frame, whether it is fully active there."""
+
+    metres: float
+    frame: int
+    fully_active: bool
+
+    @property
+    def held(self) -> bool:
+        """Whether nobody sees that it is missed."""
+        return self.metres < HELD_BELOW
+
+    @property
+    def remark(self) -> str:
+        """What has to be said beside the number; mostly nothing."""
+        return "" if self.fully_active else "never fully active"
+
+
+def residual_row(project: Project, motion: AdaptedMotion | None, constraint_id: str) -> FloatArray | None:
+    """(F,) metres, NaN where nothing is asked; None while the answer is on its way or the constraint is off."""
+    constraint = project.constraints.get(constraint_id)
+    if constraint is None or motion is None or not constraint.enabled:
+        return None
+    asked = [key for key, each in project.constraints_of(constraint.motion_id).items() if each.enabled]
+    # With another count the result answers an older question.
+    return motion.residuals[asked.index(constraint_id)] if len(motion.residuals) == len(asked) else None
+
+
+def worst_residual(
+    project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
+) -> Residual | None:
+    """The worst miss in the frames that the performer plays; None where nothing is asked or known."""
+    row = residual_row(project, motion, constraint_id)
+    if row is None or motion is None:
+        return None
+    constraint = project.constraints[constraint_id]
+    clip = _clip(project, performer_id, constraint.motion_id)
+    if clip is None:
+        return None
+    frames = motion.first_frame + np.arange(motion.frame_count)
+    asked = np.where((frames >= clip.first) & (frames <= clip.last), row, np.nan)
+    full = np.where(_activation(project, constraint, frames, motion.frame_rate) >= FULLY, asked, np.nan)
+    fully_active = bool(np.isfinite(full).any())
+    counted = full if fully_active else asked
+    if not np.isfinite(counted).any():
+        return None
+    place = int(np.nanargmax(counted))
+    return Residual(float(counted[place]), int(frames[place]), fully_active)
+
+
+def _clip(project: Project, performer_id: str, motion_id: str) -> Clip | None:
+    clips = project.performers[performer_id].clips
+    return next((clip for clip in clips if clip.motion_id == motion_id), None)
+
+
+def _activation(project: Project, constraint: Constraint, frames: NDArray[np.int64], frame_rate: float) -> FloatArray:
+    """(F,) what is asked of the constraint: less than its curve where a contact has the foot."""
+    activation = constraint.activation.at(frames / frame_rate)
+    side, _, bone = constraint.point.part.value.partition("_")
+    if bone not in LEG:
+        return activation
+    contacts = tuple(project.contacts_of(constraint.motion_id).values())
+    return activation * _freedom(contacts, ("left", "right").index(side), int(frames[-1]) + 1, frame_rate)[frames]
+
+
+@lru_cache(maxsize=64)
+def _freedom(contacts: tuple[ContactInterval, ...], side: int, frame_count: int, frame_rate: float) -> FloatArray:
+    from studio.core.solver.footing import foot_states, freedom  # not before a result is there: it loads kernels
+
+    return freedom(foot_states(contacts, frame_count)[side] != 0, frame_rate)

@@ -1,0 +1,83 @@
+"""One rule says by how much a constraint is missed, whichever view asks."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint
+from studio.core.contacts import FootPoint
+from studio.core.solver.request import AdaptedMotion
+from studio.engine.residuals import residual_row, worst_residual
+from studio.panels.constraint_editors.residuals import residuals_of, words_of
+from studio.viewport.problem import worst_problem
+from tests.builders import make_constraint, make_contact, make_morphology, make_project
+
+RATE, FRAMES = 60.0, 30
+NOTHING = np.zeros((FRAMES, 1, 3))
+
+
+def answer(*rows):
+    return AdaptedMotion(make_morphology(), RATE, 0, NOTHING, NOTHING, np.array(rows, dtype=float))
+
+
+def peaks(**at):
+    row = np.zeros(FRAMES)
+    for frame, metres in at.items():
+        row[int(frame[1:])] = metres
+    return row
+
+
+def project_of(constraint, **parts):
+    return make_project(characters=1, constraints=0, **parts).with_entity("constraints", "c", constraint)
+
+
+def test_only_frames_count_in_which_the_constraint_is_fully_active():
+    project = project_of(make_constraint())  # full from frame 6 to 18
+    found = worst_residual(project, "performer 0", answer(peaks(f3=0.9, f10=0.04, f22=0.8)), "c")
+    assert (found.metres, found.frame, found.fully_active, found.remark) == (0.04, 10, True, "")
+
+
+def test_a_constraint_that_is_never_fully_active_is_judged_where_it_is_active_and_that_is_said():
+    between = make_constraint(activation=ActivationCurve(0.0, 0.105, 0.107, 0.2))  # full between frames 6 and 7
+    row = np.where(between.activation.at(np.arange(FRAMES) / RATE) > 0, peaks(f3=0.2), np.nan)
+    found = worst_residual(project_of(between), "performer 0", answer(row), "c")
+    assert (found.metres, found.frame, found.remark) == (0.2, 3, "never fully active")
+
+
+def test_a_foot_is_judged_only_where_no_contact_holds_it():
+    foot = make_constraint(point=BodyPoint(BodyPart.LEFT_FOOT, at_end=True))
+    project = project_of(foot, contacts=0)
+    row = answer(peaks(f8=0.3, f18=0.02))
+    assert worst_residual(project, "performer 0", row, "c").frame == 8
+    standing = make_contact(point=FootPoint.LEFT_HEEL, first=0, last=8)
+    held = project.with_entity("contacts", "heel", standing)
+    assert worst_residual(held, "performer 0", row, "c").frame == 18
+
+
+def test_frames_that_are_not_played_do_not_count():
+    project = project_of(make_constraint())
+    performer = project.performers["performer 0"]
+    shorter = replace(performer, clips=(replace(performer.clips[0], first=9),))
+    project = project.with_entity("performers", "performer 0", shorter)
+    assert worst_residual(project, "performer 0", answer(peaks(f7=0.5, f12=0.1)), "c").frame == 12
+
+
+def test_an_answer_to_an_older_question_is_not_read():
+    project = project_of(make_constraint())
+    assert residual_row(project, answer(), "c") is None
+    assert residual_row(project, None, "c") is None
+    assert worst_residual(project, "performer 0", answer(), "c") is None
+
+
+def test_viewport_and_inspector_tell_the_same_number_and_frame():
+    project = project_of(make_constraint(name="Wrist"))
+    motion = answer(peaks(f3=0.9, f10=0.04))
+    problem = worst_problem(project, lambda _: motion)
+    [line] = residuals_of(project, SimpleNamespace(result=lambda _: motion), "c")
+    assert (problem.metres, problem.frame) == pytest.approx((line.worst.metres, line.worst.frame))
+    assert problem.sentence == "Body 0: 40 mm short of 'Wrist' at frame 10"
+    assert words_of(line) == "short by 40 mm at 10"
