@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from studio.core.constraints.base import BodyPoint
 from studio.core.project import GROUND_ID, Project
 from studio.document import colours
+from studio.engine.point_names import point_words
 
 Item = tuple[str, str]
 
@@ -32,15 +32,6 @@ def rows_of(project: Project, motion_id: str | None) -> list[Row]:
         *_section("Constraints", _constraints(project, motion_id), "Pick a joint and press C to add one"),
         *_section("Stage", _stage(project), ""),
     ]
-
-
-def point_words(point: BodyPoint) -> str:
-    """Where on the body: ``right wrist`` for the end of a forearm, else the part."""
-    ends = {"upper_arm": "elbow", "forearm": "wrist", "thigh": "knee", "shank": "ankle", "foot": "ball"}
-    side, _, part = point.part.value.partition("_")
-    if point.at_end and part in ends:
-        return f"{side} {ends[part]}"
-    return point.part.label.lower() + (" end" if point.at_end else "")
 
 
 def _section(title: str, rows: list[Row], hint: str) -> list[Row]:

@@ -126,6 +126,10 @@ class StatusLine(QStatusBar):
 
 
 def journal_words(document: Document) -> str:
-    """How many edits are safe, as the journal says; without one, only how many there are."""
+    """Whether the edits are safe, and how many undo steps they are; a stopped journal says what to do."""
     count = document.undo_stack.index()
-    return document.journal_state.replace(" - ", " · ") or f"{count} edit" + ("" if count == 1 else "s")
+    edits = f"{count} edit" + ("" if count == 1 else "s")
+    state, _, detail = document.journal_state.partition(" - ")
+    if not state:
+        return edits
+    return f"{state} · {edits if 'edit' in detail else detail}"

@@ -9,13 +9,19 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.point_names import POINTS
 
-_ARM = Chain(limb=1.0, clavicle=1.0, trunk=0.3)
-_HAND_END = Chain(limb=1.0, end_segment=0.5, clavicle=1.0, trunk=0.3)
-_LEG = Chain(limb=1.0, clavicle=0.0)
-_TOES = Chain(limb=1.0, end_segment=0.5, clavicle=0.0)
+_ARM = Chain(limb=1.0, clavicle=1.0, trunk=0.4, root=0.2)
+_HAND_END = Chain(limb=1.0, end_segment=0.5, clavicle=1.0, trunk=0.4, root=0.2)
+_LEG = Chain(limb=1.0, clavicle=0.0, root=0.6)
+_TOES = Chain(limb=1.0, end_segment=0.5, clavicle=0.0, root=0.6)
 _TRUNK = Chain(limb=0.0, clavicle=0.0, trunk=1.0)
 _ROOT = Chain(limb=0.0, clavicle=0.0, trunk=0.0, root=1.0)
+_CHAINS = {
+    "pelvis": _ROOT, "thigh": _ROOT, "clavicle": _TRUNK,
+    "upper_arm": _ARM, "forearm": _ARM, "hand": _HAND_END,
+    "shank": _LEG, "foot": _LEG, "toe": _TOES,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -30,29 +36,16 @@ class BodyJoint:
 
 @lru_cache
 def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
-    """Every joint of a body that can be constrained."""
-    joints = [
-        BodyJoint(0, "pelvis", BodyPoint(BodyPart.PELVIS), _ROOT),
-        BodyJoint(layout.spine_count - 1, "chest", BodyPoint(BodyPart.THORAX), _TRUNK),
-        BodyJoint(layout.neck_base, "neck", BodyPoint(BodyPart.THORAX, at_end=True), _TRUNK),
-        BodyJoint(layout.head_joint, "head", BodyPoint(BodyPart.NECK, at_end=True), _TRUNK),
-        BodyJoint(layout.head_end, "top of head", BodyPoint(BodyPart.HEAD, at_end=True), _TRUNK),
-    ]
-    for side, word in enumerate(("left", "right")):
-        arm = (("clavicle", "shoulder", _TRUNK), ("upper_arm", "elbow", _ARM), ("forearm", "wrist", _ARM))
-        leg = (("thigh", "knee", _LEG), ("shank", "ankle", _LEG), ("foot", "ball of foot", _LEG))
-        ends = (
-            (layout.wrist(side) + 1, "hand", "fingertips", _HAND_END),
-            (layout.toe(side) + 1, "toe", "toes", _TOES),
-        )
-        joints.append(BodyJoint(layout.hip(side), f"{word} hip", BodyPoint(BodyPart(f"{word}_thigh")), _ROOT))
-        for first, bones in ((layout.collar(side) + 1, arm), (layout.hip(side) + 1, leg)):
-            for step, (part, name, chain) in enumerate(bones):
-                point = BodyPoint(BodyPart(f"{word}_{part}"), at_end=True)
-                joints.append(BodyJoint(first + step, f"{word} {name}", point, chain))
-        for index, part, name, chain in ends:
-            point = BodyPoint(BodyPart(f"{word}_{part}"), at_end=True)
-            joints.append(BodyJoint(index, f"{word} {name}", point, chain))
+    """Every joint of a body that can be constrained; the waist is picked by the chest."""
+    near, far = layout.proximal_points(), layout.distal_points()
+    joints = []
+    for (part, at_end), name in POINTS.items():
+        if part is BodyPart.ABDOMEN:
+            continue
+        bone = part.value.partition("_")[2] or part.value
+        chain = _LEG if (bone, at_end) == ("thigh", True) else _CHAINS.get(bone, _TRUNK)
+        index = int((far if at_end else near)[layout.segment(part)])
+        joints.append(BodyJoint(index, name, BodyPoint(part, at_end=at_end), chain))
     return tuple(joints)
 
 

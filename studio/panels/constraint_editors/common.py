@@ -9,26 +9,20 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.document.document import Document
 from studio.engine.live import Live
+from studio.engine.point_names import POINTS, point_words
 from studio.panels.constraint_editors.activation import ActivationSection
 from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
 from studio.panels.constraint_editors.residuals import ResidualSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section
-from studio.panels.library_rows import point_words
 
 CENTIMETRE = 0.01
 
 
 def point_choices() -> list[tuple[object, str]]:
-    """Every place on the body that can be named: a segment's origin, or its far end."""
-    points = [
-        (part, at_end)
-        for part in BodyPart
-        for at_end in (False, True)
-        if at_end or not part.value.endswith(("thigh", "shank", "forearm", "hand", "foot", "toe"))
-    ]
-    return [(point, point_words(BodyPoint(point[0], at_end=point[1])).capitalize()) for point in points]
+    """Every place on the body that has a name."""
+    return [(point, name.capitalize()) for point, name in POINTS.items()]
 
 
 class ConstraintEditor(Editor):

@@ -1,0 +1,39 @@
+"""What the points of a body are called, in every view."""
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+
+_CENTRE = {
+    ("pelvis", False): "pelvis",
+    ("abdomen", False): "waist",
+    ("thorax", False): "chest",
+    ("thorax", True): "neck",
+    ("neck", True): "head",
+    ("head", True): "top of head",
+}
+_SIDE = {
+    ("clavicle", True): "shoulder",
+    ("upper_arm", True): "elbow",
+    ("forearm", True): "wrist",
+    ("hand", True): "fingertips",
+    ("thigh", False): "hip",
+    ("thigh", True): "knee",
+    ("shank", True): "ankle",
+    ("foot", True): "ball of foot",
+    ("toe", True): "toes",
+}
+POINTS: dict[tuple[BodyPart, bool], str] = {
+    **{(BodyPart(part), at_end): name for (part, at_end), name in _CENTRE.items()},
+    **{
+        (BodyPart(f"{side}_{part}"), at_end): f"{side} {name}"
+        for side in ("left", "right")
+        for (part, at_end), name in _SIDE.items()
+    },
+}
+"""Every place that can be chosen: (part, whether its far end) and its name."""
+
+
+def point_words(point: BodyPoint) -> str:
+    """``right wrist``; an origin or end without a name of its own goes by its part."""
+    plain = point.part.label.lower() + (" end" if point.at_end else "")
+    return POINTS.get((point.part, point.at_end), plain)

@@ -1,0 +1,39 @@
+"""The status line counts what the user did, not how the mouse moved."""
+
+from dataclasses import replace
+
+from studio.document.document import Document
+from studio.panels.status_line import ProgressLine, journal_words
+from tests.builders import make_project
+
+
+def test_one_drag_is_one_edit(qapp, tmp_path):
+    document = Document(make_project(), journal_folder=tmp_path)
+    gesture = document.new_gesture()
+    for step in range(5):
+        constraint = document.project.constraints["constraint 0"]
+        moved = replace(constraint, target=(0.1 * step, 0.0, 1.0))
+        document.replace("constraints", "constraint 0", moved, "Move target", gesture)
+    assert document.journal.flush()
+    assert journal_words(document) == "Journal safe · 1 edit"
+    document.undo_stack.undo()
+    assert document.journal.flush()
+    assert journal_words(document) == "Journal safe · 0 edits"
+    document.close()
+
+
+def test_without_a_journal_there_are_only_edits(qapp):
+    assert journal_words(Document(make_project())) == "0 edits"
+
+
+def test_the_newest_job_is_told_and_the_one_before_when_that_ends(qtbot):
+    line = ProgressLine()
+    qtbot.addWidget(line)
+    line.begin(1, "Opening walk.bvh")
+    line.show_share(1, 0.25, "reading")
+    line.begin(2, "Preparing the solver")
+    assert line.now == ("Preparing the solver", 0.0)
+    line.end(2)
+    assert line.now == ("Opening walk.bvh · reading", 0.25)
+    line.end(1)
+    assert line.now == ("", 0.0)
