@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from studio.core.canonical import BodyPart
 from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.errors import StudioError
@@ -39,45 +38,50 @@ class ConstraintFile:
 
 
 def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
-    """The file's constraints and contacts, as those of one motion. Raises StudioError naming file and member."""
+    """The file's constraints, highest priority first, and contacts, as those of one motion.
+
+    Constraints of one priority stay in the order of the file. Raises StudioError naming file and member.
+    """
     record = _parsed(path)
     if not isinstance(record, dict) or not isinstance(record.get("constraints", []), list):
         raise StudioError(f"{path}: expected a record with a list called 'constraints'.")
     if strange := sorted(record.keys() - set(_MEMBERS)):
         raise StudioError(f"{path}: '{strange[0]}' is not known here. Members are {', '.join(_MEMBERS)}.")
-    constraints = tuple(
+    constraints = [
         _constraint(item, motion_id, f"{path}, constraints[{place}]")
         for place, item in enumerate(record.get("constraints", []))
-    )
+    ]
+    constraints.sort(key=lambda constraint: constraint.priority)
     contacts = _contacts(record["contacts"], motion_id, str(path)) if "contacts" in record else None
-    return ConstraintFile(constraints, contacts)
+    return ConstraintFile(tuple(constraints), contacts)
 
 
 def _parsed(path: Path) -> Json:
     try:
-        return json.loads(path.read_bytes(), parse_constant=_refuse)
+        return json.loads(path.read_bytes())  # NaN passes here, and each member refuses it under its name
     except OSError as error:
         raise StudioError(f"{path} cannot be read: {error.strerror}.") from error
     except (ValueError, RecursionError) as error:
         raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
 
 
-def _refuse(name: str) -> None:
-    raise ValueError(f"{name} is no number")
-
-
 def _constraint(record: Json, motion_id: str, where: str) -> Constraint:
-    kind = CONSTRAINT_KINDS.get(str(record.get("kind"))) if isinstance(record, dict) else None
+    if not isinstance(record, dict):
+        raise StudioError(f"{where}: expected a record, not {str(record)[:40]!r}.")
+    name = record.get("name")
+    if isinstance(name, str):
+        where += f" ('{name[:40]}')"
+    kind = CONSTRAINT_KINDS.get(str(record.get("kind")))
     if kind is None:
-        raise StudioError(f"{where}, kind: expected one of {', '.join(CONSTRAINT_KINDS)}.")
+        asked = f"not '{str(record['kind'])[:40]}'" if "kind" in record else "but it says none"
+        raise StudioError(f"{where}, kind: expected one of {', '.join(CONSTRAINT_KINDS)}, {asked}.")
     if strange := _paths({k: v for k, v in unknown_fields(record, kind).items() if k not in _IDS}):
         raise StudioError(f"{where}: '{strange[0]}' is not known here. Correct its name.")
-    if (part := _part_named(record)) is not None:
-        raise StudioError(f"{where}, point: part: '{part}' is no part of a body. Parts are {', '.join(BodyPart)}.")
     try:
         found = entity_of("constraints", {**_USUAL, **record, "motion_id": motion_id}, _no_member)
     except (ValueError, TypeError) as error:
-        raise StudioError(f"{where}, {error}") from error
+        reason = str(error).removeprefix(f"'{name}': ")
+        raise StudioError(f"{where}, {reason}") from error
     assert isinstance(found, Constraint)
     return found
 
@@ -88,13 +92,6 @@ def _paths(unknown: Mapping[str, Any]) -> list[str]:
     for key, item in unknown.items():
         paths += [f"{key}.{inner}" for inner in _paths(item)] if key in ("point", "chain", "activation") else [key]
     return paths
-
-
-def _part_named(record: Json) -> str | None:
-    """The part of the constraint's point, where it is none of those there are."""
-    point = record.get("point")
-    part = point.get("part") if isinstance(point, dict) else None
-    return part if isinstance(part, str) and part not in tuple(BodyPart) else None
 
 
 def _contacts(record: Json, motion_id: str, where: str) -> tuple[ContactInterval, ...]:

@@ -67,7 +67,7 @@ def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
     if is_dataclass(hint):
         return _dataclass(record, hint, members)
     if isinstance(hint, type) and issubclass(hint, Enum):
-        return hint(record)
+        return hint(_checked(record, record in tuple(hint), f"one of {', '.join(str(item.value) for item in hint)}"))
     return _plain(record, hint)
 
 

@@ -106,7 +106,7 @@ def test_constraints_are_reported_as_reached_missed_or_never_active(capsys, kick
     file = constraint_file(tmp_path, WRIST, far, never)
     _, report = adapt(capsys, kick, tmp_path / "out", "--character", "adult_woman", "--constraints", file)
     [record] = report["characters"]
-    near, far, never = record["constraints"]
+    near, never, far = record["constraints"]
     assert (near["name"], near["kind"], near["reached"]) == ("Right wrist", "position", True)
     assert near["residual_mm"] <= 0.2
     assert far["reached"] is False

@@ -22,6 +22,9 @@ WRIST = {
 }
 
 
+NAN, INFINITY = float("nan"), float("inf")
+
+
 def written(folder, record):
     path = folder / "targets.json"
     path.write_text(record if isinstance(record, str) else json.dumps(record))
@@ -45,6 +48,13 @@ def test_a_record_copied_out_of_a_project_is_read_as_it_is(tmp_path):
     assert file.constraints == (constraint,)
 
 
+def test_constraints_come_highest_priority_first_and_else_as_they_stand(tmp_path):
+    asked = [("late", 7), ("first", 0), ("middle", 2), ("second", 0)]
+    record = {"constraints": [{**WRIST, "name": name, "priority": priority} for name, priority in asked]}
+    names = [constraint.name for constraint in read_constraints(written(tmp_path, record), "m").constraints]
+    assert names == ["first", "second", "middle", "late"]
+
+
 def test_contacts_are_read_by_foot(tmp_path):
     file = read_constraints(written(tmp_path, {"contacts": {"left_toe": [[3, 12]], "right_heel": []}}), "m")
     assert file.constraints == ()
@@ -65,24 +75,51 @@ def test_the_example_in_the_guide_is_read(tmp_path):
         ("[]", "'constraints'"),
         ({"constraints": {}}, "'constraints'"),
         ({"constrains": []}, "'constrains' is not known"),
-        ({"constraints": [3]}, r"constraints\[0\], kind"),
-        ({"constraints": [WRIST, {**WRIST, "kind": "magnet"}]}, r"constraints\[1\], kind: expected one of position"),
-        ({"constraints": [{**WRIST, "chain": {"arm": 1}}]}, r"constraints\[0\]: 'chain.arm' is not known"),
-        ({"constraints": [{**WRIST, "chain": {"limb": 7}}]}, r"constraints\[0\], chain: .*limb is 7"),
-        ({"constraints": [{**WRIST, "point": {"part": "tail"}}]}, "'tail' is no part of a body. Parts are pelvis"),
-        ({"constraints": [{**WRIST, "target": [1, 2]}]}, r"constraints\[0\], target: a list of 3"),
-        ({"constraints": [{**WRIST, "target": [1, 2, "x"]}]}, r"constraints\[0\], target: a number"),
-        ({"constraints": [{**WRIST, "activation": {"start": 0}}]}, r"constraints\[0\], activation: .*missing"),
+        ({"constraints": [3]}, r"constraints\[0\]: expected a record, not '3'"),
+        (
+            {"constraints": [WRIST, {**WRIST, "kind": "magnet"}]},
+            r"constraints\[1\] \('Right wrist'\), kind: expected one of position.*not 'magnet'",
+        ),
+        ({"constraints": [{**WRIST, "chain": {"arm": 1}}]}, r"'Right wrist'\): 'chain.arm' is not known"),
+        ({"constraints": [{**WRIST, "chain": {"limb": 7}}]}, r"'Right wrist'\), chain: .*limb is 7"),
+        (
+            {"constraints": [{**WRIST, "point": {"part": "tail"}}]},
+            "'Right wrist'.*point: part: one of pelvis.* expected, not 'tail'",
+        ),
+        ({"constraints": [{**WRIST, "target": [1, 2]}]}, r"'Right wrist'\), target: a list of 3"),
+        ({"constraints": [{**WRIST, "target": [1, 2, "x"]}]}, r"'Right wrist'\), target: a number"),
+        ({"constraints": [{**WRIST, "activation": {"start": 0}}]}, r"'Right wrist'\), activation: .*missing"),
         (
             {"constraints": [{**WRIST, "activation": {**WRIST["activation"], "full": 9}}]},
-            r"constraints\[0\], activation: .*in order",
+            r"'Right wrist'\), activation: .*in order",
         ),
-        ({"constraints": [{**WRIST, "priority": -1}]}, r"constraints\[0\], .*priority"),
+        ({"constraints": [{**WRIST, "priority": -1}]}, r"'Right wrist'\), a priority is 0 \(highest\) or more, got -1"),
+        ({"constraints": [{**WRIST, "priority": 0.5}]}, r"'Right wrist'\), priority: a whole number expected"),
+        ({"constraints": [{**WRIST, "priority": NAN}]}, r"'Right wrist'\), priority: a whole number expected"),
+        ({"constraints": [{**WRIST, "target": [0, NAN, 0]}]}, r"'Right wrist'\), a target is three finite numbers"),
+        ({"constraints": [{**WRIST, "target": [0, 0, -INFINITY]}]}, r"'Right wrist'\), a target is three finite"),
+        ({"constraints": [{**WRIST, "target": NAN}]}, r"'Right wrist'\), target: a list expected, not 'nan'"),
+        ({"constraints": [{**WRIST, "chain": {"limb": NAN}}]}, r"'Right wrist'\), chain: .*limb is nan"),
+        (
+            {"constraints": [{**WRIST, "point": {"part": "head", "offset": [0, 0, NAN]}}]},
+            r"'Right wrist'\), point: A point's offset is three finite",
+        ),
+        (
+            {"constraints": [{**WRIST, "activation": {**WRIST["activation"], "end": INFINITY}}]},
+            r"'Right wrist'\), activation: .*four finite times",
+        ),
+        (
+            {"constraints": [{**WRIST, "activation": {**WRIST["activation"], "shape": "bouncy"}}]},
+            r"'Right wrist'\), activation: shape: one of linear, smooth, quintic expected, not 'bouncy'",
+        ),
+        ({"constraints": [{k: v for k, v in WRIST.items() if k != "kind"}]}, "'Right wrist'.* kind: .* it says none"),
+        ({"constraints": [{**WRIST, "colour": NAN}]}, "'Right wrist'.*'colour' is not known"),
         ({"constraints": [{k: v for k, v in WRIST.items() if k != "name"}]}, r"constraints\[0\], name missing"),
-        ('{"constraints": [], "contacts": NaN}', "NaN is no number"),
+        ('{"constraints": [], "contacts": NaN}', "contacts: expected a record"),
         ({"contacts": []}, "contacts: expected a record"),
         ({"contacts": {"left_knee": []}}, "left_knee: expected lists .* by left_heel"),
         ({"contacts": {"left_toe": [[1, 2, 3]]}}, r"left_toe\[0\]: expected two frames"),
+        ({"contacts": {"left_toe": [[NAN, 2]]}}, r"left_toe\[0\]: expected two frames"),
         ({"contacts": {"left_toe": [[9, 2]]}}, r"left_toe\[0\]: A contact runs"),
     ],
 )
