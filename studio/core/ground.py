@@ -1,22 +1,86 @@
-"""The ground under the performers. Flat for now; every kind answers ``height_at``."""
+"""The ground under the performers: a height and a slope everywhere. The plain one is level.
+
+Other kinds (``studio.core.grounds``) derive from it and add to its height; a project holds one of them.
+"""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+FloatArray = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class Ground:
-    """A level floor at ``height`` metres."""
+    """A level floor at ``height`` metres; for other kinds the level from which they rise and sink."""
 
+    kind: ClassVar[str] = "flat"
     height: float = 0.0
 
     def __post_init__(self) -> None:
-        if not math.isfinite(self.height):
-            raise ValueError(f"The ground's height is a finite number of metres, got {self.height}.")
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, int | float) and not math.isfinite(value):
+                raise ValueError(f"The ground's {field.name} is a finite number of metres, got {value}.")
 
-    def height_at(self, places: ArrayLike) -> NDArray[np.float64]:
+    @property
+    def is_level(self) -> bool:
+        """Whether it is one height everywhere."""
+        return type(self) is Ground
+
+    def height_at(self, places: ArrayLike) -> FloatArray:
         """Height in metres at ``places`` (..., 2 or 3), shape (...)."""
-        return np.full(np.shape(places)[:-1], self.height)
+        xy = np.asarray(places, dtype=np.float64)[..., :2]
+        return self.height + self.rise_at(xy)
+
+    def normal_at(self, places: ArrayLike) -> FloatArray:
+        """Unit normal, up and away from the ground, at ``places`` (..., 2 or 3), shape (..., 3)."""
+        slope = self.slope_at(np.asarray(places, dtype=np.float64)[..., :2])
+        normal = np.concatenate([-slope, np.ones((*slope.shape[:-1], 1))], axis=-1)
+        return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+
+    def rise_at(self, xy: FloatArray) -> FloatArray:
+        """(...) metres above ``height`` at ``xy`` (..., 2)."""
+        return np.zeros(xy.shape[:-1])
+
+    def slope_at(self, xy: FloatArray) -> FloatArray:
+        """(..., 2) metres risen a metre along X and Y at ``xy`` (..., 2)."""
+        return np.zeros(xy.shape)
+
+    def nudges(self, soles: FloatArray) -> FloatArray:
+        """(N, 2) by how much soles (N, 3, 2: heel, ball, tip) had better stand elsewhere; not at all as a rule."""
+        return np.zeros((len(soles), 2))
+
+    def seen_from(self, position: tuple[float, float], heading: float) -> "Ground":
+        """The same ground in the axes of who stands at ``position`` (metres), turned by ``heading`` (radians)."""
+        return self if self.is_level else PlacedGround(self.height, self, position, heading)
+
+
+@dataclass(frozen=True)
+class PlacedGround(Ground):
+    """A ground in the axes of a performer's motion; made for solving, never stored."""
+
+    kind: ClassVar[str] = "placed"
+    ground: Ground = Ground()
+    position: tuple[float, float] = (0.0, 0.0)
+    heading: float = 0.0
+
+    def rise_at(self, xy: FloatArray) -> FloatArray:
+        return self.ground.rise_at(self._outside(xy))
+
+    def slope_at(self, xy: FloatArray) -> FloatArray:
+        return self.ground.slope_at(self._outside(xy)) @ self._turn
+
+    def nudges(self, soles: FloatArray) -> FloatArray:
+        return self.ground.nudges(self._outside(soles)) @ self._turn
+
+    @property
+    def _turn(self) -> FloatArray:
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return np.array([[c, -s], [s, c]])
+
+    def _outside(self, xy: FloatArray) -> FloatArray:
+        return np.asarray(xy @ self._turn.T + np.array(self.position))

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.contacts import ContactInterval
+from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.ground import Ground
+from studio.core.solver.footprints import planes_under, soles_of
 from studio.core.solver.request import AdaptedMotion
 
 FloatArray = NDArray[np.float64]
@@ -22,35 +23,50 @@ class FootQuality:
     """Worst values over all contacts of a motion, in metres."""
 
     slide: float
-    """Greatest horizontal distance of a standing ankle or toe joint from where its contact began."""
+    """Greatest distance along the ground of a standing ankle or toe joint from where its contact began."""
     rise: float
-    """Greatest height of a standing heel or ball above the ground."""
+    """Greatest height of a standing heel or ball above the ground, along its normal."""
     penetration: float
     """Greatest depth of either below it."""
 
 
 def foot_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FootQuality:
     """Slide, float and penetration of the soles during ``contacts`` (frames counted in the whole motion)."""
-    body, layout = adapted.morphology, adapted.morphology.layout
     slide = rise = depth = 0.0
     for contact in contacts:
         first = max(contact.first - adapted.first_frame, 0)
         stop = min(contact.last + 1 - adapted.first_frame, adapted.frame_count)
-        if stop <= first:
-            continue
-        side, span = contact.point.side, slice(first, stop)
-        foot = adapted.rotations[span, layout.spine_count + 12 + 4 * side]
-        ankle, toe = adapted.positions[span, layout.ankle(side)], adapted.positions[span, layout.toe(side)]
-        joint = ankle if contact.point.is_heel else toe
-        slide = max(slide, float(np.linalg.norm(joint[:, :2] - joint[0, :2], axis=1).max()))
-        if contact.point.is_heel:
-            heel = np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
-            sole = ankle + foot @ heel
-        else:
-            sole = toe - np.array([0.0, 0.0, body.ankle_height[side] + body.foot[side, 2]])
-        height = sole[:, 2] - ground.height_at(sole)
-        rise, depth = max(rise, float(height.max())), max(depth, float(-height.min()))
+        if stop > first:
+            moved, heights = _standing(adapted, contact.point, slice(first, stop), ground)
+            slide = max(slide, moved)
+            rise, depth = max(rise, float(heights.max())), max(depth, float(-heights.min()))
     return FootQuality(slide, rise, depth)
+
+
+def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Ground) -> tuple[float, FloatArray]:
+    """How far a heel or ball moves along the ground in one contact, and its heights (F,) above it.
+
+    Where the foot lies over an edge the ground is the plane of what it stands on.
+    """
+    body, layout, side = adapted.morphology, adapted.morphology.layout, point.side
+    foot = adapted.rotations[span, layout.spine_count + 12 + 4 * side]
+    ankle, toe = adapted.positions[span, layout.ankle(side)], adapted.positions[span, layout.toe(side)]
+    middle = np.array([len(foot) // 2])
+    soles = soles_of(ankle[middle], foot[middle], body, side)
+    planes = planes_under(ground, soles)
+    normal = planes.normals[0]
+    joint = ankle if point.is_heel else toe
+    way = joint - joint[0]
+    moved = np.linalg.norm(way - (way @ normal)[:, None] * normal, axis=1).max()
+    if point.is_heel:
+        sole = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
+    else:
+        sole = toe - (body.ankle_height[side] + body.foot[side, 2]) * normal
+    if planes.overhangs.any():
+        heights = (sole - [*soles[0, 1], planes.heights[0]]) @ normal
+    else:
+        heights = (sole[:, 2] - ground.height_at(sole)) * normal[2]
+    return float(moved), heights
 
 
 def angular_acceleration(rotations: FloatArray, frame_rate: float) -> FloatArray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.contacts import ContactInterval
@@ -15,6 +15,7 @@ from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.legs import hip_heights
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.solver.footprints import drape, find_footprints, lift_over_edges
 
 FloatArray = NDArray[np.float64]
 
@@ -26,6 +27,8 @@ FREED_AFTER = 0.15
 """Seconds after a foot has left the ground (or before it lands) in which it becomes free."""
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
+CLIMB_SMOOTHING = 0.15
+"""Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,32 +63,80 @@ def find_footing(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> Footing:
-    """Plan the feet of a whole clip from its retargeted pose, raised to the ground's height."""
-    layout, count = morphology.layout, motion.frame_count
-    states = foot_states(contacts, count)
-    ankles = np.empty((2, count, 3))
-    feet, toes = np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
-    for side in range(2):
-        segment = layout.spine_count + 12 + 4 * side
-        source = np.ascontiguousarray(rotations[:, segment])
-        sole = (morphology.foot[side], morphology.ankle_height[side], morphology.heel_length[side])
-        kernel.level_soles(source, states[side], feet[side])
-        kernel.keep_pitch_on_ground(*sole, states[side], feet[side])
-        local_toes = np.swapaxes(source, 1, 2) @ rotations[:, segment + 1]
-        kernel.level_toes(feet[side], local_toes, states[side], toes[side])
-        kernel.plant_ankles(
-            np.ascontiguousarray(positions[:, layout.ankle(side)]),
-            feet[side],
-            states[side],
-            *sole,
-            ground.height_at(positions[:, layout.ankle(side)]),
-            ankles[side],
-        )
+    """Plan the feet of a whole clip from its retargeted pose, raised to the ground's own height.
+
+    The root follows the low-passed mean of both feet's footprints (h1 of METHOD 4); ``drops`` take that off.
+    """
+    states = foot_states(contacts, motion.frame_count)
+    plans = [_plan_foot(side, morphology, states[side], ground, positions, rotations) for side in range(2)]
+    climb = np.zeros(motion.frame_count)
+    if not ground.is_level:
+        draped = [
+            _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, positions, rotations)
+            for side, plan in enumerate(plans)
+        ]
+        plans, heights = [each[:3] for each in draped], [each[3] for each in draped]
+        smoothing = CLIMB_SMOOTHING * motion.frame_rate
+        climb = gaussian_filter1d(np.mean(heights, axis=0), smoothing, mode="nearest")
+    ankles, feet, toes = (np.array([plan[part] for plan in plans]) for part in range(3))
     comforts = leg_comforts(motion, states)
-    drops = np.empty(count)
+    drops = np.empty(motion.frame_count)
     relative = ankles - positions[:, 0]
+    relative[..., 2] -= climb
     hip_heights(motion.channels, morphology.packed[None], rotations, relative, comforts, states, drops)
-    return Footing(states, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate))
+    return Footing(states, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate) - climb)
+
+
+Plan = tuple[FloatArray, FloatArray, FloatArray]
+"""Ankles (F, 3), feet and toes (F, 3, 3) of one side."""
+
+
+def _plan_foot(
+    side: int,
+    morphology: Morphology,
+    states: NDArray[np.int64],
+    ground: Ground,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> Plan:
+    """What one foot does on the level floor at the ground's own height; ``states`` (F,)."""
+    layout = morphology.layout
+    segment = layout.spine_count + 12 + 4 * side
+    source = np.ascontiguousarray(rotations[:, segment])
+    ankles = np.ascontiguousarray(positions[:, layout.ankle(side)])
+    out_ankles, feet, toes = np.empty_like(ankles), np.empty_like(source), np.empty_like(source)
+    sole = (morphology.foot[side], morphology.ankle_height[side], morphology.heel_length[side])
+    kernel.level_soles(source, states, feet)
+    kernel.keep_pitch_on_ground(*sole, states, feet)
+    local_toes = np.swapaxes(source, 1, 2) @ rotations[:, segment + 1]
+    kernel.level_toes(feet, local_toes, states, toes)
+    kernel.plant_ankles(ankles, feet, states, *sole, np.full(len(ankles), ground.height), out_ankles)
+    return out_ankles, feet, toes
+
+
+def _drape_foot(
+    plan: Plan,
+    side: int,
+    morphology: Morphology,
+    states: NDArray[np.int64],
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """A foot planned level, set on ground that is not, and the heights of its footprints (F,).
+
+    A heel that would stand over nothing does not: that foot comes down flat; ``states`` (F,) tell so after.
+    """
+    prints = find_footprints(states, plan[0], plan[1], morphology, side, ground)
+    if prints.hanging.any():
+        for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
+            states[first : last + 1][states[first : last + 1] == kernel.HEEL] = kernel.FLAT
+        plan = _plan_foot(side, morphology, states, ground, positions, rotations)
+        prints = find_footprints(states, plan[0], plan[1], morphology, side, ground)
+    draped = drape(prints, *plan, ground, frame_rate)
+    draped.ankles[:, 2] += lift_over_edges(plan[:2], draped, states, morphology, side, ground, frame_rate)
+    return draped.ankles, draped.feet, draped.toes, draped.heights
 
 
 def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64]) -> FloatArray:

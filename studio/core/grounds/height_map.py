@@ -1,0 +1,56 @@
+"""Ground given by heights on a regular grid."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+
+from studio.core.ground import FloatArray, Ground
+
+
+@dataclass(frozen=True, eq=False)
+class HeightMap(Ground):
+    """``heights`` (X cells, Y cells) metres at points ``cell`` metres apart, the first at ``origin`` (x, y).
+
+    A bicubic spline runs through them, with no corner anywhere; outside, the ground goes on as at its edge.
+    """
+
+    kind: ClassVar[str] = "height_map"
+    heights: FloatArray = field(default_factory=lambda: np.zeros((2, 2)))
+    cell: float = 0.25
+    origin: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        heights = np.array(self.heights, dtype=np.float64)
+        if heights.ndim != 2 or min(heights.shape) < 2 or not np.isfinite(heights).all():
+            raise ValueError("A height map has at least 2 x 2 finite heights.")
+        if not (self.cell > 0.0 and all(map(math.isfinite, self.origin))):
+            raise ValueError("A height map has cells larger than zero and a finite origin.")
+        heights.setflags(write=False)
+        object.__setattr__(self, "heights", heights)
+
+    def rise_at(self, xy: FloatArray) -> FloatArray:
+        cells, _ = self._cells(xy)
+        return np.asarray(self._surface.ev(cells[..., 0], cells[..., 1]))
+
+    def slope_at(self, xy: FloatArray) -> FloatArray:
+        cells, inside = self._cells(xy)
+        x, y = cells[..., 0], cells[..., 1]
+        slopes = np.stack([self._surface.ev(x, y, dx=1), self._surface.ev(x, y, dy=1)], axis=-1)
+        return np.where(inside, slopes / self.cell, 0.0)
+
+    def _cells(self, xy: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places in cells, held within the map, and along which axes they are inside."""
+        cells = (xy - np.array(self.origin)) / self.cell
+        held = np.clip(cells, 0.0, np.array(self.heights.shape) - 1.0)
+        return held, held == cells
+
+    @cached_property
+    def _surface(self) -> RectBivariateSpline:
+        rows, columns = self.heights.shape
+        degrees = min(3, rows - 1), min(3, columns - 1)
+        return RectBivariateSpline(np.arange(rows), np.arange(columns), self.heights, kx=degrees[0], ky=degrees[1])

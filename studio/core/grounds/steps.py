@@ -1,0 +1,78 @@
+"""A flight of steps, up or down."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from studio.core.ground import FloatArray, Ground
+from studio.core.grounds.slope import heading
+
+GREATEST_NUDGE = 0.06
+"""Metres by which a foot may be put elsewhere to stand on one tread."""
+FULL_NUDGE_RISE = 0.03
+"""Metres of rise from which feet mind the edges fully; lower steps are ever less worth it."""
+EDGE_ROOM = 0.005
+HALF_WIDTH = 0.035
+"""Metres that a sole keeps from a riser, and half its width."""
+
+
+@dataclass(frozen=True)
+class Steps(Ground):
+    """``count`` steps of ``rise`` and ``tread`` metres, the first riser at ``start`` (x, y), towards ``direction``.
+
+    A negative rise goes down. Before the first step the floor is level, and so it is from the last one on.
+    """
+
+    kind: ClassVar[str] = "steps"
+    rise: float = 0.17
+    tread: float = 0.30
+    count: int = 12
+    direction: float = 0.0
+    start: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (all(map(math.isfinite, self.start)) and self.tread >= 0.02 and 1 <= self.count <= 1000):
+            raise ValueError("Steps have a finite start, treads of at least 0.02 m, and number from 1 to 1000.")
+
+    def rise_at(self, xy: FloatArray) -> FloatArray:
+        return np.asarray(self.rise * self._step(self._beyond(xy)))
+
+    def nudges(self, soles: FloatArray) -> FloatArray:
+        """Along the flight, so that heel, ball and tip share a tread, or at least do not cross a riser."""
+        ways = self._beyond(soles)
+        line = soles[:, 2] - soles[:, 0]
+        length = np.maximum(np.linalg.norm(line, axis=1), 1e-9)
+        across = heading(self.direction + math.pi / 2)
+        ways = np.column_stack([ways, ways.mean(axis=1)])
+        room = HALF_WIDTH * np.abs(line @ across) / length + EDGE_ROOM
+        weight = min(abs(self.rise) / FULL_NUDGE_RISE, 1.0)
+        shifts = np.array([self._best(way, margin) for way, margin in zip(ways, room, strict=True)])
+        return weight * shifts.reshape(-1, 1) * heading(self.direction)
+
+    def _best(self, way: FloatArray, room: float) -> float:
+        """The shift of one sole at the places ``way`` (heel, ball, tip, middle) that costs least of all near treads."""
+        near = np.unique(self._step(way))
+        low, high = way.min() - room, way.max() + room
+        shifts, costs = [], []
+        for step in near:
+            begin = (step - 1) * self.tread if step > 0 else -math.inf
+            end = step * self.tread if step < self.count else math.inf
+            if high - low <= end - begin:
+                wanted = min(max(0.0, begin - low), end - high)
+            else:
+                wanted = end - high if self.rise > 0.0 else begin - low
+            shift = min(max(wanted, -GREATEST_NUDGE), GREATEST_NUDGE)
+            over_end, over_begin = max(high + shift - end, 0.0), max(begin - low - shift, 0.0)
+            into, over = (over_end, over_begin) if self.rise > 0.0 else (over_begin, over_end)
+            costs.append(100.0 * into + over + 0.1 * abs(shift))
+            shifts.append(shift)
+        return float(shifts[int(np.argmin(costs))])
+
+    def _step(self, way: FloatArray) -> FloatArray:
+        return np.clip(np.floor(way / self.tread) + 1.0, 0.0, self.count)
+
+    def _beyond(self, xy: FloatArray) -> FloatArray:
+        return np.asarray((xy - np.array(self.start)) @ heading(self.direction))

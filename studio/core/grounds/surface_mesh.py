@@ -1,0 +1,70 @@
+"""Ground given by triangles: scanned floors, ramps and blocks made elsewhere."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.ground import FloatArray, Ground
+from studio.core.kernels.surface import highest_triangles
+
+MOST_CELLS = 512
+"""Cells of the index along the longer side, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceMesh(Ground):
+    """``vertices`` (V, 3) metres and ``triangles`` (T, 3) of them; the highest over a place carries.
+
+    Where there is no triangle the ground is level at ``height``.
+    """
+
+    kind: ClassVar[str] = "mesh"
+    vertices: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    triangles: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        vertices = np.array(self.vertices, dtype=np.float64).reshape(-1, 3)
+        triangles = np.array(self.triangles, dtype=np.int64).reshape(-1, 3)
+        if not np.isfinite(vertices).all():
+            raise ValueError("A ground mesh has a vertex that is not finite.")
+        if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
+            raise ValueError("A ground mesh has a triangle whose corner is no vertex.")
+        for name, array in (("vertices", vertices), ("triangles", triangles)):
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    def rise_at(self, xy: FloatArray) -> FloatArray:
+        return self._look(xy)[0]
+
+    def slope_at(self, xy: FloatArray) -> FloatArray:
+        return self._look(xy)[1]
+
+    def _look(self, xy: FloatArray) -> tuple[FloatArray, FloatArray]:
+        places = np.ascontiguousarray(xy, dtype=np.float64).reshape(-1, 2)
+        heights, slopes = np.zeros(len(places)), np.zeros((len(places), 2))
+        if len(self.triangles):
+            highest_triangles(places, *self._index, heights, slopes, np.zeros(len(places), dtype=np.bool_))
+        return heights.reshape(xy.shape[:-1]), slopes.reshape(xy.shape)
+
+    @cached_property
+    def _index(self) -> tuple[Any, ...]:
+        """Corners (T, 3, 3), and which triangles lie over each cell of a grid about as fine as they are."""
+        corners = np.ascontiguousarray(self.vertices[self.triangles])
+        low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
+        origin, end = low.min(axis=0), high.max(axis=0)
+        size = max(math.sqrt(float(np.prod(end - origin)) / len(corners)), float((end - origin).max()) / MOST_CELLS)
+        size = max(size, 1e-3)
+        rows, columns = (np.floor((end - origin) / size).astype(int) + 1).tolist()
+        first, last = (np.floor((ends - origin) / size).astype(int) for ends in (low, high))
+        wide = last - first + 1
+        owners = np.repeat(np.arange(len(corners)), wide.prod(axis=1))
+        place = np.arange(len(owners)) - np.repeat(np.cumsum(wide.prod(axis=1)) - wide.prod(axis=1), wide.prod(axis=1))
+        cells = (first[owners, 0] + place // wide[owners, 1]) * columns + first[owners, 1] + place % wide[owners, 1]
+        order = np.argsort(cells, kind="stable")
+        starts = np.searchsorted(cells[order], np.arange(rows * columns + 1))
+        return corners, starts, owners[order], origin, (size, rows, columns)

@@ -1,0 +1,38 @@
+"""Triangles seen from above: the highest one over a place, by a grid of cells."""
+
+import math
+
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def highest_triangles(xy, corners, starts, members, origin, cell, out_heights, out_slopes, out_found):
+    """Height (N,) and slope (N, 2) of the highest triangle over each place (N, 2), by a vertical ray.
+
+    ``corners`` (T, 3, 3) metres; over cell c = i * columns + j lie ``members[starts[c] : starts[c + 1]]``;
+    ``origin`` (2,) of the grid, ``cell`` the tuple (size, rows, columns). What is not found is left as it is.
+    """
+    size, rows, columns = cell
+    for n in range(xy.shape[0]):
+        out_found[n] = False
+        i, j = math.floor((xy[n, 0] - origin[0]) / size), math.floor((xy[n, 1] - origin[1]) / size)
+        if i < 0 or j < 0 or i >= rows or j >= columns:
+            continue
+        c = int(i * columns + j)
+        for m in range(starts[c], starts[c + 1]):
+            a, b, d = corners[members[m], 0], corners[members[m], 1], corners[members[m], 2]
+            ux, uy, vx, vy = b[0] - a[0], b[1] - a[1], d[0] - a[0], d[1] - a[1]
+            area = ux * vy - uy * vx
+            if abs(area) < 1e-12:
+                continue
+            px, py = xy[n, 0] - a[0], xy[n, 1] - a[1]
+            s, t = (px * vy - py * vx) / area, (ux * py - uy * px) / area
+            if s < -1e-9 or t < -1e-9 or s + t > 1.0 + 1e-9:
+                continue
+            rise, run = b[2] - a[2], d[2] - a[2]
+            height = a[2] + s * rise + t * run
+            if not out_found[n] or height > out_heights[n]:
+                out_found[n] = True
+                out_heights[n] = height
+                out_slopes[n, 0] = (rise * vy - run * uy) / area
+                out_slopes[n, 1] = (run * ux - rise * vx) / area

@@ -1,0 +1,276 @@
+"""Feet planned on a level floor, set on ground that is not: each footprint is one rigid move (METHOD 4).
+
+The ground is asked once a footprint, at its heel, ball and tip, never under a moving foot. What a foot does during a
+contact, planned level, is moved as one rigid piece on to the plane found there, so that all that stands on the level
+floor stands on the slope as well; between two contacts the move eases from one to the next.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+from scipy.spatial.transform import Rotation
+
+from studio.core.ground import Ground
+from studio.core.kernels.feet import FLAT, HEEL
+from studio.core.morphology import Morphology
+
+FloatArray = NDArray[np.float64]
+
+EDGE = 0.03
+"""Metres by which ground may stray from the plane of its own slope under one sole; more is an edge."""
+STEEPEST_SOLE = np.radians(35.0)
+LONGEST_FLIGHT = 1.0
+"""Seconds without contact after which a foot follows the ground below it, asked this often: ``WAYPOINT``."""
+WAYPOINT = 0.5
+SHORTEST_RAMP = 0.25
+"""Seconds before the first and after the last contact that are too short to follow the ground."""
+CLEARANCE = 0.06
+"""Seconds over which a foot is lifted before it must, and stays so after."""
+TAPER = 0.2
+"""Part of a flight at either end in which the lift over edges fades."""
+_SETTLING = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Where soles lie: ``heights`` (N,) of their balls, ``normals`` (N, 3), and whether the heel or the ball
+    stands beyond an edge, over nothing: ``overhangs`` (N, 2).
+    """
+
+    heights: FloatArray
+    normals: FloatArray
+    overhangs: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Footprints:
+    """Contacts of one foot in time: frames ``first`` to ``last`` (N,), both included.
+
+    ``pivots`` (N, 3) are balls on the level floor, ``moves`` (N, 3) where to they go, ``tilts`` (N, 3) rotation
+    vectors about them; ``hanging`` (N,) heels that stand over nothing.
+    """
+
+    first: NDArray[np.int64]
+    last: NDArray[np.int64]
+    pivots: FloatArray
+    moves: FloatArray
+    tilts: FloatArray
+    hanging: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Draped:
+    """One foot on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3), and the footprints' ``heights`` (F,)
+    above the level floor, eased between them.
+    """
+
+    ankles: FloatArray
+    feet: FloatArray
+    toes: FloatArray
+    heights: FloatArray
+
+
+def planes_under(ground: Ground, soles: FloatArray) -> Planes:
+    """The planes on which ``soles`` (N, 3 places: heel, ball, tip; 2) lie: through the ground at heel and ball.
+
+    Across the foot they lean as the ground does. Where an edge crosses the sole it lies as the highest of the three
+    does, over the edge.
+    """
+    heights, normals = ground.height_at(soles), ground.normal_at(soles)
+    line = soles[:, 1] - soles[:, 0]
+    length = np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
+    along = line / length
+    slopes = -normals[..., :2] / normals[..., 2:]
+    expected = np.einsum("npk,nk->n", slopes[:, :2] / 2, line)
+    tip_expected = np.einsum("nk,nk->n", slopes[:, 1:].mean(axis=1), soles[:, 2] - soles[:, 1])
+    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > EDGE) | (
+        heights[:, 2] - heights[:, 1] - tip_expected > EDGE
+    )
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    rise = (heights[:, 1] - heights[:, 0]) / length[:, 0]
+    lean = np.einsum("npk,nk->n", slopes[:, :2] / 2, across)
+    slope = rise[:, None] * along + lean[:, None] * across
+    highest, rows = heights.argmax(axis=1), np.arange(len(soles))
+    slope = np.where(edge[:, None], slopes[rows, highest], slope)
+    steep = np.linalg.norm(slope, axis=1, keepdims=True) / np.tan(STEEPEST_SOLE)
+    slope = slope / np.maximum(steep, 1.0)
+    level = np.where(edge | (steep[:, 0] > 1.0), highest, 1)
+    at_ball = heights[rows, level] + np.einsum("nk,nk->n", slope, soles[:, 1] - soles[rows, level])
+    at_heel = at_ball - np.einsum("nk,nk->n", slope, line)
+    overhangs = np.stack([at_heel - heights[:, 0], at_ball - heights[:, 1]], axis=1) > EDGE
+    normal = np.column_stack([-slope, np.ones(len(slope))])
+    return Planes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs)
+
+
+def tilts_of(normals: FloatArray) -> FloatArray:
+    """(N, 3) rotation vectors of the shortest turns from upright to ``normals`` (N, 3)."""
+    axis = np.stack([-normals[:, 1], normals[:, 0], np.zeros(len(normals))], axis=1)
+    sine = np.linalg.norm(axis, axis=1, keepdims=True)
+    angle = np.arctan2(sine, normals[:, 2:])
+    return np.asarray(axis * angle / np.maximum(sine, 1e-12))
+
+
+def find_footprints(
+    states: NDArray[np.int64], ankles: FloatArray, feet: FloatArray, body: Morphology, side: int, ground: Ground
+) -> Footprints:
+    """The contacts of a foot planned on the level floor: ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3)."""
+    first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
+    soles = soles_of(ankles[middle], feet[middle], body, side)
+    nudges = ground.nudges(soles)[of_episode]
+    level = np.column_stack([soles[:, 1], np.full(len(soles), ground.height)])
+    placed = soles + nudges[:, None]
+    for _ in range(_SETTLING):
+        planes = planes_under(ground, placed)
+        reach = np.linalg.norm(soles - soles[:, 1:2], axis=2) * [-1.0, 0.0, 1.0]
+        turned = Rotation.from_rotvec(tilts_of(planes.normals)).as_matrix()
+        lines = np.column_stack([soles[:, 1] - soles[:, 0], np.zeros(len(soles))])
+        lines /= np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), 1e-9)
+        sloping = np.einsum("nij,nj->ni", turned, lines)[:, None, :2]
+        placed = placed[:, 1:2] + reach[..., None] * sloping
+    moves = np.column_stack([nudges, planes.heights - ground.height])
+    return Footprints(first, last, level, moves, tilts_of(planes.normals), planes.overhangs[:, 0])
+
+
+def drape(
+    footprints: Footprints, ankles: FloatArray, feet: FloatArray, toes: FloatArray, ground: Ground, frame_rate: float
+) -> Draped:
+    """Feet planned on the level floor, set on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3)."""
+    prints = _with_waypoints(footprints, ankles, ground, frame_rate)
+    count = len(ankles)
+    pivots, moves, tilts = (_eased(prints, values, count) for values in (prints.pivots, prints.moves, prints.tilts))
+    turns = Rotation.from_rotvec(tilts).as_matrix()
+    return Draped(
+        pivots + moves + np.einsum("fij,fj->fi", turns, ankles - pivots), turns @ feet, turns @ toes, moves[:, 2]
+    )
+
+
+def lift_over_edges(
+    level: tuple[FloatArray, FloatArray],
+    draped: Draped,
+    states: NDArray[np.int64],
+    body: Morphology,
+    side: int,
+    ground: Ground,
+    frame_rate: float,
+) -> FloatArray:
+    """(F,) metres by which a foot in the air is raised so that it clears what lies between its footprints.
+
+    ``level`` the ankles (F, 3) and feet (F, 3, 3) as planned on the level floor: a foot comes no nearer to the ground
+    than it did there. The lift and its first two derivatives are zero at every contact.
+    """
+    sole = np.array(
+        [
+            [-body.heel_length[side], 0.0, -body.ankle_height[side]],
+            [body.foot[side, 0], body.foot[side, 1], -body.ankle_height[side]],
+            [body.foot[side, 0] + np.hypot(*body.toe[side, :2]), body.foot[side, 1], -body.ankle_height[side]],
+        ]
+    )
+    air = states == 0
+    lift = np.zeros(len(states))
+    before = level[0][air, None] + np.einsum("fij,pj->fpi", level[1][air], sole)
+    after = draped.ankles[air, None] + np.einsum("fij,pj->fpi", draped.feet[air], sole)
+    deeper = ground.height_at(after) - after[..., 2] - np.maximum(ground.height - before[..., 2], 0.0)
+    lift[air] = np.maximum(deeper.max(axis=1, initial=0.0), 0.0)
+    half = max(1, round(CLEARANCE * frame_rate))
+    window = np.hanning(2 * half + 3)[1:-1]
+    peaks = np.pad(maximum_filter1d(lift, 2 * half + 1, mode="nearest"), half, mode="edge")
+    smooth = np.convolve(peaks, window / window.sum(), mode="valid")
+    return np.asarray(smooth * _smoothstep(np.minimum(_nearness(states) / TAPER, 1.0)))
+
+
+def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
+    """(first, last, typical frame, index of the first footprint of its episode) of each footprint.
+
+    One an episode of contact; where the heel leaves and comes down again while the toe stands, one each.
+    """
+    found: list[tuple[int, int, int, int]] = []
+    for begin, end in _runs(states != 0):
+        heels = [(begin + a, begin + b) for a, b in _runs((states[begin : end + 1] & HEEL) != 0)]
+        leader = len(found)
+        for place, (first, last) in enumerate(heels or [(begin, end)]):
+            flat = [(first + a, first + b) for a, b in _runs(states[first : last + 1] == FLAT)]
+            longest = max(flat or [(first, last)], key=lambda run: run[1] - run[0])
+            found.append(
+                (
+                    begin if place == 0 else first,
+                    end if place == max(len(heels), 1) - 1 else last,
+                    (longest[0] + longest[1]) // 2,
+                    leader,
+                )
+            )
+    return found
+
+
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """(first, last), both included, of each unbroken run of true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def soles_of(ankles: FloatArray, feet: FloatArray, body: Morphology, side: int) -> FloatArray:
+    """(N, 3, 2) where heel, ball and tip of feet lie when they are flat, the ball where it is."""
+    ahead = feet[:, :2, 0] / np.maximum(np.linalg.norm(feet[:, :2, 0], axis=1, keepdims=True), 1e-9)
+    ball = ankles[:, :2] + (feet @ body.foot[side])[:, :2]
+    heel = ball - (body.foot[side, 0] + body.heel_length[side]) * ahead
+    tip = ball + np.hypot(*body.toe[side, :2]) * ahead
+    return np.stack([heel, ball, tip], axis=1)
+
+
+def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, frame_rate: float) -> Footprints:
+    """Also places in the air where a foot that stays up long follows the ground below it."""
+    count = len(ankles)
+    borders = np.column_stack([np.append(-1, prints.last), np.append(prints.first, count)])
+    frames: list[int] = []
+    for before, after in borders.tolist():
+        at_end = before < 0 or after >= count
+        gap = (after - before) / frame_rate
+        if gap > (SHORTEST_RAMP if at_end else LONGEST_FLIGHT) or not len(prints.first):
+            pieces = max(round(gap / WAYPOINT), 1)
+            inner = np.linspace(max(before, 0), min(after, count - 1), pieces + 1).astype(int)
+            keep_first, keep_last = before < 0, after >= count
+            frames += inner[0 if keep_first else 1 : None if keep_last else -1].tolist()
+    if not frames:
+        return prints
+    extra = np.array(sorted(set(frames)), dtype=np.int64)
+    level = np.column_stack([ankles[extra, :2], np.full(len(extra), ground.height)])
+    moves = np.zeros((len(extra), 3))
+    moves[:, 2] = ground.height_at(level) - ground.height
+    order = np.argsort(np.concatenate([prints.first, extra]), kind="stable")
+
+    def merged(own: NDArray[np.generic], more: NDArray[np.generic]) -> NDArray[np.generic]:
+        return np.concatenate([own, more])[order]
+
+    return Footprints(
+        *(merged(a, b) for a, b in ((prints.first, extra), (prints.last, extra))),  # type: ignore[arg-type]
+        merged(prints.pivots, level),  # type: ignore[arg-type]
+        merged(prints.moves, moves),  # type: ignore[arg-type]
+        merged(prints.tilts, tilts_of(ground.normal_at(level))),  # type: ignore[arg-type]
+        merged(prints.hanging, np.zeros(len(extra), dtype=bool)),  # type: ignore[arg-type]
+    )
+
+
+def _eased(prints: Footprints, values: FloatArray, count: int) -> FloatArray:
+    """(F, 3) the ``values`` (N, 3) of footprints, held through each and eased from one to the next."""
+    frames = np.arange(count)
+    following = np.minimum(np.searchsorted(prints.last, frames), len(prints.last) - 1)
+    before = np.where(frames < prints.first[following], np.maximum(following - 1, 0), following)
+    gap = np.maximum(prints.first[following] - prints.last[before], 1)
+    share = _smoothstep(np.clip((frames - prints.last[before]) / gap, 0.0, 1.0))
+    return np.asarray(values[before] + share[:, None] * (values[following] - values[before]))
+
+
+def _nearness(states: NDArray[np.int64]) -> FloatArray:
+    """(F,) 0 at contacts, 0.5 in the middle of a flight: its part to the nearer contact; 0.5 beyond the outermost."""
+    frames, stands = np.arange(len(states)), np.flatnonzero(states)
+    if not len(stands):
+        return np.full(len(states), 0.5)
+    after = np.searchsorted(stands, frames)
+    previous, following = stands[np.maximum(after - 1, 0)], stands[np.minimum(after, len(stands) - 1)]
+    share = (frames - previous) / np.maximum(following - previous, 1)
+    return np.where(frames < stands[0], 0.5, np.where(frames > stands[-1], 0.5, np.minimum(share, 1.0 - share)))
+
+
+def _smoothstep(t: FloatArray) -> FloatArray:
+    return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
