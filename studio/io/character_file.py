@@ -3,7 +3,9 @@
 import hashlib
 import json
 import re
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import asdict
 from functools import lru_cache
@@ -23,6 +25,10 @@ from studio.resources_folder import resources_folder
 FORMAT = "morpho-studio character"
 VERSION = 1
 _LIMIT = 50_000_000
+_DAMAGE = (  # what zipfile and numpy raise over bytes that are no mesh
+    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError),
+    *(KeyError, ValueError, TypeError, SyntaxError, NotImplementedError, RuntimeError, MemoryError),
+)
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
 
 
@@ -99,7 +105,7 @@ def read_mesh(content: bytes, source: str) -> SkinnedMesh:
                 raise StudioError(f"{source}: the mesh would unpack to more than {_LIMIT // 1_000_000} MB.")
         with np.load(BytesIO(content), allow_pickle=False) as file:
             return SkinnedMesh(**{name: file[name] for name in _MEMBERS})
-    except (zipfile.BadZipFile, KeyError, ValueError, EOFError, OSError) as error:
+    except _DAMAGE as error:
         raise StudioError(f"{source}: the mesh is damaged. {error}") from error
 
 
