@@ -17,7 +17,4 @@ def run_example() -> int:
         raise StudioError("No example capture is bundled. Make them with `make examples`.")
     picture = OUT / f"{capture.stem}.png"
     code = main(["adapt", str(capture), "--out", str(OUT)])
-    code = code or main(["render", str(capture), "--out", str(picture)])
-    if code == 0:
-        print("Written:", *sorted(str(file) for file in OUT.iterdir()), sep="\n  ")
-    return code
+    return code or main(["render", str(capture), "--out", str(picture)])

@@ -18,6 +18,8 @@ VERBS = {
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
 }
+OPENED = (".bvh", ".studio")
+"""What the window opens when it is named without a verb."""
 WORK_FAILED = 1
 
 
@@ -29,13 +31,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_process()
     given = list(sys.argv[1:] if arguments is None else arguments)
     verb = next((word for word in given if word in VERBS), None)
-    parsed = make_parser(verb).parse_args(given)
+    files = [word for word in given if verb is None and word.lower().endswith(OPENED)]
+    parsed = make_parser(verb).parse_args([word for word in given if word not in files])
     wants_json = getattr(parsed, "json", False)
     try:
         if verb is not None:
             run: Callable[..., int] = parsed.run
             return run(parsed)
-        return open_window() if has_display() else run_example()
+        if has_display():
+            return open_window(files)
+        if files:
+            raise StudioError(f"There is no display to open {', '.join(files)} in. A verb needs none: see --help.")
+        return run_example()
     except StudioError as error:
         report(error, wants_json)
         return WORK_FAILED
@@ -46,7 +53,8 @@ def make_parser(verb: str | None) -> ArgumentParser:
     parser = ArgumentParser(
         prog="morpho-studio",
         description="Adapts captured motions live to any character.",
-        epilog="Without a verb the window opens. Every verb has its own --help.",
+        epilog="Without a verb the window opens, with the .bvh and .studio files that are named. Every verb has its own"
+        " --help.",
     )
     parser.add_argument("--version", action="version", version=f"Morpho Studio {__version__}")
     verbs = parser.add_subparsers(title="verbs", metavar="VERB")
@@ -67,14 +75,17 @@ def report(error: StudioError, as_json: bool) -> None:
         print(f"morpho-studio: {error}", file=sys.stderr)
 
 
-def open_window() -> int:
-    """Start the window, which is found by name so that nothing here knows a toolkit."""
+def open_window(files: Sequence[str] | None = None) -> int:
+    """Start the window with ``files``, else with those that the process was started with.
+
+    It is found by name, so that nothing here knows a toolkit.
+    """
     prepare_process()
     found = entry_points(group="morpho_studio.window", name="main")
     if not found:
         raise StudioError("No window is installed. Install Morpho Studio with `pip install -e .` first.")
-    window: Callable[[], int] = next(iter(found)).load()
-    return window()
+    window: Callable[[Sequence[str] | None], int] = next(iter(found)).load()
+    return window(files)
 
 
 def run_example() -> int:

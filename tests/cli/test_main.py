@@ -73,7 +73,7 @@ def test_help_names_every_verb(capsys):
 
 def test_without_a_verb_the_window_opens_where_there_is_a_display(monkeypatch):
     monkeypatch.setenv("DISPLAY", ":0")
-    window = SimpleNamespace(load=lambda: lambda: 7)
+    window = SimpleNamespace(load=lambda: lambda _files: 7)
     monkeypatch.setattr(command_line, "entry_points", lambda **_wanted: [window])
     assert command_line.main([]) == 7
 
@@ -88,3 +88,18 @@ def test_a_studio_without_a_window_says_how_to_get_one(monkeypatch, capsys):
 def test_the_window_is_declared_where_the_command_line_looks_for_it():
     [window] = entry_points(group="morpho_studio.window", name="main")
     assert window.value == "studio.app.application:main"
+
+
+def test_files_named_without_a_verb_are_opened_in_the_window(monkeypatch):
+    opened = []
+    monkeypatch.setattr(command_line, "has_display", lambda: True)
+    monkeypatch.setattr(command_line, "open_window", lambda files: opened.append(files) or 0)
+    assert command_line.main(["walk.bvh", "Kick.STUDIO"]) == 0
+    assert command_line.main([]) == 0
+    assert opened == [["walk.bvh", "Kick.STUDIO"], []]
+
+
+def test_files_cannot_be_opened_without_a_display_and_that_is_said(monkeypatch, capsys):
+    monkeypatch.setattr(command_line, "has_display", lambda: False)
+    assert command_line.main(["walk.bvh"]) == 1
+    assert "no display to open walk.bvh" in capsys.readouterr().err
