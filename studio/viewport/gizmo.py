@@ -7,7 +7,7 @@ import numpy as np
 
 from studio.viewport.camera import FloatArray, OrbitCamera
 
-ARROW_PIXELS = 90.0
+ARROW_PIXELS, SHORTEST_ARROW = 90.0, 44.0
 PLANE_NEAR, PLANE_FAR = 0.30, 0.48
 """A plane handle's square, in parts of an arrow."""
 LINE_REACH, BALL_REACH = 8.0, 10.0
@@ -15,6 +15,11 @@ AXES = ("x", "y", "z")
 PLANES = {"yz": 0, "zx": 1, "xy": 2}
 """Each plane handle and the axis it stands across."""
 BALL = "view"
+
+
+def arrow_pixels(body_height: float) -> float:
+    """An arrow beside a body that is so many pixels high: never longer than a third of it, if it can be gripped."""
+    return min(max(body_height / 3, SHORTEST_ARROW), ARROW_PIXELS)
 
 
 def moved_axes(part: str) -> list[bool]:
@@ -30,12 +35,14 @@ class Gizmo:
     axes: FloatArray
     camera: OrbitCamera
     size: tuple[float, float]
+    pixels: float = ARROW_PIXELS
+    """Of an arrow."""
 
     @cached_property
     def length(self) -> float:
         """Metres of an arrow: the same on the screen at any distance."""
         depth = float(self.camera.project(self.origin, self.size)[1][0])
-        return ARROW_PIXELS * self.camera.metres_per_pixel(self.size[1], depth)
+        return self.pixels * self.camera.metres_per_pixel(self.size[1], depth)
 
     @property
     def in_sight(self) -> bool:

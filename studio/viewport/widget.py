@@ -22,7 +22,7 @@ from studio.viewport.chips import Chips
 from studio.viewport.constraining import constraint_here
 from studio.viewport.figure import bone_pairs
 from studio.viewport.gestures import Gesture
-from studio.viewport.gizmo import Gizmo
+from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.movables import Movable, selected_movable
@@ -207,7 +207,15 @@ class Viewport(Canvas):
             movable.placement.rotation.T,
             self.camera,
             self.view_size,
+            self._arrow_pixels(),
         )
+
+    def _arrow_pixels(self) -> float:
+        pose = self.posed.get(self._document.active_performer_id or "")
+        if pose is None:
+            return ARROW_PIXELS
+        heights = self.camera.project(pose.points, self.view_size)[0][:, 1]
+        return arrow_pixels(float(np.ptp(heights)))
 
     def movable(self) -> Movable | None:
         """What the gizmo moves."""

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.gizmo import ARROW_PIXELS, AXES, BALL, PLANES, Gizmo, moved_axes
+from studio.viewport.gizmo import ARROW_PIXELS, AXES, BALL, PLANES, SHORTEST_ARROW, Gizmo, arrow_pixels, moved_axes
 
 SIZE = (800.0, 600.0)
 
@@ -57,3 +57,10 @@ def test_a_part_moves_the_axes_it_is_named_after():
     assert moved_axes("y") == [False, True, False]
     assert moved_axes("zx") == [True, False, True]
     assert moved_axes(BALL) == [True, True, True]
+
+
+def test_arrows_shrink_beside_a_small_body_as_long_as_they_can_be_gripped():
+    lengths = [arrow_pixels(height) for height in (10.0, 150.0, 210.0, 400.0)]
+    assert lengths == sorted(lengths)
+    assert (lengths[0], lengths[-1]) == (SHORTEST_ARROW, ARROW_PIXELS)
+    assert lengths[2] == pytest.approx(70.0)
