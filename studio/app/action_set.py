@@ -72,6 +72,7 @@ class ActionSet(QObject):
 
     def _make(self, row: Action) -> QAction:
         action = QAction(row.text, self)
+        action.setProperty("name", row.text)  # what it is called whatever it would undo now
         action.setShortcuts([QKeySequence(keys) for keys in row.shortcuts])
         action.setAutoRepeat(row.repeats)
         action.setIconText(row.tool or row.text)

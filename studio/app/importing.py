@@ -11,6 +11,7 @@ from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import capture_contacts
 from studio.core.project import Clip, Motion, Project
+from studio.core.staging import side_by_side
 from studio.document.document import Document
 from studio.io.importing import ImportOptions, load_capture
 
@@ -171,7 +172,6 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
 
 
 def _bundled_bodies() -> list[Any]:
-    from studio.app.sample import side_by_side
     from studio.io.character_file import bundled_characters
 
     characters = bundled_characters()

@@ -95,6 +95,7 @@ class MainWindow(QMainWindow):
         self.arranging = on
         for dock in self.docks.values():
             dock.setTitleBarWidget(None if on else QWidget(dock))  # type: ignore[arg-type]
+        self.history.head.setHidden(on)
 
     def reset_layout(self) -> None:
         """All docks where they were in the beginning."""

@@ -1,27 +1,17 @@
 """What the studio opens with: one bundled motion on five characters, side by side and playing."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 from studio.app import importing
 from studio.app.workbench import Workbench
-from studio.core.character import Character
-from studio.core.project import Clip, Motion, Performer, Project
+from studio.core.project import Project
+from studio.core.staging import side_by_side, staged
 from studio.io.character_file import bundled_characters
 from studio.io.importing import ImportOptions
 from studio.resources_folder import example_captures_folder
 
-SPACING = 1.15
 FIRST_CHOICE = "front_kick"
-
-
-def side_by_side(characters: Mapping[str, Character]) -> dict[str, Performer]:
-    """One performer a character, in a row across the direction of the motion."""
-    middle = (len(characters) - 1) / 2
-    return {
-        key: Performer(character.name, key, (), (0.0, SPACING * (middle - place)))
-        for place, (key, character) in enumerate(characters.items())
-    }
 
 
 def empty_project() -> Project:
@@ -38,18 +28,8 @@ def sample_file() -> Path | None:
 
 def sample_project(read: importing.ReadMotion) -> Project:
     """The bundled characters performing one motion."""
-    capture = read.capture
-    project = empty_project()
-    clips = (Clip("sample", capture.first_frame, capture.frame_count - 1),)
-    performers = {key: Performer(p.name, p.character_id, clips, p.position) for key, p in project.performers.items()}
-    contacts = importing.contacts_of("sample", read.contacts)
-    return Project(
-        captures={"sample": capture},
-        motions={"sample": Motion(capture.name, "sample")},
-        characters=project.characters,
-        performers=performers,
-        contacts={f"contact{place}": contact for place, contact in enumerate(contacts)},
-    )
+    contacts = tuple(importing.contacts_of("sample", read.contacts))
+    return staged(read.capture, contacts, bundled_characters(), "sample")
 
 
 def open_sample(bench: Workbench) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtGui import QAction, QColor, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QDialog,
@@ -22,12 +22,18 @@ from studio.document import colours
 from studio.panels.fields import labelled
 
 WIDTH, MOST_ROWS, ROW = 480, 12, 28
+SCROLL_BAR = 12
 ACTION = Qt.ItemDataRole.UserRole
 
 
 def plain_text(action: QAction) -> str:
     """What it is called, without the mark of its mnemonic or its dots."""
     return action.text().replace("&", "").removesuffix("…")
+
+
+def lasting_text(action: QAction) -> str:
+    """What it is called whatever it would do just now: ``Undo``."""
+    return str(action.property("name") or plain_text(action)).removesuffix("…")
 
 
 def shortcut_text(action: QAction) -> str:
@@ -173,8 +179,7 @@ class ShortcutSheet(QDialog):
         row.setContentsMargins(24, 12, 24, 24)
         row.setSpacing(48)
         named = {menu: [each for each in actions if not each.shortcut().isEmpty()] for menu, actions in menus.items()}
-        names = sorted(named, key=lambda menu: -len(named[menu]))
-        for part in (names[:1] + names[3:], names[1:3]):
+        for part in _halves(named):
             row.addLayout(_sheet_column({menu: named[menu] for menu in part}), 1)
         area = QScrollArea()
         area.setWidgetResizable(True)
@@ -182,7 +187,17 @@ class ShortcutSheet(QDialog):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(area)
-        self.resize(720, 680)
+        wanted = content.sizeHint() + QSize(2, 2)
+        room = window.screen().availableSize() - QSize(80, 120)
+        self.resize(wanted.boundedTo(room) + QSize(SCROLL_BAR if wanted.height() > room.height() else 0, 0))
+
+
+def _halves(menus: dict[str, list[QAction]]) -> tuple[list[str], list[str]]:
+    """Menus in their order, in two columns of about the same height."""
+    names = [menu for menu, actions in menus.items() if actions]
+    heights = [len(menus[menu]) + 2 for menu in names]
+    at = min(range(len(names) + 1), key=lambda k: max(sum(heights[:k]), sum(heights[k:])))
+    return names[:at], names[at:]
 
 
 def _sheet_column(menus: dict[str, list[QAction]]) -> QGridLayout:
@@ -195,7 +210,7 @@ def _sheet_column(menus: dict[str, list[QAction]]) -> QGridLayout:
         grid.addWidget(head, grid.rowCount(), 0)
         for action in actions:
             line = grid.rowCount()
-            grid.addWidget(labelled(plain_text(action), ""), line, 0)
+            grid.addWidget(labelled(lasting_text(action), ""), line, 0)
             grid.addWidget(labelled("  ".join(_keys(action)), "second"), line, 1)
     grid.setRowStretch(grid.rowCount(), 1)
     return grid

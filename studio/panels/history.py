@@ -17,9 +17,10 @@ class History(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 12, 0, 0)
         column.setSpacing(4)
-        head = labelled("History", "head")
-        head.setContentsMargins(SIDE, 0, SIDE, 0)
-        column.addWidget(head)
+        self.head = labelled("History", "head")
+        """Its name, while no title bar says it."""
+        self.head.setContentsMargins(SIDE, 0, SIDE, 0)
+        column.addWidget(self.head)
         self.view = QUndoView(undo_stack)
         self.view.setEmptyLabel("As opened")
         self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

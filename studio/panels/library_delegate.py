@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QFont, QIcon, QPainter
-from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem, QWidget
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QIcon, QPainter
+from PySide6.QtWidgets import QAbstractItemView, QStyle, QStyledItemDelegate, QStyleOptionViewItem
 
 from studio.document import colours
 from studio.panels.library_rows import Row
@@ -19,20 +19,28 @@ EYE = 16
 EYE_WIDTH = 32
 HEAD_PIXELS = 11
 DETAIL_PIXELS = 11
+HINT_PIXELS = 12
 
 
 class LibraryDelegate(QStyledItemDelegate):
     """Quiet rows on a 4 px grid; the only colours are those of bodies and of constraint kinds."""
 
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
+    def __init__(self, view: QAbstractItemView) -> None:
+        super().__init__(view)
+        self._view = view
         icons = resources_folder() / "icons"
         self._eye = _icon(icons / "eye.svg")
         self._closed_eye = _icon(icons / "eye_closed.svg")
 
     def sizeHint(self, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex) -> QSize:
         row: Row = index.data(ROW_ROLE)
-        return QSize(0, ROW_HEIGHT if row.item is not None or row.hint else HEAD_HEIGHT)
+        if row.hint:
+            width = self._view.viewport().width() - 2 * SIDE
+            room = QFontMetrics(_sized(option.font, HINT_PIXELS)).boundingRect(
+                QRect(0, 0, max(width, 1), 0), Qt.TextFlag.TextWordWrap, row.text
+            )
+            return QSize(0, max(room.height() + 8, ROW_HEIGHT))
+        return QSize(0, ROW_HEIGHT if row.item is not None else HEAD_HEIGHT)
 
     def paint(
         self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex
@@ -51,8 +59,9 @@ class LibraryDelegate(QStyledItemDelegate):
         painter.setPen(QColor(colours.TEXT_THIRD))
         place = rect.adjusted(SIDE, 0, -SIDE, 0)
         if row.hint:
-            painter.setFont(_sized(font, 12))
-            painter.drawText(place, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, row.text)
+            painter.setFont(_sized(font, HINT_PIXELS))
+            flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
+            painter.drawText(place, flags, row.text)
             return
         head = _sized(font, HEAD_PIXELS)
         head.setWeight(QFont.Weight.DemiBold)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from studio.core.constraints.base import Constraint
 from studio.core.project import GROUND_ID, Project
 from studio.document import colours
 from studio.engine.point_names import point_words
@@ -71,13 +72,19 @@ def _constraints(project: Project, motion_id: str | None) -> list[Row]:
     return [
         Row(
             f"{place} · {constraint.name}",
-            point_words(constraint.point) if constraint.enabled else "off",
+            _point(constraint) if constraint.enabled else "off",
             ("constraints", key),
             colours.kind_colour(constraint.kind),
             round_mark=False,
         )
         for place, (key, constraint) in enumerate(project.constraints_of(motion_id).items(), 1)
     ]
+
+
+def _point(constraint: Constraint) -> str:
+    """The point, unless the name says it already."""
+    words = point_words(constraint.point)
+    return "" if constraint.name.lower().startswith(words) else words
 
 
 def _stage(project: Project) -> list[Row]:
