@@ -8,7 +8,7 @@ from numba import njit
 from studio.core.kernels.balance import centre_of_mass, segment_centres
 from studio.core.kernels.body import move_all
 from studio.core.kernels.constraints import miss_of, solve_frame, turn_error
-from studio.core.kernels.goals import BALANCE, DISTANCE, ORIENTATION, ease_goal, end_place
+from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb_constraints import distance
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
@@ -54,6 +54,7 @@ def solve_frames(asked, wishes, activations, states, stance, body, out_residuals
         np.zeros((constraint_count, 3, 3)),
         wishes[3],
         np.zeros(constraint_count),
+        np.zeros(constraint_count, np.bool_),
         np.zeros(constraint_count, np.bool_),
     )
     held = (np.zeros(constraint_count), np.zeros((constraint_count, 2, 3)), np.zeros((constraint_count, 3, 3)))
@@ -114,9 +115,15 @@ def set_goals(frame, asked, wishes, activations, body, work, pose, out_goal):
             centre_of_mass(body[1], work[6], point)
             target = point if math.isnan(places[c, at, 0]) else places[c, at]
             ease_goal(point, target, share, out_goal[0][c, 0])
+        elif kinds[c] == LOOK_AT:
+            out_goal[0][c, 0], out_goal[0][c, 1] = places[c, at], pose[1][ends[c, 0, 1], :, 0]
+            out_goal[3][c] = share
+        elif kinds[c] == AREA:
+            out_goal[3][c] = share
         elif kinds[c] == DISTANCE:
+            out_goal[0][c, 1] = places[c, at]
             end_place(ends, offsets, c, 0, pose, point)
-            end_place(ends, offsets, c, 1, pose, other)
+            second_place(asked, out_goal, c, pose, other)
             now = distance(point, other)
             wanted = distances[c, frame if distances.shape[1] > 1 else 0]
             out_goal[3][c] = now + share * (wanted - now)

@@ -2,9 +2,10 @@
 
 Tuples that go through the functions here, for C constraints with up to two ends on a body of K spine segments:
 ``asked`` (kinds (C,), ranks (C,), ends (C, 2, 3), offsets (C, 2, 3), mobilities (C + 1, N), freedoms (C, 2, 2),
-  importances (C,), joints (N, 4)): ends are point, segment and limb (-1 none), point -1 for an end that is not;
-  freedoms are those of limb and end segment; joints as in ``kernels.joints``.
-``goal`` (places (C, 2, 3), turns (C, 3, 3), shares (C, 2), distances (C,), wanted (C,)): what is to be this frame.
+  importances (C,), joints (N, 4), areas (C, 10)): ends are point, segment and limb (-1 none), point -1 for an end that
+  is not; freedoms are those of limb and end segment; joints as in ``kernels.joints``, areas as in ``kernels.areas``.
+``goal`` (places (C, 2, 3), turns (C, 3, 3), shares (C, 2), distances (C,), wanted (C,), engaged (C,)): what is to be
+  this frame; distances of look-at and area are their activation; an area is engaged once its point is where it may not.
 ``held`` (misses (C,), places (C, 2, 3), turns (C, 3, 3)): what higher levels have got and keep.
 ``body`` (measures, masses (S, 2), limits (N,), states (2,), legs, arm turns (2, 3, 3, 3), arm places (2, 3, 3)):
   all of the body that does not move in the search; legs are channels, comforts, ankles, feet, toes and scratch.
@@ -17,25 +18,42 @@ import numpy as np
 from numba import njit
 
 from studio.core.kernels import layout as at
+from studio.core.kernels.areas import nearest_allowed
 from studio.core.kernels.balance import add_balance_row, centre_of_mass, segment_centres
 from studio.core.kernels.body import move_all
-from studio.core.kernels.goals import BALANCE, DISTANCE, ORIENTATION, POSITION, end_place, part_to
+from studio.core.kernels.goals import (
+    AREA,
+    BALANCE,
+    DISTANCE,
+    LOOK_AT,
+    ORIENTATION,
+    POSITION,
+    ease_goal,
+    end_place,
+    gaze_goal,
+    part_to,
+    second_place,
+)
 from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import distance, held_turn, limb_indices, nearest_of, reach_of, solve_limb
 from studio.core.kernels.priorities import take_step
-from studio.core.kernels.rotation import add_rotated, matrix_to_rotation_vector, multiply
+from studio.core.kernels.rotation import add_rotated, matrix_to_rotation_vector, multiply, shortest_arc
 
 TRIES = 10
 COMFORT = 0.98
 """Part of its reach that a limb takes before the trunk helps."""
 CLOSE_ENOUGH = 5e-5
 """Metres (or radians) of error that are left as they are."""
-KEPT = 5e-5
+MENDS = 3
+"""Steps that may be taken to give those above back what a step has cost them."""
+KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 SLOW = 0.97
 SWEEPS = 12
+ENGAGED = 1e-6
+"""Metres into a forbidden area from which on a point counts as in it."""
 TURN_ARM = 0.3
 """Metres that count as one radian where both are weighed together."""
 
@@ -80,6 +98,12 @@ def solve_level(level, asked, goal, held, body, work, pose):
     best, kept, damping = np.inf, np.inf, -1.0
     for _ in range(TRIES):
         merit, worst, harm = judge(level, asked, goal, held, body, work, pose)
+        for _ in range(MENDS):
+            if harm < KEPT or merit > best:
+                break
+            step(level, 0.0, True, asked, goal, held, body, work, pose)
+            place_limbs(level, asked, goal, body, work, pose)
+            merit, worst, harm = judge(level, asked, goal, held, body, work, pose)
         if worst < CLOSE_ENOUGH and harm < KEPT:
             return
         total = merit + 1000.0 * harm * harm
@@ -97,7 +121,9 @@ def solve_level(level, asked, goal, held, body, work, pose):
             damping = 16.0 * max(damping, 1e-4)
         if damping < 0.0:
             damping = 0.25 * worst * worst / (worst + 0.3)
-        if not step(level, damping, asked, goal, held, body, work, pose):
+        if not step(level, damping, False, asked, goal, held, body, work, pose) and (
+            harm < KEPT or not step(level, 0.0, True, asked, goal, held, body, work, pose)
+        ):
             break
         place_limbs(level, asked, goal, body, work, pose)
     positions[:], rotations[:], turned[0] = saved_positions[1], saved_rotations[1], turned[1]
@@ -148,43 +174,91 @@ def reset_limb(limb, body, pose):
 
 @njit(cache=True, nogil=True)
 def place_limbs(level, asked, goal, body, work, pose):
-    """Every limb that has a constraint down to this level: put back, then solved."""
+    """Every limb that has a constraint down to this level: put back, then solved; again if it ends where it may not."""
     kinds, ranks, ends = asked[0], asked[1], asked[2]
-    busy, apart = 0, False
+    busy, moving = 0, False
     for c in range(kinds.shape[0]):
         if goal[4][c] and ranks[c] <= level:
-            apart = apart or kinds[c] == DISTANCE
+            moving = moving or kinds[c] == DISTANCE or kinds[c] == AREA or kinds[c] == LOOK_AT
+            goal[5][c] = False
             for end in range(2):
                 if ends[c, end, 2] >= 0:
                     busy |= 1 << ends[c, end, 2]
-    for limb in range(4):
-        if busy >> limb & 1:
-            reset_limb(limb, body, pose)
-    if apart:
-        share_distances(level, asked, goal, pose)
-    for limb in range(4):
-        if busy >> limb & 1:
-            solve_limb(limb, level, asked, goal, work[5], pose)
+    again = True
+    for attempt in range(4):
+        for limb in range(4):
+            if again and busy >> limb & 1:
+                reset_limb(limb, body, pose)
+        if moving:
+            follow(level, asked, goal, work, pose)
+        for limb in range(4):
+            if busy >> limb & 1:
+                solve_limb(limb, level, asked, goal, work[5], pose)
+        again = moving and engage(level, asked, goal, pose)
+        if not again and not (moving and attempt < 3 and falls_short(level, asked, goal, body, work, pose)):
+            return
 
 
 @njit(cache=True, nogil=True)
-def share_distances(level, asked, goal, pose):
-    """Goals of both ends of every distance, from where they are now (METHOD 5: at once, so no order matters)."""
+def follow(level, asked, goal, work, pose):
+    """Goals that depend on where things are now: both ends of distances, areas, the line of sight (METHOD 5)."""
     kinds, ranks, ends, offsets = asked[0], asked[1], asked[2], asked[3]
     points = np.empty((2, 3))
     for c in range(kinds.shape[0]):
-        if kinds[c] == DISTANCE and goal[4][c] and ranks[c] <= level:
-            for end in range(2):
-                end_place(ends, offsets, c, end, pose, points[end])
+        if not goal[4][c] or ranks[c] > level:
+            continue
+        if kinds[c] == DISTANCE:
+            end_place(ends, offsets, c, 0, pose, points[0])
+            second_place(asked, goal, c, pose, points[1])
             part_to(points[0], points[1], goal[3][c], goal[2][c], goal[0][c])
+        elif kinds[c] == LOOK_AT:
+            rotation = pose[1][ends[c, 0, 1]]
+            end_place(ends, offsets, c, 0, pose, points[0])
+            gaze_goal(goal[0][c, 1], goal[0][c, 0], points[0], goal[3][c], points[1])
+            x, y, z = points[1, 0], points[1, 1], points[1, 2]
+            shortest_arc(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z, work[5][0])
+            multiply(work[5][0], rotation, goal[1][c])
+        elif kinds[c] == AREA and not goal[5][c]:
+            engage_one(c, asked, goal, points, pose)
+
+
+@njit(cache=True, nogil=True)
+def falls_short(level, asked, goal, body, work, pose):
+    """Whether a distance is missed because one of its limbs could not do its share: then the other does more."""
+    short = False
+    for c in range(asked[0].shape[0]):
+        if asked[0][c] == DISTANCE and goal[4][c] and asked[1][c] <= level:
+            short = short or miss_of(c, asked, goal, body, work, pose) > CLOSE_ENOUGH
+    return short
+
+
+@njit(cache=True, nogil=True)
+def engage(level, asked, goal, pose):
+    """Areas whose points are where they may not be after all else was solved; True when there are new ones."""
+    found = False
+    points = np.empty((2, 3))
+    for c in range(asked[0].shape[0]):
+        if asked[0][c] == AREA and goal[4][c] and asked[1][c] <= level and not goal[5][c]:
+            found = engage_one(c, asked, goal, points, pose) or found
+    return found
+
+
+@njit(cache=True, nogil=True)
+def engage_one(c, asked, goal, points, pose):
+    """Engage one area if its point is where it may not be: the goal is the nearest place where it may."""
+    end_place(asked[2], asked[3], c, 0, pose, points[0])
+    if nearest_allowed(asked[8][c], points[0], points[1]) > ENGAGED:
+        goal[5][c] = True
+        ease_goal(points[0], points[1], goal[3][c], goal[0][c, 0])
+    return goal[5][c]
 
 
 @njit(cache=True, nogil=True)
 def miss_of(c, asked, goal, body, work, pose):
-    """By how much a constraint is missed now: metres, or radians for an orientation."""
+    """By how much a constraint is missed now: metres, or radians for an orientation or a look."""
     kinds, ends, offsets = asked[0], asked[2], asked[3]
     point, other = np.empty(3), np.empty(3)
-    if kinds[c] == ORIENTATION:
+    if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
         turn_error(goal[1][c], pose[1][ends[c, 0, 1]], work[5][0], point)
         return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
     if kinds[c] == BALANCE:
@@ -193,8 +267,10 @@ def miss_of(c, asked, goal, body, work, pose):
         return math.hypot(point[0] - goal[0][c, 0, 0], point[1] - goal[0][c, 0, 1])
     end_place(ends, offsets, c, 0, pose, point)
     if kinds[c] == DISTANCE:
-        end_place(ends, offsets, c, 1, pose, other)
+        second_place(asked, goal, c, pose, other)
         return abs(distance(point, other) - goal[3][c])
+    if kinds[c] == AREA and not goal[5][c]:
+        return goal[3][c] * nearest_allowed(asked[8][c], point, other)
     return distance(point, goal[0][c, 0])
 
 
@@ -214,7 +290,7 @@ def judge(level, asked, goal, held, body, work, pose):
         if not goal[4][c] or ranks[c] > level:
             continue
         miss = miss_of(c, asked, goal, body, work, pose)
-        if kinds[c] == ORIENTATION:
+        if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
             miss *= TURN_ARM
         if ranks[c] == level:
             merit += asked[6][c] * miss * miss
@@ -232,7 +308,7 @@ def note_held(level, asked, goal, held, body, work, pose):
         if not goal[4][c] or ranks[c] >= level:
             continue
         held[0][c] = miss_of(c, asked, goal, body, work, pose)
-        if kinds[c] == ORIENTATION:
+        if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
             held[0][c] *= TURN_ARM
             held[2][c] = pose[1][ends[c, 0, 1]]
         elif kinds[c] == BALANCE:
@@ -256,7 +332,7 @@ def comfort(asked, goal, out_reaches, out_folds, pose):
     for c in range(kinds.shape[0]):
         for end in range(2):
             limb = ends[c, end, 2]
-            if not goal[4][c] or limb < 0 or (kinds[c] != POSITION and kinds[c] != DISTANCE):
+            if not goal[4][c] or limb < 0 or kinds[c] == ORIENTATION:
                 continue
             holds_end = limb >= 2 or held_turn(limb, 1 << 30, asked, goal, spine_count) >= 0
             end_place(ends, offsets, c, end, pose, point)
@@ -286,17 +362,20 @@ def aimed_at(c, end, holds_end, upper, root, asked, goal, point, pose):
 
 
 @njit(cache=True, nogil=True)
-def step(level, damping, asked, goal, held, body, work, pose):
-    """One step of all joints for this level with those above held; feet are put back. False when nothing moves."""
+def step(level, damping, mending, asked, goal, held, body, work, pose):
+    """One step of all joints for this level with those above held, or to mend those alone; feet are put back.
+
+    False when nothing moves.
+    """
     rows, errors, owners, matrix, turned, turn = work[0], work[1], work[2], work[3], work[4], work[5]
     positions = pose[0]
     count = feet_rows(asked, body, rows, errors, owners, positions)
     for c in range(asked[0].shape[0]):
         if goal[4][c] and asked[1][c] < level:
             count = add_rows(c, True, count, asked, goal, held, body, work, pose)
-    held_count = count
+    held_count = 0 if mending else count
     for c in range(asked[0].shape[0]):
-        if goal[4][c] and asked[1][c] == level:
+        if not mending and goal[4][c] and asked[1][c] == level:
             count = add_rows(c, False, count, asked, goal, held, body, work, pose)
     if count == held_count:
         return False
@@ -335,7 +414,9 @@ def add_rows(c, is_held, count, asked, goal, held, body, work, pose):
     positions, rotations = pose
     joints = asked[7]
     first, vector, point = count, np.empty(3), np.empty(3)
-    if kinds[c] == ORIENTATION:
+    if kinds[c] == AREA and not goal[5][c]:
+        return count
+    if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
         if ends[c, 0, 2] >= 0:
             return count
         target = held[2][c] if is_held else goal[1][c]
@@ -358,7 +439,7 @@ def add_rows(c, is_held, count, asked, goal, held, body, work, pose):
                 continue
             if ends[c, end, 2] >= 0 and freedoms[c, end, 0] > 0.0:
                 count = add_reach_row(c, end, is_held, count, asked, goal, held, work, pose)
-            elif kinds[c] == POSITION:
+            elif kinds[c] != DISTANCE:
                 end_place(ends, offsets, c, end, pose, point)
                 target = held[1][c, end] if is_held else goal[0][c, end]
                 for axis in range(3):

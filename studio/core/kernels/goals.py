@@ -14,7 +14,9 @@ POSITION = 0
 ORIENTATION = 1
 DISTANCE = 2
 BALANCE = 3
-"""Kinds as the solver knows them; every other kind is put in terms of these."""
+LOOK_AT = 4
+AREA = 5
+"""Kinds as the solver knows them."""
 
 
 @njit(cache=True, nogil=True)
@@ -49,3 +51,29 @@ def part_to(first, second, distance, shares, out_goals):
         second[1] - shares[1] * step * y,
         second[2] - shares[1] * step * z,
     )
+
+
+@njit(cache=True, nogil=True)
+def second_place(asked, goal, c, pose, out_point):
+    """Where the other point of a distance is now, (3,): on the body, or the place outside."""
+    if asked[2][c, 1, 0] >= 0:
+        end_place(asked[2], asked[3], c, 1, pose, out_point)
+    else:
+        out_point[:] = goal[0][c, 1]
+
+
+@njit(cache=True, nogil=True)
+def gaze_goal(start, target, eye, share, out_direction):
+    """Unit direction (3,) that is ``share`` of the way from ``start`` to the line from ``eye`` to ``target``."""
+    x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
+    length = max(math.sqrt(x * x + y * y + z * z), 1e-9)
+    x, y, z = x / length, y / length, z / length
+    cosine = min(max(start[0] * x + start[1] * y + start[2] * z, -1.0), 1.0)
+    angle = math.acos(cosine)
+    sine = math.sin(angle)
+    keep, take = 1.0 - share, share
+    if sine > 1e-6:
+        keep, take = math.sin((1.0 - share) * angle) / sine, math.sin(share * angle) / sine
+    out_direction[0] = keep * start[0] + take * x
+    out_direction[1] = keep * start[1] + take * y
+    out_direction[2] = keep * start[2] + take * z

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from studio.core.kernels.body import body_point, turn_part
-from studio.core.kernels.goals import ORIENTATION
+from studio.core.kernels.goals import AREA, ORIENTATION
 from studio.core.kernels.reach import aim_at, bend_range, bend_to, longest_reach, swivel_to
 from studio.core.kernels.rotation import multiply
 
@@ -81,7 +81,14 @@ def solve_limb(limb, level, asked, goal, turn, pose):
     first, point = np.empty(3), np.empty(3)
     solved, held_upper = 0, False
     for c in range(ranks.shape[0]):
-        if not wanted[c] or ranks[c] > level or asked[0][c] == ORIENTATION:
+        if not wanted[c] or ranks[c] > level or (asked[0][c] == AREA and not goal[5][c]):
+            continue
+        if asked[0][c] == ORIENTATION:
+            if ends[c, 0, 2] == limb and ends[c, 0, 1] != upper + 2:
+                multiply(goal[1][c], rotations[ends[c, 0, 1]].T, turn[0])
+                pivot = positions[root + ends[c, 0, 1] - upper]
+                turn_part(turn[0], ends[c, 0, 1], spine_count, pivot, positions, rotations)
+                solved += 2
             continue
         for end in range(2):
             if ends[c, end, 2] != limb:
@@ -89,6 +96,8 @@ def solve_limb(limb, level, asked, goal, turn, pose):
             target, segment = places[c, end], ends[c, end, 1]
             body_point(ends[c, end, 0], segment, offsets[c, end], positions, rotations, point)
             free = freedoms[c, end, 0] > 0.0
+            if not free and freedoms[c, end, 1] == 0.0:
+                continue
             if free and solved == 0:
                 held_upper = segment == upper
                 holds_end = limb >= 2 or turning >= 0

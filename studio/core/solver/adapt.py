@@ -2,23 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint
-from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames, solve_frames
-from studio.core.kernels.goals import POSITION
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.chains import free_joints, segment_masses
 from studio.core.solver.footing import Footing, find_footing, freedom
+from studio.core.solver.packing import limb_of, pack, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 FloatArray = NDArray[np.float64]
@@ -68,10 +65,8 @@ def hold(
     if constraints:
         activations = constraint_activations(constraints, standing.footing, motion.frame_rate)[:, window]
         joints = free_joints([constraint.chain for constraint in constraints], body.layout)
-        asked, wishes = pack_constraints(constraints, body.layout)
         solve_frames(
-            (*asked[:4], joints.mobilities, asked[4], np.ones(len(constraints)), joints.joints),
-            wishes,
+            *pack(constraints, joints, body.layout),
             np.ascontiguousarray(activations),
             np.ascontiguousarray(standing.footing.states[:, window]),
             (motion.channels[window], *_legs(standing.footing, window)),
@@ -104,50 +99,6 @@ def constraint_activations(constraints: Sequence[Constraint], footing: Footing, 
             activation = activation * freedom(footing.states[limb - 2] != 0, frame_rate)
         rows.append(activation)
     return np.array(rows)
-
-
-def pack_constraints(
-    constraints: Sequence[Constraint], layout: BodyLayout
-) -> tuple[tuple[NDArray[Any], ...], tuple[FloatArray, ...]]:
-    """``asked`` and ``wishes`` for the kernel (``kernels.constraints``, ``kernels.adapt``).
-
-    Raises TypeError for a kind that the solver does not know.
-    """
-    count = len(constraints)
-    levels = sorted({constraint.priority for constraint in constraints})
-    kinds, ranks = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
-    ends, offsets = np.full((count, 2, 3), -1, dtype=np.int64), np.zeros((count, 2, 3))
-    freedoms, places = np.zeros((count, 2, 2)), np.full((count, 1, 3), np.nan)
-    for c, constraint in enumerate(constraints):
-        if not isinstance(constraint, PositionConstraint):
-            raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
-        kinds[c], ranks[c] = POSITION, levels.index(constraint.priority)
-        ends[c, 0] = *point_indices(constraint.point, layout), limb_of(constraint.point.part)
-        offsets[c, 0], places[c, 0] = constraint.point.offset, constraint.target
-        freedoms[c, 0] = constraint.chain.limb, constraint.chain.end_segment
-    return (kinds, ranks, ends, offsets, freedoms), (
-        places,
-        np.zeros((count, 1, 3, 3)),
-        np.zeros((count, 1)),
-        np.zeros((count, 2)),
-    )
-
-
-def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
-    """(index of the point an offset counts from, index of the segment in whose axes it stands)."""
-    segment = layout.segment(point.part)
-    ends = layout.distal_points() if point.at_end else layout.proximal_points()
-    return ends[segment], segment
-
-
-def limb_of(part: BodyPart) -> int:
-    """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
-    side, _, bone = part.value.partition("_")
-    if bone in ("upper_arm", "forearm", "hand"):
-        return 0 if side == "left" else 1
-    if bone in ("thigh", "shank", "foot", "toe"):
-        return 2 if side == "left" else 3
-    return -1
 
 
 def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:

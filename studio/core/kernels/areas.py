@@ -1,0 +1,94 @@
+"""Restricted areas: the nearest allowed place to a point (METHOD 5, "area")."""
+
+import math
+
+from numba import njit
+
+HALF_SPACE, BOX, SPHERE, CYLINDER, TABLE = 0, 1, 2, 3, 4
+"""Shapes, the first of an area's ten numbers: shape, inside, centre (3), size (3), cosine and sine of the heading."""
+
+EDGE = 0.1
+"""Metres from a table's edge within which the push upwards fades, so that a hand coming from the side does not pop."""
+
+
+@njit(cache=True, nogil=True)
+def nearest_allowed(area, point, out_place):
+    """Write the nearest place (3,) where the point may be; its distance from there, 0 when it may stay.
+
+    ``area`` (10,) as above; ``point`` (3,) metres.
+    """
+    x, y, z = point[0] - area[2], point[1] - area[3], point[2] - area[4]
+    c, s = area[8], area[9]
+    x, y = c * x + s * y, c * y - s * x
+    shape, inside = int(area[0]), area[1] > 0.0
+    if shape == HALF_SPACE:
+        nx, ny, nz = half_space(area, x, y, z, inside)
+    elif shape == SPHERE:
+        nx, ny, nz = round_place(x, y, z, 0.5 * area[5], inside)
+    elif shape == CYLINDER:
+        nx, ny, nz = upright(x, y, z, 0.5 * area[5], 0.5 * area[7], inside)
+    else:
+        nx, ny, nz = box(x, y, z, 0.5 * area[5], 0.5 * area[6], 0.5 * area[7], inside, shape == TABLE)
+    distance = math.sqrt((nx - x) ** 2 + (ny - y) ** 2 + (nz - z) ** 2)
+    out_place[0] = area[2] + c * nx - s * ny
+    out_place[1] = area[3] + s * nx + c * ny
+    out_place[2] = area[4] + nz
+    return distance
+
+
+@njit(cache=True, nogil=True)
+def half_space(area, x, y, z, inside):
+    """Nearest place on the allowed side of the plane through 0 with normal ``area`` 5 to 7 (heading undone before)."""
+    c, s = area[8], area[9]
+    nx, ny, nz = c * area[5] + s * area[6], c * area[6] - s * area[5], area[7]
+    length = math.sqrt(nx * nx + ny * ny + nz * nz)
+    nx, ny, nz = nx / length, ny / length, nz / length
+    height = x * nx + y * ny + z * nz
+    wrong = height > 0.0 if inside else height < 0.0
+    if wrong:
+        return x - height * nx, y - height * ny, z - height * nz
+    return x, y, z
+
+
+@njit(cache=True, nogil=True)
+def round_place(x, y, z, radius, inside):
+    """Nearest place within, or outside of, a sphere about 0; from its centre, upwards."""
+    length = math.sqrt(x * x + y * y + z * z)
+    if (length > radius) if inside else (length < radius):
+        if length < 1e-9:
+            return 0.0, 0.0, radius
+        return x * radius / length, y * radius / length, z * radius / length
+    return x, y, z
+
+
+@njit(cache=True, nogil=True)
+def upright(x, y, z, radius, half, inside):
+    """Nearest place within, or outside of, an upright cylinder about 0."""
+    length = math.sqrt(x * x + y * y)
+    if inside:
+        scale = min(1.0, radius / max(length, 1e-9))
+        return x * scale, y * scale, min(max(z, -half), half)
+    if length >= radius or abs(z) >= half:
+        return x, y, z
+    if radius - length < half - abs(z):
+        scale = radius / max(length, 1e-9)
+        return (x * scale, y * scale, z) if length > 1e-9 else (radius, 0.0, z)
+    return x, y, half if z >= 0.0 else -half
+
+
+@njit(cache=True, nogil=True)
+def box(x, y, z, a, b, h, inside, upwards):
+    """Nearest place within, or outside of, a box about 0; out of a table always upwards, fading at its edge."""
+    if inside:
+        return min(max(x, -a), a), min(max(y, -b), b), min(max(z, -h), h)
+    if abs(x) >= a or abs(y) >= b or abs(z) >= h:
+        return x, y, z
+    if upwards:
+        t = min(min(a - abs(x), b - abs(y)) / EDGE, 1.0)
+        return x, y, z + t * t * (3.0 - 2.0 * t) * (h - z)
+    left, right, over = a - abs(x), b - abs(y), h - abs(z)
+    if left <= right and left <= over:
+        return (a if x >= 0.0 else -a), y, z
+    if right <= over:
+        return x, (b if y >= 0.0 else -b), z
+    return x, y, (h if z >= 0.0 else -h)

@@ -1,0 +1,191 @@
+"""Every kind of constraint does what it says, on every body, with the feet where they stood."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.ground import Ground
+from studio.core.kernels.areas import nearest_allowed
+from studio.core.kernels.balance import centre_of_mass, segment_centres
+from studio.core.metrics import foot_quality
+from studio.core.morphology import Morphology
+from studio.core.rotations import from_matrix, to_matrix
+from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.packing import pack
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.io.character_file import bundled_characters
+from tests.core.motions import walk
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+WALK, CONTACTS = walk()
+ALWAYS = ActivationCurve(-1.0, -1.0, 100.0, 100.0)
+ARM, ALL = Chain(trunk=0.5), Chain(trunk=1.0, root=1.0)
+HEAD = Chain(1.0, 1.0, 1.0, 0.5, 0.0)
+LEFT, RIGHT = (BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in ("left", "right"))
+MET = 2e-4
+
+
+def ask(kind: Callable[..., Constraint], point: BodyPoint, chain: Chain = ARM, priority: int = 0, **more: Any) -> Any:
+    return kind("walk", kind.__name__, point, chain, priority, ALWAYS, **more)
+
+
+def solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
+    return adapt(AdaptRequest(WALK, body, CONTACTS, constraints))
+
+
+def centres_of_mass(adapted: AdaptedMotion) -> np.ndarray:
+    masses = segment_masses(adapted.morphology.layout)
+    centres, places = np.empty((len(masses), 3)), np.empty((adapted.frame_count, 3))
+    for positions, place in zip(adapted.positions, places, strict=True):
+        segment_centres(masses, positions, centres)
+        centre_of_mass(masses, centres, place)
+    return places
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+@pytest.mark.parametrize("apart", [0.05, 0.3])
+def test_two_hands_stay_as_far_apart_as_a_box_is_wide(body: Morphology, apart: float) -> None:
+    adapted = solved(body, ask(DistanceConstraint, LEFT, other=RIGHT, distance=apart))
+    between = np.linalg.norm(place_of(LEFT, adapted) - place_of(RIGHT, adapted), axis=1)
+    assert between == pytest.approx(apart, abs=MET)
+    assert foot_quality(adapted, CONTACTS, Ground()).slide < 1e-3
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_a_hand_keeps_its_distance_from_a_place_outside(body: Morphology) -> None:
+    before = place_of(RIGHT, solved(body))
+    place = tuple(before[30] + [0.1, 0.0, 0.05])
+    adapted = adapt(
+        AdaptRequest(WALK, body, CONTACTS, (ask(DistanceConstraint, RIGHT, other=place, distance=0.08),)), 30, 30
+    )
+    assert np.linalg.norm(place_of(RIGHT, adapted) - place, axis=1) == pytest.approx(0.08, abs=MET)
+
+
+@pytest.mark.parametrize("part", [BodyPart.LEFT_HAND, BodyPart.RIGHT_FOREARM, BodyPart.HEAD, BodyPart.THORAX])
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_a_segment_is_turned_as_it_is_asked(body: Morphology, part: BodyPart) -> None:
+    wanted = np.array([0.1, 0.05, 0.1, 1.0])
+    wanted /= np.linalg.norm(wanted)
+    layout, before = body.layout, solved(body)
+    target = to_matrix(wanted) @ before.rotations[30, layout.segment(part)]
+    asked = ask(OrientationConstraint, BodyPoint(part), HEAD, target=tuple(from_matrix(target)))
+    adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (asked,)), 30, 30)
+    assert adapted.rotations[0, layout.segment(part)] == pytest.approx(target, abs=1e-3)
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_a_hand_reaches_its_target_and_keeps_its_orientation_there(body: Morphology) -> None:
+    point = BodyPoint(BodyPart.RIGHT_HAND, at_end=True)
+    before = adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30)
+    target = tuple(place_of(point, before)[0] + [0.05, 0.02, 0.1])
+    adapted = adapt(
+        AdaptRequest(
+            WALK,
+            body,
+            CONTACTS,
+            (
+                ask(PositionConstraint, point, target=target),
+                ask(OrientationConstraint, BodyPoint(BodyPart.RIGHT_HAND), priority=1, target=(0.3, 0.1, 0.0, 0.9)),
+            ),
+        ),
+        30,
+        30,
+    )
+    assert adapted.residuals[:, 0] == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_eyes_face_what_they_look_at(body: Morphology) -> None:
+    target = np.array([2.0, 1.0, 1.2])
+    adapted = adapt(
+        AdaptRequest(WALK, body, CONTACTS, (ask(LookAtConstraint, EYES, HEAD, target=tuple(target)),)), 0, 9
+    )
+    gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
+    line = target - place_of(EYES, adapted)
+    assert np.sum(gaze * line, axis=1) == pytest.approx(np.linalg.norm(line, axis=1), rel=1e-4)
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+@pytest.mark.parametrize("first", ["balance", "reach"])
+def test_balance_and_reach_hold_together_or_by_their_priority(body: Morphology, first: str) -> None:
+    before = solved(body)
+    shoulder = before.positions[30, body.layout.collar(1) + 1]
+    far = tuple(shoulder + 1.05 * body.arm[1].sum() * np.array([0.9, -0.3, -0.3]))
+    rank = {"balance": 0, "reach": 1} if first == "balance" else {"balance": 1, "reach": 0}
+    reach = ask(PositionConstraint, RIGHT, ALL, rank["reach"], target=far)
+    balance = ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), rank["balance"])
+    adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (reach, balance)), 30, 30)
+    misses = {"reach": adapted.residuals[0, 0], "balance": adapted.residuals[1, 0]}
+    assert misses[first] < MET
+    drift = centres_of_mass(adapted)[0, :2] - centres_of_mass(before)[30, :2]
+    assert np.linalg.norm(drift) == pytest.approx(misses["balance"], abs=1e-6)
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+@pytest.mark.parametrize(
+    ("shape", "size", "inside"),
+    [
+        (AreaShape.HALF_SPACE, (0.2, 0.0, 1.0), False),
+        (AreaShape.BOX, (0.2, 0.2, 0.2), True),
+        (AreaShape.SPHERE, (0.25, 1.0, 1.0), False),
+        (AreaShape.SPHERE, (0.15, 1.0, 1.0), True),
+        (AreaShape.CYLINDER, (0.2, 0.2, 0.4), True),
+        (AreaShape.TABLE, (2.0, 2.0, 0.5), False),
+    ],
+    ids=str,
+)
+def test_a_wrist_is_only_where_it_may_be(body: Morphology, shape: AreaShape, size: Any, inside: bool) -> None:
+    before = place_of(RIGHT, solved(body))[30]
+    area = ask(
+        AreaConstraint,
+        RIGHT,
+        ALL,
+        shape=shape,
+        centre=tuple(before + np.array([0.0, 0.0, 0.05])),
+        size=size,
+        inside=inside,
+    )
+    adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (area,)), 30, 30)
+    left = np.empty(3)
+    row = pack((area,), free_joints([area.chain], body.layout), body.layout)[0][8][0]
+    assert nearest_allowed(row, place_of(RIGHT, adapted)[0], left) < MET
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_an_area_above_a_target_keeps_the_wrist_out_and_as_near_as_may_be(body: Morphology) -> None:
+    wrist = place_of(RIGHT, solved(body))[30]
+    above = wrist + [0.0, 0.0, 0.1]
+    table = ask(AreaConstraint, RIGHT, ARM, shape="half_space", centre=tuple(above), size=(0.0, 0.0, 1.0))
+    below = ask(PositionConstraint, RIGHT, ARM, 1, target=tuple(wrist))
+    adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (table, below)), 30, 30)
+    assert place_of(RIGHT, adapted)[0] == pytest.approx(above, abs=MET)
+
+
+@pytest.mark.parametrize(
+    ("kind", "more", "sentence"),
+    [
+        (DistanceConstraint, {"other": LEFT, "distance": 0.1}, "no distance from itself"),
+        (DistanceConstraint, {"distance": -0.1}, "zero or more"),
+        (DistanceConstraint, {"other": (0.0, np.nan, 0.0)}, "finite"),
+        (AreaConstraint, {"size": (0.0, 1.0, 1.0), "shape": "box"}, "size above zero"),
+        (AreaConstraint, {"size": (0.0, 0.0, 0.0), "shape": "half_space"}, "size above zero"),
+        (OrientationConstraint, {"target": (0.0, 0.0, 0.0, 0.0)}, "not all zero"),
+        (LookAtConstraint, {"target": (np.inf, 0.0, 0.0)}, "finite"),
+        (BalanceConstraint, {"place": (np.nan, 0.0)}, "finite"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(kind: Any, more: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(ValueError, match=rf"'{kind.__name__}'.*{sentence}"):
+        ask(kind, LEFT, **more)
