@@ -217,12 +217,14 @@ def _class_of(collection: str, record: Json) -> Any:
 
 
 def _with_unknown(record: dict[str, Json], unknown: dict[str, Json]) -> dict[str, Json]:
-    """The record with what an older reader did not know put back in."""
+    """The record with what an older reader did not know put back in; in lists by place, while they are as long."""
     merged = dict(record)
     for key, item in unknown.items():
         inner = merged.get(key)
         if isinstance(inner, dict) and isinstance(item, dict):
             merged[key] = _with_unknown(inner, item)
+        elif isinstance(inner, list) and isinstance(item, list) and len(inner) == len(item):
+            merged[key] = [_with_unknown(*pair) for pair in zip(inner, item, strict=True)]
         else:
             merged.setdefault(key, item)
     return merged

@@ -72,13 +72,24 @@ def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
 
 
 def unknown_fields(record: Json, hint: Any) -> dict[str, Json]:
-    """What stands in ``record`` and its inner records but in no field of the dataclass ``hint``."""
+    """What stands in ``record`` and its inner records but in no field of the dataclass ``hint``.
+
+    For a list of records it is a list as long, where any of them has something unknown.
+    """
     if not is_dataclass(hint) or not isinstance(record, dict):
         return {}
     hints: dict[str, Any] = field_hints(hint)  # type: ignore[arg-type]
     unknown = {key: item for key, item in record.items() if key not in hints}
-    inner = {key: unknown_fields(record[key], hints[key]) for key in record if key in hints}
+    inner = {key: _unknown_within(record[key], hints[key]) for key in record if key in hints}
     return unknown | {key: item for key, item in inner.items() if item}
+
+
+def _unknown_within(record: Json, hint: Any) -> dict[str, Json] | list[dict[str, Json]]:
+    inner = get_args(hint)
+    if get_origin(hint) is tuple and inner[1:] == (Ellipsis,) and isinstance(record, list):
+        items = [unknown_fields(item, inner[0]) for item in record]
+        return items if any(items) else []
+    return unknown_fields(record, hint)
 
 
 @cache

@@ -177,6 +177,7 @@ def test_unknown_fields_and_entities_are_written_back(saved: Path) -> None:
         record["constraints"].append({"id": "new", "kind": "magnet", "motion_id": "motion", "force": 3})
         record["constraints"][0]["colour"] = "red"
         record["constraints"][0]["activation"]["bounce"] = 0.5
+        record["performers"][0]["clips"][0]["blend"] = {"frames": 12}
         record["motions"].append({"id": "later", "schema": 7, "layers": []})
         record["contacts"].append({"id": "on it", "motion_id": "later", "point": "left_toe", "first": 0, "last": 1})
 
@@ -188,11 +189,12 @@ def test_unknown_fields_and_entities_are_written_back(saved: Path) -> None:
     write_project(again, opened.project.with_entity("constraints", "constraint 0", moved), ID)
     with zipfile.ZipFile(again) as archive:
         record = json.loads(archive.read("project.json"))
-    by_id = {item["id"]: item for name in ("constraints", "motions", "contacts") for item in record[name]}
+    by_id = {item["id"]: item for name in ("constraints", "motions", "contacts", "performers") for item in record[name]}
     assert record["lights"] == [{"id": "sun", "angle": 3}]
     assert by_id["new"]["force"] == 3
     assert by_id["constraint 0"]["colour"] == "red"
     assert by_id["constraint 0"]["activation"]["bounce"] == 0.5
+    assert [item["clips"][0].get("blend") for item in record["performers"]] == [{"frames": 12}, None]
     assert by_id["constraint 0"]["target"] == [1.0, 2.0, 3.0]
     assert by_id["later"]["schema"] == 7
     assert by_id["on it"]["last"] == 1

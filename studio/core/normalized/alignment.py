@@ -23,6 +23,10 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     body = anatomical_frame(reference[layout.hip(0)] - reference[layout.hip(1)])
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = normalized(reference[list(distal)] - reference[list(proximal)])
+    left, right = (layout.spine_count + 2 + 4 * side for side in (0, 1))
+    for segment, usual in ((layout.neck_base, UP), (left, body[:, 1]), (right, -body[:, 1])):
+        if not bones[segment].any():  # a neck or clavicle without length
+            bones[segment] = usual
     desired[: layout.spine_count] = body if marks.reference_is_rest else trunk_lean(marks) @ body
     desired[layout.neck_base] = frame_along(bones[layout.neck_base], body[:, 0])
     desired[layout.head_joint] = body
