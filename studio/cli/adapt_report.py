@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyPart
 from studio.core.metrics import acceleration_ratio, foot_quality
 from studio.core.rotations import from_matrix, inverse, multiply
-from studio.core.solver.adapt import adapt, limb_of
+from studio.core.solver.adapt import adapt
 from studio.core.solver.footing import foot_states, freedom
+from studio.core.solver.packing import limb_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 Record = dict[str, Any]

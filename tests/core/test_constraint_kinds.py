@@ -166,7 +166,7 @@ def test_a_wrist_is_only_where_it_may_be(body: Morphology, shape: AreaShape, siz
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_an_area_above_a_target_keeps_the_wrist_out_and_as_near_as_may_be(body: Morphology) -> None:
     wrist = place_of(RIGHT, solved(body))[30]
-    above = wrist + [0.0, 0.0, 0.1]
+    above = wrist + np.array([0.0, 0.0, 0.1])
     table = ask(AreaConstraint, RIGHT, ARM, shape="half_space", centre=tuple(above), size=(0.0, 0.0, 1.0))
     below = ask(PositionConstraint, RIGHT, ARM, 1, target=tuple(wrist))
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (table, below)), 30, 30)
