@@ -13,6 +13,7 @@ Each constraint is the record that a project holds for it (``entity_json``), wit
 """
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,7 @@ from studio.io.entity_json import CONSTRAINT_KINDS, entity_of
 from studio.io.value_json import Json, unknown_fields
 
 _MEMBERS = ("constraints", "contacts")
+_LARGEST = 1e6
 _IDS = {"id", "schema", "kind", "motion_id"}
 _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
@@ -77,6 +79,8 @@ def _constraint(record: Json, motion_id: str, where: str) -> Constraint:
         raise StudioError(f"{where}, kind: expected one of {', '.join(CONSTRAINT_KINDS)}, {asked}.")
     if strange := _paths({k: v for k, v in unknown_fields(record, kind).items() if k not in _IDS}):
         raise StudioError(f"{where}: '{strange[0]}' is not known here. Correct its name.")
+    if large := _too_large(record):
+        raise StudioError(f"{where}, {large} is too large to be true. Lengths are metres, times seconds.")
     try:
         found = entity_of("constraints", {**_USUAL, **record, "motion_id": motion_id}, _no_member)
     except (ValueError, TypeError) as error:
@@ -92,6 +96,18 @@ def _paths(unknown: Mapping[str, Any]) -> list[str]:
     for key, item in unknown.items():
         paths += [f"{key}.{inner}" for inner in _paths(item)] if key in ("point", "chain", "activation") else [key]
     return paths
+
+
+def _too_large(record: Json) -> str:
+    """Member and number of the first one that no body and no clip can have; "" when there is none."""
+    items = record.items() if isinstance(record, dict) else enumerate(record) if isinstance(record, list) else ()
+    for key, item in items:
+        if isinstance(item, int | float):
+            if _LARGEST < abs(item) < math.inf:
+                return f"{key}: {str(item)[:20]}"
+        elif inner := _too_large(item):
+            return f"{key}, {inner}"
+    return ""
 
 
 def _contacts(record: Json, motion_id: str, where: str) -> tuple[ContactInterval, ...]:

@@ -12,14 +12,31 @@ from typing import Any
 
 import numpy as np
 
+from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.look_at import LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
+from studio.core.ground import Ground
+from studio.core.grounds import GROUND_KINDS
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
 from studio.io.value_json import Array, Json, MemberCodec, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 1
 ENTITY_SCHEMAS = dict.fromkeys(COLLECTIONS, 1)
-CONSTRAINT_KINDS: Mapping[str, type] = {kind.kind: kind for kind in (PositionConstraint,)}
+CONSTRAINT_KINDS: Mapping[str, type] = {
+    kind.kind: kind
+    for kind in (
+        PositionConstraint,
+        OrientationConstraint,
+        LookAtConstraint,
+        DistanceConstraint,
+        BalanceConstraint,
+        AreaConstraint,
+    )
+}
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
 _HEADER = ("id", "kind", "schema")
 
@@ -213,6 +230,8 @@ def _part_with_dangling(
 def _class_of(collection: str, record: Json) -> Any:
     if collection == "constraints":
         return CONSTRAINT_KINDS.get(str(record.get("kind")))
+    if collection == "grounds":
+        return GROUND_KINDS.get(str(record.get("kind", Ground.kind)))
     return CLASSES[collection]
 
 
