@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent, QResizeEvent
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QVBoxLayout, QWidget
 
 from studio.app import importing
@@ -24,7 +24,7 @@ from studio.panels.status_line import StatusLine
 
 SIZE = (1680, 1050)
 LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
-TIMELINE_SHARE = 0.35
+TIMELINE_SHARE, TIMELINE_MOST = 0.35, 0.45
 HISTORY_HEIGHT = 160
 READABLE = (".bvh", ".studio")
 
@@ -264,6 +264,16 @@ class MainWindow(QMainWindow):
         super().showEvent(event)
         if self.bench.settings.layout() is None:
             self._size_docks()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """The timeline leaves more than half of a small window to what it is about."""
+        super().resizeEvent(event)
+        QTimer.singleShot(0, self, self._bound_timeline)
+
+    def _bound_timeline(self) -> None:
+        most, dock = round(self.height() * TIMELINE_MOST), self.docks["Timeline"]
+        if dock.height() > most and not dock.isFloating():
+            self.resizeDocks([dock], [most], Qt.Orientation.Vertical)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask about unsaved work beside it; then stop everything, views first."""

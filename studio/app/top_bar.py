@@ -1,13 +1,17 @@
 """The bar at the top: name, menus, tools, the document, the search for actions."""
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from studio.app.action_set import ActionSet
 from studio.document.document import Document
 
 HEIGHT = 34
-SEARCH_WIDTH = 232
+SEARCH_WIDTH, LEAST_SEARCH = 232, 64
+KEYS_FROM = 180
+"""Pixels of the search beside whose words its keys have room."""
+PRODUCT_FROM = 1100
 
 
 class TopBar(QWidget):
@@ -19,15 +23,15 @@ class TopBar(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setFixedHeight(HEIGHT)
         self._document = document
-        row = QHBoxLayout(self)
+        row = self._row = QHBoxLayout(self)
         row.setContentsMargins(12, 0, 8, 0)
         row.setSpacing(4)
-        product = QLabel("Morpho Studio")
-        product.setObjectName("product")
-        row.addWidget(product)
+        self._product = QLabel("Morpho Studio")
+        self._product.setObjectName("product")
+        row.addWidget(self._product)
         self.menus = QMenuBar()
         self.menus.setNativeMenuBar(False)
-        self.menus.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Fixed)
+        self.menus.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         actions.fill(self.menus)
         row.addWidget(self.menus)
         row.addSpacing(16)
@@ -42,18 +46,32 @@ class TopBar(QWidget):
         self._label.setObjectName("document")
         row.addWidget(self._label)
         row.addSpacing(8)
-        row.addWidget(_search_button(actions))
+        self._search, self._keys = _search_button(actions)
+        row.addWidget(self._search)
 
     def refresh(self, name: str, state: str) -> None:
         """Show which project is open and whether it is saved."""
         self._label.setText(f"{name} · {state}")
+        self._fit()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Menus are never lost: the search gives way first, then the name of the program."""
+        super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
+        self._product.setVisible(self.width() >= PRODUCT_FROM)
+        others = (self._row.itemAt(place) for place in range(self._row.count() - 1))
+        taken = sum(item.sizeHint().width() + self._row.spacing() for item in others if item is not None)
+        room = self.width() - taken - self._row.contentsMargins().left() - self._row.contentsMargins().right()
+        self._search.setFixedWidth(min(max(room, LEAST_SEARCH), SEARCH_WIDTH))
+        self._keys.setVisible(room >= KEYS_FROM)
 
 
-def _search_button(actions: ActionSet) -> QPushButton:
+def _search_button(actions: ActionSet) -> tuple[QPushButton, QLabel]:
     button = QPushButton("Search actions")
     button.setObjectName("search")
     button.setAccessibleName("Search actions")
-    button.setFixedWidth(SEARCH_WIDTH)
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     button.clicked.connect(actions.by_id["palette"].trigger)
     keys = QLabel("Ctrl K", button)
@@ -62,4 +80,4 @@ def _search_button(actions: ActionSet) -> QPushButton:
     line.setContentsMargins(0, 0, 8, 0)
     line.addStretch(1)
     line.addWidget(keys)
-    return button
+    return button, keys

@@ -14,6 +14,8 @@ AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, 52, -40, 40, -30, 30
 ENOUGH_APART = 0.8
 """Metres between two bodies, as seen, beyond which more makes nothing clearer."""
 ROWS = 24
+CHIPS, STEPS_BACK = 56.0, 6
+"""Pixels that the chips take along the upper edge; most steps back to free the heads of them."""
 CLEARLY = 0.3
 """Length of a mean direction that is a direction still."""
 
@@ -33,7 +35,22 @@ def opening_camera(posed: Mapping[str, Posed], size: tuple[float, float], parall
     front = _facing(posed)
     cameras = [replace(OrbitCamera(), azimuth=front + azimuth, parallel=parallel) for azimuth in AZIMUTHS]
     best = max(cameras, key=lambda camera: round(5 * _apart(camera, places)) - _tall_in_front(camera, posed))
-    return best.framing(performed_points(posed), size)
+    return below_chips(best.framing(performed_points(posed), size), posed, size)
+
+
+def below_chips(camera: OrbitCamera, posed: Mapping[str, Posed], size: tuple[float, float]) -> OrbitCamera:
+    """Farther away and looking higher, until no head stands behind the chips along the upper edge."""
+    heads = np.array([pose.points[pose.motion.morphology.layout.head_end] for pose in posed.values()]).reshape(-1, 3)
+    for _ in range(STEPS_BACK):
+        pixels, depth = camera.project(heads, size)
+        short = CHIPS - float(pixels[:, 1].min(initial=CHIPS))
+        if short <= 0.0:
+            break
+        lifted = np.asarray(camera.target) + camera.axes[1] * (
+            0.5 * short * camera.metres_per_pixel(size[1], float(depth.min()))
+        )
+        camera = replace(camera, target=tuple(lifted.tolist()), distance=camera.distance * 1.04)
+    return camera
 
 
 def _facing(posed: Mapping[str, Posed]) -> float:

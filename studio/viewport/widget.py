@@ -61,6 +61,7 @@ class Viewport(Canvas):
         self.gesture: Gesture | None = None
         self._bones = False
         self._framed = False
+        self._opening: OrbitCamera | None = None
         self._problem: Problem | None = None
         self._problem_stale = True
         self._glide = Glide(self.set_camera, self)
@@ -241,14 +242,18 @@ class Viewport(Canvas):
         if self.posed and not self._framed:
             # Results come one by one: the view is settled when every body is there.
             self._framed = all(key in self.posed for key in self._expected())
-            self.camera = opening_camera(self.posed, self.view_size, self.camera.parallel)
+            self._open()
         elif self.resting and not self._framed:
-            self.camera = opening_camera(self.resting, self.view_size, self.camera.parallel)
+            self._open()
         if self._problem_stale:
             self._problem, self._problem_stale = worst_problem(project, self._live.result), False
         scene.sync(project, self.posed | self.resting, self._bones, self._paths())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
+
+    def _open(self) -> None:
+        shown = self.posed or self.resting
+        self.camera = self._opening = opening_camera(shown, self.view_size, self.camera.parallel)
 
     def _expected(self) -> list[str]:
         """The performers that are to be seen sooner or later."""
@@ -384,6 +389,8 @@ class Viewport(Canvas):
         """The chips follow the room there is."""
         super().resizeEvent(event)
         self._chips.fit(event.size().width())
+        if self.camera == self._opening and self.posed:
+            self._open()
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
     # Mouse and keys

@@ -9,6 +9,7 @@ import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLabel, QScrollArea
 
 from studio.app import recovery
 from studio.app.application import import_views, make_application, make_window, show_views
@@ -19,6 +20,7 @@ from studio.document.journal import StateHash
 from studio.document.recovery import Session
 from studio.io.bvh_writer import write_bvh
 from studio.io.importing import load_capture
+from studio.timeline.timeline import Timeline
 from tests.builders import make_capture, make_project
 
 LEFT = Qt.MouseButton.LeftButton
@@ -285,6 +287,38 @@ def test_the_adapted_motion_of_a_character_is_exported_as_bvh(qtbot, window, tmp
     wait_until_idle(qtbot, window)
     assert "out.bvh" in window.strip.text
     assert load_capture(path).frame_count == 30
+
+
+def test_a_small_window_keeps_every_menu_and_leaves_the_stage_more_than_half(qtbot, window):
+    window.show_timeline(Timeline(window.bench.document, window.bench.live))
+    window.resize(1680, 1050)
+    QTest.qWait(20)
+    window.resize(1024, 700)
+    QTest.qWait(20)
+    bar = window.top_bar.menus
+    assert bar.width() >= bar.sizeHint().width()
+    assert bar.actionGeometry(bar.actions()[-1]).right() <= bar.width()
+    assert window.docks["Timeline"].height() <= 0.46 * window.height()
+
+
+def test_the_sheet_of_shortcuts_is_whole_and_says_what_always_is(qtbot, window):
+    window.bench.document.remove("constraints", "constraint 0", "Delete Target 0")
+    window.show_shortcuts()
+    texts = {label.text() for label in window._sheet.findChildren(QLabel)}
+    assert "Undo" in texts
+    assert not any("target 0" in text for text in texts)
+    area = window._sheet.findChild(QScrollArea)
+    wanted, room = area.widget().sizeHint(), window.screen().availableSize()
+    assert window._sheet.width() >= wanted.width()
+    assert window._sheet.height() >= min(wanted.height(), room.height() - 120)
+    window._sheet.close()
+
+
+def test_arranged_panels_say_their_name_once(qtbot, window):
+    window.actions_by_id.by_id["arrange"].trigger()
+    assert window.history.head.isHidden()
+    window.actions_by_id.by_id["arrange"].trigger()
+    assert not window.history.head.isHidden()
 
 
 def test_the_recent_projects_stand_in_the_file_menu(qtbot, window, tmp_path):

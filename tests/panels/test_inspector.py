@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QComboBox, QLin
 from studio.core.canonical import BodyPart
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
-from studio.panels.constraint_editors.body_figure import SHAPES, BodyFigure
+from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.residuals import residuals_of, words_of
 from studio.panels.fields import NumberField
@@ -31,6 +31,11 @@ class FakeLive(QObject):
 
     def result(self, performer_id):
         return self.results.get(performer_id)
+
+
+def segment_place(part):
+    """Where a segment of the figure is clicked."""
+    return (SCALE * SHAPES[part].center()).toPoint()
 
 
 @pytest.fixture
@@ -122,7 +127,7 @@ def test_a_typed_number_is_taken_on_return(inspector, document):
 def test_a_click_on_the_figure_frees_and_locks_a_part(inspector, document):
     document.selection.set(("constraints", "constraint 0"))
     figure = inspector.findChild(BodyFigure)
-    trunk = SHAPES[BodyPart.THORAX].center().toPoint()
+    trunk = segment_place(BodyPart.THORAX)
     QTest.mouseClick(figure, LEFT, pos=trunk)
     assert document.project.constraints["constraint 0"].chain.trunk == 1.0
     QTest.mouseClick(figure, LEFT, pos=trunk)
@@ -132,16 +137,16 @@ def test_a_click_on_the_figure_frees_and_locks_a_part(inspector, document):
 def test_a_part_that_is_not_in_the_chain_cannot_be_clicked(inspector, document):
     document.selection.set(("constraints", "constraint 0"))  # a right wrist
     figure = inspector.findChild(BodyFigure)
-    QTest.mouseClick(figure, LEFT, pos=SHAPES[BodyPart.LEFT_THIGH].center().toPoint())
+    QTest.mouseClick(figure, LEFT, pos=segment_place(BodyPart.LEFT_THIGH))
     assert document.history == ()
 
 
 def test_locking_the_last_free_part_is_refused_in_a_sentence(inspector, document, qtbot):
     document.selection.set(("constraints", "constraint 0"))
     figure = inspector.findChild(BodyFigure)
-    QTest.mouseClick(figure, LEFT, pos=SHAPES[BodyPart.RIGHT_CLAVICLE].center().toPoint())
+    QTest.mouseClick(figure, LEFT, pos=segment_place(BodyPart.RIGHT_CLAVICLE))
     with qtbot.waitSignal(document.problem) as told:
-        QTest.mouseClick(figure, LEFT, pos=SHAPES[BodyPart.RIGHT_FOREARM].center().toPoint())
+        QTest.mouseClick(figure, LEFT, pos=segment_place(BodyPart.RIGHT_FOREARM))
     assert "without any free part" in told.args[0]
     assert document.project.constraints["constraint 0"].chain.limb == 1.0
 

@@ -9,6 +9,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 
 WIDTH, HEIGHT = 104, 172
+SCALE = 0.8
 MIDDLE = WIDTH / 2
 
 
@@ -45,7 +46,7 @@ class BodyFigure(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.setAccessibleName("Chain, drawn on a body")
+        self.setAccessibleName("Chain, drawn on a body: click segments to lock or free them")
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self.setMouseTracking(True)
         self._weights: dict[BodyPart, float] = {}
@@ -53,7 +54,7 @@ class BodyFigure(QWidget):
         self._under: BodyPart | None = None
 
     def sizeHint(self) -> QSize:
-        return QSize(WIDTH, HEIGHT)
+        return QSize(round(SCALE * WIDTH), round(SCALE * HEIGHT))
 
     def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint) -> None:
         """Weights from 0 (locked) to 1 (free) by segment, and the point that is constrained."""
@@ -63,7 +64,8 @@ class BodyFigure(QWidget):
         self.update()
 
     def part_at(self, place: QPointF) -> BodyPart | None:
-        """The segment under a point of the picture, if it can be clicked."""
+        """The segment under a point of the widget, if it can be clicked."""
+        place = place / SCALE
         grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SHAPES.items())
         return next((part for part, shape in grown if shape.contains(place) and part in self._weights), None)
 
@@ -85,17 +87,18 @@ class BodyFigure(QWidget):
     def event(self, event: QEvent) -> bool:
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
             part = self.part_at(QPointF(event.pos()))
-            if part is None:
-                QToolTip.hideText()
-            else:
+            words = "Click segments to lock or free them."
+            if part is not None:
                 state = "moves" if self._weights[part] > 0.0 else "is locked"
-                QToolTip.showText(event.globalPos(), f"{part.label} {state}. Click to change.", self)
+                words = f"{part.label} {state}. Click to change."
+            QToolTip.showText(event.globalPos(), words, self)
             return True
         return bool(super().event(event))
 
     def paintEvent(self, _: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.scale(SCALE, SCALE)
         for part, shape in SHAPES.items():
             colour = colours.EDGE
             if self._weights.get(part, 0.0) > 0.0:
@@ -113,7 +116,7 @@ class BodyFigure(QWidget):
             painter.drawEllipse(self._point, 3.5, 3.5)
         painter.setPen(QColor(colours.TEXT_THIRD))
         font = painter.font()
-        font.setPixelSize(10)
+        font.setPixelSize(12)
         painter.setFont(font)
         painter.drawText(QPointF(8, 24), "L")
         painter.drawText(QPointF(WIDTH - 14, 24), "R")

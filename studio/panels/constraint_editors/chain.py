@@ -37,6 +37,7 @@ def link_parts(point: BodyPart) -> dict[str, tuple[BodyPart, ...]]:
         links["end_segment"] = (BodyPart(f"{side}_hand"),)
         links["clavicle"] = (BodyPart(f"{side}_clavicle"),)
     elif bone in ("thigh", "shank", "foot", "toe"):
+        del links["trunk"]  # it stands above the hips
         links["limb"] = (BodyPart(f"{side}_thigh"), BodyPart(f"{side}_shank"))
         links["end_segment"] = (BodyPart(f"{side}_foot"),)
     else:
@@ -65,7 +66,7 @@ class ChainSection(Section):
     def _make_weights(self) -> QGridLayout:
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
-        grid.setVerticalSpacing(4)
+        grid.setVerticalSpacing(2)
         for place, link in enumerate(LINKS):
             name = labelled("", "second")
             field = NumberField("Weight", "", 0.0, 1.0, 0.05, 2)
@@ -75,7 +76,6 @@ class ChainSection(Section):
             grid.addWidget(name, place, 0)
             grid.addWidget(field, place, 1)
             self._names[link], self._weights[link] = name, field
-        grid.addWidget(labelled("Click segments to lock or free them", "hint"), len(LINKS), 0, 1, 2)
         grid.setRowStretch(len(LINKS) + 1, 1)
         return grid
 

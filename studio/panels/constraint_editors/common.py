@@ -30,7 +30,8 @@ class ConstraintEditor(Editor):
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
-        self._section = Section("Constraint")
+        kind = self.entity.kind.replace("_", "-")
+        self._section = Section(f"{kind.capitalize()} constraint")
         self._add_names()
         self._add_point()
         self.add_kind_rows(self._section)
@@ -53,9 +54,6 @@ class ConstraintEditor(Editor):
         self._name = QLineEdit()
         self._name.editingFinished.connect(self._rename)
         self._section.add_row("Name", self._name)
-        kind = self.entity.kind
-        self._kind = Choice("Kind", [(kind, kind.replace("_", "-").capitalize())])
-        self._section.add_row("Kind", self._kind)
 
     def _add_point(self) -> None:
         self._point = Choice("Point", point_choices())
@@ -81,7 +79,6 @@ class ConstraintEditor(Editor):
         self._enabled.blockSignals(False)
         if not self._name.hasFocus() or not self._name.isModified():
             self._name.setText(constraint.name)
-        self._kind.show_value(constraint.kind)
         self._show_point(constraint.point)
         for field, value in zip(self._offset, constraint.point.offset, strict=True):
             field.show_value(value / CENTIMETRE)

@@ -7,7 +7,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QListWidget, QListWidgetItem
 
 from studio.panels.editor import Editor
-from studio.panels.fields import Section, labelled
+from studio.panels.fields import Section
 
 ROW = 30
 ID = Qt.ItemDataRole.UserRole
@@ -46,7 +46,6 @@ class PrioritySection(Section):
         self._list.setUniformItemSizes(True)
         self._list.model().rowsMoved.connect(lambda *_: self._put_order())
         self.add_wide(self._list)
-        self.add_wide(labelled("Drag to reorder: a higher one is kept before a lower one.", "hint"))
 
     def refresh(self) -> None:
         """Fetch the order."""

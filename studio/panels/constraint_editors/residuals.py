@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from PySide6.QtCore import QSize
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
@@ -13,7 +13,7 @@ from studio.engine.residuals import PARTLY_BELOW, Residual, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
-ROW = 20
+ROW, COLUMNS, BETWEEN = 18, 2, 16
 MILLIMETRES = 1000.0
 
 
@@ -52,7 +52,7 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
 
 
 class ResidualTable(QWidget):
-    """A line a body: dot, name, a bar that grows with the error, millimetres and the frame."""
+    """The bodies in two columns: dot, name, millimetres; the whole sentence under the mouse."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -64,31 +64,36 @@ class ResidualTable(QWidget):
         if residuals != self.residuals:
             resized = len(residuals) != len(self.residuals)
             self.residuals = residuals
-            self.setAccessibleDescription("; ".join(f"{each.name} {words_of(each)}" for each in residuals))
+            lines = [f"{each.name}: {words_of(each)}" for each in residuals]
+            self.setAccessibleDescription("; ".join(lines))
+            self.setToolTip("\n".join(lines))
             if resized:
                 self.updateGeometry()
             self.update()
 
     def sizeHint(self) -> QSize:
-        return QSize(200, ROW * max(len(self.residuals), 1))
+        return QSize(200, ROW * max(-(-len(self.residuals) // COLUMNS), 1))
 
     def paintEvent(self, _: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for place, residual in enumerate(self.residuals):
-            self._paint(painter, place * ROW, residual)
+            self._paint(painter, place // COLUMNS * ROW, place % COLUMNS, residual)
         painter.end()
 
-    def _paint(self, painter: QPainter, top: int, residual: BodyResidual) -> None:
-        baseline = top + 14
+    def _paint(self, painter: QPainter, top: int, column: int, residual: BodyResidual) -> None:
+        width = (self.width() - BETWEEN) // COLUMNS
+        left, baseline, metrics = column * (width + BETWEEN), top + 13, painter.fontMetrics()
         painter.setPen(QColor(0, 0, 0, 0))
         painter.setBrush(QColor(residual.colour))
-        painter.drawEllipse(0, top + 6, 8, 8)
+        painter.drawEllipse(left, top + 5, 8, 8)
+        text, colour = short_words_of(residual), residual.state[1]
+        start = left + width - metrics.horizontalAdvance(text)
+        name = metrics.elidedText(residual.name, Qt.TextElideMode.ElideRight, start - left - 22)
         painter.setPen(QColor(colours.TEXT))
-        painter.drawText(16, baseline, residual.name)
-        text, colour = words_of(residual), residual.state[1]
+        painter.drawText(left + 16, baseline, name)
         painter.setPen(QColor(colour))
-        painter.drawText(self.width() - painter.fontMetrics().horizontalAdvance(text), baseline, text)
+        painter.drawText(start, baseline, text)
 
 
 def words_of(residual: BodyResidual) -> str:
@@ -98,6 +103,14 @@ def words_of(residual: BodyResidual) -> str:
         return word
     remark = f", {residual.worst.remark}" if residual.worst.remark else ""
     return f"{word} by {residual.worst.metres * MILLIMETRES:.3g} mm at {residual.worst.frame}{remark}"
+
+
+def short_words_of(residual: BodyResidual) -> str:
+    """``42 mm``, or that it holds, or that it is not active; a star where it is never fully active."""
+    word, _ = residual.state
+    if residual.worst is None or word == "held":
+        return word
+    return f"{residual.worst.metres * MILLIMETRES:.3g} mm{'*' if residual.worst.remark else ''}"
 
 
 class ResidualSection(Section):
