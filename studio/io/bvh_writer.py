@@ -53,7 +53,7 @@ def write_bvh(
 
 
 def _hierarchy(skeleton: Skeleton, positioned: frozenset[int], scale: float) -> Iterator[str]:
-    offsets = skeleton.offsets[:, _WORLD_TO_FILE] * scale
+    offsets = skeleton.offsets[:, _WORLD_TO_FILE] * scale + 0.0  # no "-0"
     open_depths: list[int] = []
     for joint in _depth_first(skeleton):
         depth = skeleton.depths[joint]

@@ -151,3 +151,15 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> Non
     with pytest.raises(StudioError, match="could not be written"):
         write_bvh(target, skeleton, make_poses(skeleton), 60.0)
     assert [path.name for path in tmp_path.iterdir()] == ["folder.bvh"]
+
+
+def test_fewer_decimals_make_a_smaller_file_that_still_is_within_a_hundredth_of_a_millimetre(tmp_path: Path) -> None:
+    skeleton = make_skeleton()
+    poses = make_poses(skeleton)
+    write_bvh(tmp_path / "whole.bvh", skeleton, poses, 60.0)
+    write_bvh(tmp_path / "short.bvh", skeleton, poses, 60.0, decimals=4)
+    frames = read_bvh(tmp_path / "short.bvh").frames
+    assert np.allclose(frames, frames.round(4), rtol=0.0, atol=1e-12)
+    assert (tmp_path / "short.bvh").stat().st_size < 0.9 * (tmp_path / "whole.bvh").stat().st_size
+    assert _worst_distance(skeleton, poses, tmp_path / "short.bvh") < 1e-5
+    assert not any(word == "-0" for word in (tmp_path / "short.bvh").read_text().split())
