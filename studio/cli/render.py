@@ -117,7 +117,7 @@ def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
                 project.characters[performer.character_id].morphology,
                 tuple(project.contacts_of(motion_id).values()),
                 tuple(each for each in project.constraints_of(motion_id).values() if each.enabled),
-                project.ground,
+                project.ground.seen_from(performer.position, performer.heading),
             )
             results[key] = adapt(request)
     return results

@@ -206,7 +206,8 @@ class LiveAdaptation(QObject):
         morphology = project.characters[performer.character_id].morphology
         contacts = tuple(project.contacts_of(motion_id).values())
         constraints = tuple(item for item in project.constraints_of(motion_id).values() if item.enabled)
-        wanted = Wanted(capture, id(capture), morphology, contacts, constraints, project.ground)
+        ground = project.ground.seen_from(performer.position, performer.heading)
+        wanted = Wanted(capture, id(capture), morphology, contacts, constraints, ground)
         if self._wanted.get(key) == wanted:
             return
         self._wanted[key] = wanted

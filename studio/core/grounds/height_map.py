@@ -33,6 +33,16 @@ class HeightMap(Ground):
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)
 
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, HeightMap)
+            and (self.height, self.cell, self.origin) == (other.height, other.cell, other.origin)
+            and np.array_equal(self.heights, other.heights)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.height, self.cell, self.origin, self.heights.shape))
+
     def rise_at(self, xy: FloatArray) -> FloatArray:
         cells, _ = self._cells(xy)
         return np.asarray(self._surface.ev(cells[..., 0], cells[..., 1]))

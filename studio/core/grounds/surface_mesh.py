@@ -38,6 +38,17 @@ class SurfaceMesh(Ground):
             array.setflags(write=False)
             object.__setattr__(self, name, array)
 
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, SurfaceMesh)
+            and self.height == other.height
+            and np.array_equal(self.vertices, other.vertices)
+            and np.array_equal(self.triangles, other.triangles)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.height, self.vertices.shape, self.triangles.shape))
+
     def rise_at(self, xy: FloatArray) -> FloatArray:
         return self._look(xy)[0]
 
@@ -48,7 +59,8 @@ class SurfaceMesh(Ground):
         places = np.ascontiguousarray(xy, dtype=np.float64).reshape(-1, 2)
         heights, slopes = np.zeros(len(places)), np.zeros((len(places), 2))
         if len(self.triangles):
-            highest_triangles(places, *self._index, heights, slopes, np.zeros(len(places), dtype=np.bool_))
+            found = np.zeros(len(places), dtype=np.bool_)
+            highest_triangles(places, *self._index, heights, slopes, found)  # type: ignore[call-arg]
         return heights.reshape(xy.shape[:-1]), slopes.reshape(xy.shape)
 
     @cached_property

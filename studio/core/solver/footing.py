@@ -27,7 +27,7 @@ FREED_AFTER = 0.15
 """Seconds after a foot has left the ground (or before it lands) in which it becomes free."""
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
-CLIMB_SMOOTHING = 0.15
+CLIMB_SMOOTHING = 0.12
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
 
@@ -69,26 +69,67 @@ def find_footing(
     """
     states = foot_states(contacts, motion.frame_count)
     plans = [_plan_foot(side, morphology, states[side], ground, positions, rotations) for side in range(2)]
-    climb = np.zeros(motion.frame_count)
-    if not ground.is_level:
-        draped = [
-            _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, positions, rotations)
-            for side, plan in enumerate(plans)
-        ]
-        plans, heights = [each[:3] for each in draped], [each[3] for each in draped]
-        smoothing = CLIMB_SMOOTHING * motion.frame_rate
-        climb = gaussian_filter1d(np.mean(heights, axis=0), smoothing, mode="nearest")
-    ankles, feet, toes = (np.array([plan[part] for plan in plans]) for part in range(3))
+    if ground.is_level:
+        ankles, feet, toes = _stacked(plans)
+        relative = ankles - positions[:, 0]
+        comforts = leg_comforts(motion, states)
+        drops = _drops(motion, morphology, rotations, relative, comforts, states)
+        return Footing(states, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate))
+    draped = [
+        _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, positions, rotations)
+        for side, plan in enumerate(plans)
+    ]
+    ankles, feet, toes = _stacked([each.foot for each in draped])
+    climb = np.mean([each.heights for each in draped], axis=0)
+    climb = gaussian_filter1d(climb, CLIMB_SMOOTHING * motion.frame_rate, mode="nearest")
     comforts = leg_comforts(motion, states)
-    drops = np.empty(motion.frame_count)
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
-    hip_heights(motion.channels, morphology.packed[None], rotations, relative, comforts, states, drops)
+    on_level = np.array([each.level_ankles for each in draped]) - positions[:, 0]
+    drops, all_feet, level = (
+        _drops(motion, morphology, rotations, places, comforts, stands)
+        for places, stands in (
+            (relative, states),
+            (relative, np.full_like(states, kernel.FLAT)),
+            (on_level, np.full_like(states, kernel.FLAT)),
+        )
+    )
+    # A foot in the air that reaches far down, as on the way down a flight of steps, brings the root down early.
+    drops = np.maximum(drops, all_feet - np.maximum(level, 0.0))
     return Footing(states, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate) - climb)
+
+
+def _drops(
+    motion: NormalizedMotion,
+    morphology: Morphology,
+    rotations: FloatArray,
+    ankles: FloatArray,
+    comforts: FloatArray,
+    states: NDArray[np.int64],
+) -> FloatArray:
+    """(F,) metres by which the root must come down for standing legs to reach; ``ankles`` from the root."""
+    drops = np.empty(motion.frame_count)
+    hip_heights(motion.channels, morphology.packed[None], rotations, ankles, comforts, states, drops)
+    return drops
 
 
 Plan = tuple[FloatArray, FloatArray, FloatArray]
 """Ankles (F, 3), feet and toes (F, 3, 3) of one side."""
+
+
+@dataclass(frozen=True, eq=False)
+class _DrapedFoot:
+    """One ``foot`` on the ground, its ankles as planned level (F, 3), and the heights (F,) of its footprints."""
+
+    foot: Plan
+    level_ankles: FloatArray
+    heights: FloatArray
+
+
+def _stacked(plans: Sequence[Plan]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Ankles (2, F, 3), feet and toes (2, F, 3, 3) of both sides."""
+    ankles, feet, toes = (np.array(part) for part in zip(*plans, strict=True))
+    return ankles, feet, toes
 
 
 def _plan_foot(
@@ -123,8 +164,8 @@ def _drape_foot(
     frame_rate: float,
     positions: FloatArray,
     rotations: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """A foot planned level, set on ground that is not, and the heights of its footprints (F,).
+) -> _DrapedFoot:
+    """A foot planned level, set on ground that is not.
 
     A heel that would stand over nothing does not: that foot comes down flat; ``states`` (F,) tell so after.
     """
@@ -135,8 +176,8 @@ def _drape_foot(
         plan = _plan_foot(side, morphology, states, ground, positions, rotations)
         prints = find_footprints(states, plan[0], plan[1], morphology, side, ground)
     draped = drape(prints, *plan, ground, frame_rate)
-    draped.ankles[:, 2] += lift_over_edges(plan[:2], draped, states, morphology, side, ground, frame_rate)
-    return draped.ankles, draped.feet, draped.toes, draped.heights
+    draped.ankles[:, 2] += lift_over_edges(plan[:2], draped, states, morphology, side, ground)
+    return _DrapedFoot((draped.ankles, draped.feet, draped.toes), plan[0], draped.heights)
 
 
 def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64]) -> FloatArray:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from studio.core.ground import Ground
@@ -26,10 +25,11 @@ LONGEST_FLIGHT = 1.0
 WAYPOINT = 0.5
 SHORTEST_RAMP = 0.25
 """Seconds before the first and after the last contact that are too short to follow the ground."""
-CLEARANCE = 0.06
-"""Seconds over which a foot is lifted before it must, and stays so after."""
-TAPER = 0.2
-"""Part of a flight at either end in which the lift over edges fades."""
+MIDDLE = 0.5
+"""Height of the arch (0 at both contacts, 1 between) above which it must clear the ground; below, a foot that
+leaves or comes down close to an edge may brush it: to clear that too it would have to jerk."""
+GREATEST_LIFT = 0.12
+"""Metres of extra lift that are neared and never passed."""
 _SETTLING = 4
 
 
@@ -153,12 +153,12 @@ def lift_over_edges(
     body: Morphology,
     side: int,
     ground: Ground,
-    frame_rate: float,
 ) -> FloatArray:
     """(F,) metres by which a foot in the air is raised so that it clears what lies between its footprints.
 
     ``level`` the ankles (F, 3) and feet (F, 3, 3) as planned on the level floor: a foot comes no nearer to the ground
-    than it did there. The lift and its first two derivatives are zero at every contact.
+    than it did there, as far as one smooth arch a flight can do that: it and its first two derivatives are zero at
+    every contact.
     """
     sole = np.array(
         [
@@ -167,17 +167,17 @@ def lift_over_edges(
             [body.foot[side, 0] + np.hypot(*body.toe[side, :2]), body.foot[side, 1], -body.ankle_height[side]],
         ]
     )
-    air = states == 0
-    lift = np.zeros(len(states))
-    before = level[0][air, None] + np.einsum("fij,pj->fpi", level[1][air], sole)
-    after = draped.ankles[air, None] + np.einsum("fij,pj->fpi", draped.feet[air], sole)
-    deeper = ground.height_at(after) - after[..., 2] - np.maximum(ground.height - before[..., 2], 0.0)
-    lift[air] = np.maximum(deeper.max(axis=1, initial=0.0), 0.0)
-    half = max(1, round(CLEARANCE * frame_rate))
-    window = np.hanning(2 * half + 3)[1:-1]
-    peaks = np.pad(maximum_filter1d(lift, 2 * half + 1, mode="nearest"), half, mode="edge")
-    smooth = np.convolve(peaks, window / window.sum(), mode="valid")
-    return np.asarray(smooth * _smoothstep(np.minimum(_nearness(states) / TAPER, 1.0)))
+    before = level[0][:, None] + np.einsum("fij,pj->fpi", level[1], sole)
+    after = draped.ankles[:, None] + np.einsum("fij,pj->fpi", draped.feet, sole)
+    nearer = ground.height_at(after) - after[..., 2] - np.maximum(ground.height - before[..., 2], 0.0)
+    needs, lift = nearer.max(axis=1), np.zeros(len(states))
+    for first, last in _runs(states == 0):
+        share = np.arange(1, last - first + 2) / (last - first + 2)
+        arch = (4.0 * share * (1.0 - share)) ** 3
+        high = arch >= MIDDLE
+        needed = max(float((needs[first : last + 1][high] / arch[high]).max(initial=0.0)), 0.0)
+        lift[first : last + 1] = GREATEST_LIFT * np.tanh(needed / GREATEST_LIFT) * arch
+    return lift
 
 
 def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
@@ -239,16 +239,17 @@ def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, fram
     moves[:, 2] = ground.height_at(level) - ground.height
     order = np.argsort(np.concatenate([prints.first, extra]), kind="stable")
 
-    def merged(own: NDArray[np.generic], more: NDArray[np.generic]) -> NDArray[np.generic]:
-        return np.concatenate([own, more])[order]
-
-    return Footprints(
-        *(merged(a, b) for a, b in ((prints.first, extra), (prints.last, extra))),  # type: ignore[arg-type]
-        merged(prints.pivots, level),  # type: ignore[arg-type]
-        merged(prints.moves, moves),  # type: ignore[arg-type]
-        merged(prints.tilts, tilts_of(ground.normal_at(level))),  # type: ignore[arg-type]
-        merged(prints.hanging, np.zeros(len(extra), dtype=bool)),  # type: ignore[arg-type]
+    first, last = np.append(prints.first, extra)[order], np.append(prints.last, extra)[order]
+    pivots, all_moves, tilts = (
+        np.concatenate(both)[order]
+        for both in (
+            (prints.pivots, level),
+            (prints.moves, moves),
+            (prints.tilts, tilts_of(ground.normal_at(level))),
+        )
     )
+    hanging = np.append(prints.hanging, np.zeros(len(extra), dtype=np.bool_))[order]
+    return Footprints(first, last, pivots, all_moves, tilts, hanging)
 
 
 def _eased(prints: Footprints, values: FloatArray, count: int) -> FloatArray:
@@ -259,17 +260,6 @@ def _eased(prints: Footprints, values: FloatArray, count: int) -> FloatArray:
     gap = np.maximum(prints.first[following] - prints.last[before], 1)
     share = _smoothstep(np.clip((frames - prints.last[before]) / gap, 0.0, 1.0))
     return np.asarray(values[before] + share[:, None] * (values[following] - values[before]))
-
-
-def _nearness(states: NDArray[np.int64]) -> FloatArray:
-    """(F,) 0 at contacts, 0.5 in the middle of a flight: its part to the nearer contact; 0.5 beyond the outermost."""
-    frames, stands = np.arange(len(states)), np.flatnonzero(states)
-    if not len(stands):
-        return np.full(len(states), 0.5)
-    after = np.searchsorted(stands, frames)
-    previous, following = stands[np.maximum(after - 1, 0)], stands[np.minimum(after, len(stands) - 1)]
-    share = (frames - previous) / np.maximum(following - previous, 1)
-    return np.where(frames < stands[0], 0.5, np.where(frames > stands[-1], 0.5, np.minimum(share, 1.0 - share)))
 
 
 def _smoothstep(t: FloatArray) -> FloatArray:
