@@ -111,9 +111,9 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
 
 
 def repair_words(capture: Capture) -> str:
-    """``walk.bvh was read with 2 repairs: The last row, line 214, is cut off and was dropped.``"""
-    count = len(capture.repairs)
-    return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {capture.repairs[0]}"
+    """``walk.bvh was read with 2 repairs: line 214: the last row is cut off and was dropped.``"""
+    count, first = len(capture.repairs), capture.repairs[0].removeprefix(f"{capture.source}, ")
+    return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
 
 
 def overruled(capture: Capture) -> dict[str, Any]:

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 WHEEL_ZOOM = 1.15
 ADAPTED_FIRST = ("constraints", "contacts")
 """What changes only handles until the engine has adapted the bodies to it."""
+ANOTHER = 0.2
 ROOM_AROUND_TARGET = 0.6
 """Metres shown round a framed constraint or prop."""
 
@@ -62,6 +63,7 @@ class Viewport(Canvas):
         self._bones = False
         self._framed = False
         self._opening: OrbitCamera | None = None
+        self._opening_size = self.view_size
         self._problem: Problem | None = None
         self._problem_stale = True
         self._glide = Glide(self.set_camera, self)
@@ -253,7 +255,12 @@ class Viewport(Canvas):
 
     def _open(self) -> None:
         shown = self.posed or self.resting
+        self._opening_size = self.view_size
         self.camera = self._opening = opening_camera(shown, self.view_size, self.camera.parallel)
+
+    def _is_another_size(self) -> bool:
+        """Whether the view is quite another than at the opening; a line of words below it makes no difference."""
+        return any(abs(now / then - 1) > ANOTHER for now, then in zip(self.view_size, self._opening_size, strict=True))
 
     def _expected(self) -> list[str]:
         """The performers that are to be seen sooner or later."""
@@ -389,7 +396,7 @@ class Viewport(Canvas):
         """The chips follow the room there is."""
         super().resizeEvent(event)
         self._chips.fit(event.size().width())
-        if self.camera == self._opening and self.posed:
+        if self.camera == self._opening and self.posed and self._is_another_size():
             self._open()
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 

@@ -433,3 +433,20 @@ def test_while_nobody_performs_the_view_says_what_is_under_way_and_else_what_to_
     for key, performer in document.project.performers.items():
         document.replace("performers", key, replace(performer, visible=False), "Hide")
     assert viewport.notice == HIDDEN
+
+
+def test_the_first_view_is_taken_anew_in_a_much_smaller_window_but_not_for_a_line_of_words(studio):
+    viewport, _, _ = studio
+    first = viewport.camera
+    viewport.resize(900, 570)
+    assert viewport.camera == first
+    viewport.resize(470, 260)
+    assert viewport.camera != first
+    heads = [
+        viewport.widget_point(one.points[one.motion.morphology.layout.head_end]) for one in viewport.posed.values()
+    ]
+    assert all(head.y() > 50 for head in heads)
+    looked_at = viewport.camera.panned(0.5, 0.0)
+    viewport.set_camera(looked_at)
+    viewport.resize(900, 600)
+    assert viewport.camera == looked_at
