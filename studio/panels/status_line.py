@@ -23,6 +23,7 @@ class ProgressLine(QWidget):
         row.setContentsMargins(0, 0, 12, 0)
         row.setSpacing(8)
         self._words = QLabel()
+        self._words.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self._bar = QProgressBar()
         self._bar.setFixedWidth(BAR_WIDTH)
         self._bar.setTextVisible(False)
@@ -30,7 +31,8 @@ class ProgressLine(QWidget):
         self._cancel = press_button("Cancel", self._ask, "link")
         self._cancel.setObjectName("cancel")
         self._cancel.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-        for widget in (self._words, self._bar, self._cancel):
+        row.addWidget(self._words, 1)
+        for widget in (self._bar, self._cancel):
             row.addWidget(widget, 0, Qt.AlignmentFlag.AlignVCenter)
         self._titles: dict[int, str] = {}
         self._jobs: dict[int, tuple[str, float]] = {}
