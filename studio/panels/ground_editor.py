@@ -1,26 +1,160 @@
-"""The ground: how high it lies."""
+"""The ground: its kind and its measures; every body follows while a slider moves."""
 
+import math
+from dataclasses import dataclass, fields
+
+from studio.core.ground import Ground
+from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.sliders import ValueSlider
+
+KINDS: tuple[tuple[type[Ground], str], ...] = (
+    (Ground, "Flat"),
+    (Slope, "Slope"),
+    (Steps, "Steps"),
+    (Bumps, "Bumps"),
+    (HeightMap, "Height map"),
+    (SurfaceMesh, "Mesh"),
+)
+MADE_HERE = (Ground, Slope, Steps, Bumps)
+"""The kinds that need nothing but numbers; the others come from files and are offered where one is loaded."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A slider for a field, from ``low`` to ``high`` in the field's own unit; it reads ``scale`` times that."""
+
+    name: str
+    words: str
+    low: float
+    high: float
+    unit: str = " m"
+    scale: float = 1.0
+    decimals: int = 2
+    whole: bool = False
+
+    def reading(self, value: float) -> str:
+        """The value in words."""
+        return f"{value * self.scale:.{self.decimals}f}{self.unit}"
+
+
+DEGREES = math.degrees(1.0)
+TURN = Measure("direction", "Direction", -math.pi, math.pi, "°", DEGREES, 0)
+MEASURES: dict[type[Ground], tuple[Measure, ...]] = {
+    Slope: (Measure("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", DEGREES, 1), TURN),
+    Steps: (
+        Measure("rise", "Rise", -0.30, 0.30, " cm", 100.0, 1),
+        Measure("tread", "Tread", 0.20, 0.60, " cm", 100.0, 1),
+        Measure("count", "Steps", 1, 40, "", decimals=0, whole=True),
+        TURN,
+    ),
+    Bumps: (
+        Measure("amplitude", "Amplitude", 0.0, 0.30, " cm", 100.0, 1),
+        Measure("wavelength", "Wavelength", 0.4, 4.0),
+        Measure("seed", "Pattern", 0, 50, "", decimals=0, whole=True),
+    ),
+}
+PLACES: dict[type[Ground], tuple[str, str]] = {
+    Slope: ("foot", "Foot at"),
+    Steps: ("start", "First step at"),
+    HeightMap: ("origin", "Corner at"),
+}
 
 
 class GroundEditor(Editor):
-    """One number that every body follows."""
+    """A kind to choose, the height, and below it the measures of that kind."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Ground")
+        self._kind = Choice("Kind of ground", [(kind, words) for kind, words in KINDS if kind in MADE_HERE])
+        self._kind.chosen.connect(self._choose)
+        section.add_row("Kind", self._kind)
         self._height = self.bind(
             NumberField("Height", "m", -10.0, 10.0, 0.01, 3),
             lambda metres: self.change("Set height of the ground", height=metres),
         )
         section.add_row("Height", self._height)
-        section.add_wide(labelled("Feet in contact stand on it, on every body.", "hint"))
         self.column.addWidget(section)
+        self._forms = {kind: _KindSection(self, kind) for kind in (*MEASURES, HeightMap)}
+        for form in self._forms.values():
+            self.column.addWidget(form)
+        hint = labelled("Feet in contact stand on it, on every body.", "hint")
+        hint.setContentsMargins(12, 8, 12, 0)
+        self.column.addWidget(hint)
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch the height."""
-        self._height.show_value(self.entity.height)
+        """Fetch kind, height and measures."""
+        ground = self.entity
+        kind, words = next(pair for pair in KINDS if pair[0] is type(ground))
+        if not self._kind.offers(kind):
+            self._kind.add(kind, words)
+        self._kind.show_value(kind)
+        self._height.show_value(ground.height)
+        for shown, form in self._forms.items():
+            form.setVisible(shown is kind)
+            if shown is kind:
+                form.refresh()
+
+    def _choose(self, kind: type[Ground]) -> None:
+        """Another kind of ground; what both kinds have in common stays."""
+        if kind is type(self.entity):
+            return
+        words = dict(KINDS)[kind].lower()
+        names = {field.name for field in fields(kind)} & {field.name for field in fields(self.entity)}
+        kept = {name: getattr(self.entity, name) for name in names}
+        if kind in MADE_HERE:
+            self.put(lambda: kind(**kept), f"Set ground to {words}")
+        self.refresh()
+
+
+class _KindSection(Section):
+    """Sliders and place of one kind of ground."""
+
+    def __init__(self, editor: GroundEditor, kind: type[Ground]) -> None:
+        self._words = dict(KINDS)[kind]
+        super().__init__(self._words)
+        self._editor = editor
+        self._sliders = {measure: self._make_slider(measure, kind) for measure in MEASURES.get(kind, ())}
+        self._place = ""
+        self._fields: list[NumberField] = []
+        if kind in PLACES:
+            self._place, words = PLACES[kind]
+            self._fields = [self._make_field(words, axis) for axis in range(2)]
+            self.add_row(words, *self._fields)
+
+    def refresh(self) -> None:
+        """Fetch every measure."""
+        ground = self._editor.entity
+        for measure, slider in self._sliders.items():
+            value = getattr(ground, measure.name)
+            slider.show_value(value, measure.reading(value))
+        for axis, field in enumerate(self._fields):
+            field.show_value(getattr(ground, self._place)[axis])
+
+    def _make_slider(self, measure: Measure, kind: type[Ground]) -> ValueSlider:
+        slider = ValueSlider(measure.words, measure.low, measure.high)
+        slider.begun.connect(self._editor.begin)
+        slider.edited.connect(lambda value: self._set(measure, value))
+        slider.ended.connect(self._editor.end)
+        slider.restored.connect(lambda: self._set(measure, getattr(kind(), measure.name)))
+        self.add_row(measure.words, slider)
+        return slider
+
+    def _make_field(self, words: str, axis: int) -> NumberField:
+        name = f"{words} {'XY'[axis]}"
+        field = NumberField(name, "m", -100.0, 100.0, 0.05)
+        return self._editor.bind(field, lambda metres: self._move(axis, metres))
+
+    def _set(self, measure: Measure, value: float) -> None:
+        text = f"Set {measure.words.lower()} of the {self._words.lower()}"
+        self._editor.change(text, **{measure.name: round(value) if measure.whole else value})
+
+    def _move(self, axis: int, metres: float) -> None:
+        place = list(getattr(self._editor.entity, self._place))
+        place[axis] = metres
+        self._editor.change(f"Move the {self._words.lower()}", **{self._place: tuple(place)})

@@ -89,4 +89,6 @@ def _point(constraint: Constraint) -> str:
 
 def _stage(project: Project) -> list[Row]:
     props = [Row(prop.name, "prop", ("props", key)) for key, prop in project.props.items()]
-    return [Row("Ground", f"{project.ground.height:.2f} m", ("grounds", GROUND_ID)), *props]
+    ground = project.ground
+    words = f"{ground.height:.2f} m" if ground.is_level else ground.kind.replace("_", " ")
+    return [Row("Ground", words, ("grounds", GROUND_ID)), *props]

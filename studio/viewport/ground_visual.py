@@ -1,0 +1,155 @@
+"""Ground that is not level: a shaded surface with the metre lines laid over it, built anew only when it changes."""
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from studio.core.ground import Ground
+from studio.core.grounds import Steps, SurfaceMesh
+from studio.core.grounds.slope import heading
+from studio.viewport.floor import FLOOR, GRID_REACH, HORIZON, LINE, LINE_LIFT, as_bytes, line_fade, line_tints
+from studio.viewport.live_mesh import flat_actor
+
+FloatArray = NDArray[np.float64]
+
+CELL = 0.125
+"""Metres between points of the surface; a metre line runs along points."""
+FINE = 0.02
+"""Metres between points of a line over edges."""
+FAR = np.array([18.0, 24.0, 34.0, 50.0, 80.0])
+LAMP = np.array([-0.45, 0.35, 0.82])
+LAMP_STRENGTH = 0.75
+"""How much brighter or darker than the level floor a surface is that faces the light or turns away."""
+
+DARKEST = 0.66
+"""What is left of the floor's grey on a riser that looks away."""
+
+Faces = NDArray[np.int64]
+
+
+class GroundVisual:
+    """A surface and its lines. ``show`` brings both to a ground and says whether anything was built."""
+
+    def __init__(self) -> None:
+        self._surface, self._lines = pv.PolyData(), pv.PolyData()
+        self.surface, self.lines = flat_actor(self._surface), flat_actor(self._lines)
+        self._shown: Ground | None = None
+        for actor in (self.surface, self.lines):
+            actor.SetVisibility(False)
+
+    def show(self, ground: Ground) -> bool:
+        """Draw ``ground``; nothing for a level one, which the floor draws. False when it is drawn already."""
+        if ground == self._shown:
+            return False
+        self._shown = ground
+        for actor in (self.surface, self.lines):
+            actor.SetVisibility(not ground.is_level)
+        if not ground.is_level:
+            points, normals, faces = surface_of(ground)
+            self._surface.points = np.array(points, dtype=np.float32)
+            self._surface.faces = faces.ravel()
+            self._surface.point_data["colour"] = shades(points, normals)
+            self._surface.point_data.active_scalars_name = "colour"
+            ends, tints, pairs = lines_of(ground)
+            self._lines.points = ends.astype(np.float32)
+            self._lines.lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
+            self._lines.point_data["colour"] = tints
+            self._lines.point_data.active_scalars_name = "colour"
+        return True
+
+    def place_shadow(self, centre: FloatArray, reach: float) -> None:
+        """Lay the surface's texture over ``centre`` (2,), ``reach`` metres to each side, seen from above."""
+        plan = np.asarray(self._surface.points, dtype=np.float64)[:, :2]
+        self._surface.active_texture_coordinates = np.array((plan - centre) / (2 * reach) + 0.5, dtype=np.float32)
+
+
+def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:
+    """Points (V, 3), normals (V, 3) and quadrilaterals (Q, 5) or triangles of a ground, some 80 m round the middle."""
+    if isinstance(ground, Steps):
+        return _flight(ground)
+    near = np.arange(-GRID_REACH, GRID_REACH + CELL / 2, CELL)
+    axis = np.concatenate([-FAR[::-1], near, FAR])
+    xy = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
+    faces = _quads(len(axis), len(axis))
+    if not isinstance(ground, SurfaceMesh):
+        return np.column_stack([xy, ground.height_at(xy)]), ground.normal_at(xy), faces
+    floor = np.column_stack([xy, np.full(len(xy), ground.height)])
+    mesh = ground.vertices + np.array([0.0, 0.0, ground.height])
+    corners = mesh[ground.triangles].reshape(-1, 3)
+    across = np.cross(corners[1::3] - corners[::3], corners[2::3] - corners[::3])
+    across *= np.where(across[:, 2:] < 0.0, -1.0, 1.0) / np.maximum(
+        np.linalg.norm(across, axis=1, keepdims=True), 1e-12
+    )
+    # Each triangle twice over, as a quadrilateral whose last two corners are one: one table of faces.
+    own = len(floor) + np.arange(len(corners)).reshape(-1, 3)
+    more = np.column_stack([np.full(len(own), 4), own, own[:, 2]])
+    normals = np.concatenate([np.tile([0.0, 0.0, 1.0], (len(floor), 1)), np.repeat(across, 3, axis=0)])
+    return np.concatenate([floor, corners]), normals, np.concatenate([faces, more])
+
+
+def shades(points: FloatArray, normals: FloatArray) -> NDArray[np.uint8]:
+    """(V, 3) the floor's grey, lit from one side, fading to the horizon's far away."""
+    light = np.maximum(1.0 + LAMP_STRENGTH * (normals @ LAMP - LAMP[2]), DARKEST)
+    away = np.clip((np.linalg.norm(points[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
+    return as_bytes(np.clip(FLOOR * light[:, None], 0, 255) * (1 - away) + HORIZON * away)
+
+
+def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
+    """Metre lines over the ground: points (N, 3), colours (N, 3), and pairs of them (M, 2)."""
+    spacing = FINE if isinstance(ground, Steps | SurfaceMesh) else CELL
+    along = np.linspace(-GRID_REACH, GRID_REACH, round(2 * GRID_REACH / spacing) + 1)
+    places = np.arange(-GRID_REACH, GRID_REACH + 1.0)
+    run, place = (grid.ravel() for grid in np.meshgrid(along, places, indexing="xy"))
+    xy = np.concatenate([np.column_stack([run, place]), np.column_stack([place, run])])
+    tints = np.concatenate([line_tints(run, place, 0), line_tints(run, place, 1)])
+    index = np.arange(len(xy)).reshape(-1, len(along))
+    pairs = np.stack([index[:, :-1], index[:, 1:]], axis=-1).reshape(-1, 2)
+    heights = ground.height_at(xy)
+    if isinstance(ground, Steps):
+        edges = _edges(ground)
+        pairs = np.concatenate([pairs, len(xy) + np.arange(len(edges)).reshape(-1, 2)])
+        xy, heights = np.concatenate([xy, edges[:, :2]]), np.concatenate([heights, edges[:, 2]])
+        tints = np.concatenate([tints, np.tile(LINE, (len(edges), 1))])
+    points = np.column_stack([xy, heights + LINE_LIFT])
+    fade = line_fade(xy)
+    under = shades(points, ground.normal_at(xy)).astype(np.float64)
+    return points, as_bytes(under * (1 - fade) + tints * fade), pairs
+
+
+def _edges(ground: Steps) -> FloatArray:
+    """(2 * pieces, 3) the noses of the steps, in pieces of a metre that can fade."""
+    ahead, across = heading(ground.direction), heading(ground.direction + np.pi / 2)
+    risers = np.arange(ground.count)
+    heights = ground.height + ground.rise * (risers + (1 if ground.rise > 0 else 0))
+    begins = np.arange(-GRID_REACH, GRID_REACH)
+    sides = np.stack([begins, begins + 1.0], axis=-1).ravel()
+    xy = np.array(ground.start) + (risers[:, None] * ground.tread)[..., None] * ahead + sides[:, None] * across
+    return np.column_stack([xy.reshape(-1, 2), np.repeat(heights, len(sides))])
+
+
+def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
+    """Treads and risers, each with corners of its own so that edges are sharp, and the floor before and after."""
+    ahead, across = heading(ground.direction), heading(ground.direction + np.pi / 2)
+    risers = np.arange(ground.count) * ground.tread
+    end = risers[-1]
+    along = np.concatenate([-FAR[::-1], [-GRID_REACH], np.repeat(risers, 4), [end + GRID_REACH], end + FAR])
+    level = np.concatenate([np.zeros(len(FAR) + 1), np.repeat(np.arange(ground.count), 4), np.zeros(len(FAR) + 1)])
+    level[len(FAR) + 1 : -len(FAR) - 1] += np.tile([0, 0, 1, 1], ground.count)
+    level[-len(FAR) - 1 :] = ground.count
+    upright = np.zeros(len(along), dtype=bool)
+    upright[len(FAR) + 1 : -len(FAR) - 1] = np.tile([False, True, True, False], ground.count)
+    sides = np.concatenate([-FAR[::-1], np.arange(-GRID_REACH, GRID_REACH + 0.5, 2.0), FAR])
+    xy = np.array(ground.start) + along[:, None, None] * ahead + sides[:, None] * across
+    heights = np.broadcast_to((ground.height + ground.rise * level)[:, None], xy.shape[:2])
+    facing = np.append(-np.sign(ground.rise) * ahead, 0.0)
+    normals = np.where(upright[:, None, None], facing, np.array([0.0, 0.0, 1.0]))
+    normals = np.broadcast_to(normals, (*xy.shape[:2], 3)).reshape(-1, 3)
+    points = np.column_stack([xy.reshape(-1, 2), heights.ravel()])
+    return points, normals, _quads(len(along), len(sides))
+
+
+def _quads(rows: int, columns: int) -> Faces:
+    """(Q, 5) the cells of a grid of points, as VTK wants them."""
+    index = np.arange(rows * columns).reshape(rows, columns)
+    corners = [index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]]
+    return np.column_stack([np.full((rows - 1) * (columns - 1), 4), *(corner.ravel() for corner in corners)])
