@@ -7,6 +7,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
 
+from studio.core.ground import Ground
 from studio.core.morphology import Morphology
 
 FLOOR = np.array([0x20, 0x24, 0x2A], dtype=np.float64)
@@ -41,7 +42,7 @@ def make_plane() -> Any:
             faces.append([3, inner + k, outer + following, inner + following])
     plane = pv.PolyData(np.array(points, dtype=np.float32), np.ravel(faces))
     share = np.clip((np.linalg.norm(plane.points[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
-    plane.point_data["colour"] = _bytes(FLOOR * (1 - share) + HORIZON * share)
+    plane.point_data["colour"] = as_bytes(FLOOR * (1 - share) + HORIZON * share)
     return plane
 
 
@@ -50,7 +51,7 @@ def make_sky() -> Any:
     sky = pv.Sphere(radius=150.0, theta_resolution=24, phi_resolution=24)
     height = np.clip(sky.points[:, 2] / 150.0 / 0.35, 0, 1)[:, None]
     sky.point_data.clear()
-    sky.point_data["colour"] = _bytes(HORIZON * (1 - height) + ZENITH * height)
+    sky.point_data["colour"] = as_bytes(HORIZON * (1 - height) + ZENITH * height)
     return sky
 
 
@@ -70,8 +71,8 @@ def make_lines() -> Any:
     lines.points = np.column_stack([ends, np.full(len(ends), LINE_LIFT)]).astype(np.float32)
     pairs = np.arange(len(ends)).reshape(-1, 2)
     lines.lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
-    fade = np.clip(1.15 - np.linalg.norm(ends, axis=1) / GRID_REACH, 0, 1)[:, None] ** 1.2
-    lines.point_data["colour"] = _bytes(FLOOR * (1 - fade) + np.repeat(tints, 2, axis=0) * fade)
+    fade = line_fade(ends)
+    lines.point_data["colour"] = as_bytes(FLOOR * (1 - fade) + np.repeat(tints, 2, axis=0) * fade)
     return lines
 
 
@@ -81,13 +82,15 @@ class SoftShadows:
     def __init__(self) -> None:
         self._dark = np.zeros((SHADOW_CELLS, SHADOW_CELLS), dtype=np.float32)
         picture = pv.ImageData(dimensions=(SHADOW_CELLS, SHADOW_CELLS, 1))
-        self._bytes = np.tile(_bytes(FLOOR), (SHADOW_CELLS**2, 1))
+        self._bytes = np.tile(as_bytes(FLOOR), (SHADOW_CELLS**2, 1))
         self._picture = picture
         self._scalars = numpy_to_vtk(self._bytes, deep=False)
         picture.GetPointData().SetScalars(self._scalars)
-        texture = pv.Texture(picture)
-        texture.InterpolateOn()
-        texture.EdgeClampOn()
+        self.texture = pv.Texture(picture)
+        self.texture.InterpolateOn()
+        self.texture.RepeatOff()
+        self.texture.EdgeClampOn()
+        self.centre = np.zeros(2)
         reach = 2 * SHADOW_REACH
         quad = pv.Plane(i_size=reach, j_size=reach, i_resolution=1, j_resolution=1)
         self.actor = pv.Actor(mapper=pv.DataSetMapper(quad))
@@ -95,10 +98,13 @@ class SoftShadows:
         self.actor.prop.lighting = False
         self.actor.prop.culling = "back"
         self.actor.prop.color = "white"
-        self.actor.texture = texture
+        self.actor.texture = self.texture
 
-    def cast(self, bodies: list[tuple[NDArray[np.float64], Morphology]], ground: float) -> None:
-        """Darken the floor at height ``ground`` under each body: its stage points (N, 3) and its measures."""
+    def cast(self, bodies: list[tuple[NDArray[np.float64], Morphology]], ground: Ground) -> None:
+        """Darken the ground under each body: its stage points (N, 3) and its measures.
+
+        A level floor is the picture itself; any other ground takes it, as ``texture`` round ``centre``, on its surface.
+        """
         cell = 2 * SHADOW_REACH / SHADOW_CELLS
         middle = np.mean([points[0, :2] for points, _ in bodies], axis=0) if bodies else np.zeros(2)
         centre = np.round(middle / cell) * cell
@@ -107,11 +113,14 @@ class SoftShadows:
             for place, radius, strength in _spots(points, morphology, ground):
                 self._darken((place - centre + SHADOW_REACH) / cell, radius / cell, strength)
         shade = (1.0 - self._dark).reshape(-1, 1)
-        np.multiply(shade, FLOOR.astype(np.float32), out=self._bytes, casting="unsafe")
+        tone = FLOOR if ground.is_level else np.full(3, 255.0)
+        np.multiply(shade, tone.astype(np.float32), out=self._bytes, casting="unsafe")
         self._scalars.Modified()
         self._picture.Modified()
         self.actor.SetOrigin(0.0, 0.0, 0.0)
-        self.actor.SetPosition(centre[0], centre[1], ground + SHADOW_LIFT)
+        self.centre = centre
+        self.actor.SetVisibility(ground.is_level)
+        self.actor.SetPosition(centre[0], centre[1], ground.height + SHADOW_LIFT)
 
     def _darken(self, place: NDArray[np.float64], radius: float, strength: float) -> None:
         reach = 2.2 * radius
@@ -125,7 +134,7 @@ class SoftShadows:
 
 
 def _spots(
-    points: NDArray[np.float64], morphology: Morphology, ground: float
+    points: NDArray[np.float64], morphology: Morphology, ground: Ground
 ) -> list[tuple[NDArray[np.float64], float, float]]:
     """Place, radius and strength of the soft spots of a body: feet sharp and near, trunk wide and faint."""
     layout, size = morphology.layout, morphology.leg_length
@@ -134,12 +143,24 @@ def _spots(
     parts += [(points[0], 0.42, 0.42), (points[layout.neck_base], 0.34, 0.20)]
     spots = []
     for point, radius, strength in parts:
-        height = max(float(point[2]) - ground, 0.0)
+        height = max(float(point[2] - ground.height_at(point)), 0.0)
         far = height / size
         spread = radius * size * (1 + 0.5 * far)
         spots.append((point[:2], spread, strength / (1 + (2.2 * far if radius < 0.2 else 0.25 * far) ** 2)))
     return spots
 
 
-def _bytes(colours: NDArray[np.float64]) -> NDArray[np.uint8]:
+def line_tints(run: NDArray[np.float64], place: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+    """(N, 3) colours of metre lines along ``axis`` at ``run`` (N,) on the line ``place`` (N,): the first are tinted."""
+    first = (place == 0.0) & (run >= 0.0)
+    return np.where(first[:, None], (X_AXIS, Y_AXIS)[axis], LINE)
+
+
+def line_fade(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 1) how plain metre lines are at ``places`` (N, 2): less and less towards the rim."""
+    return np.clip(1.15 - np.linalg.norm(places, axis=1) / GRID_REACH, 0, 1)[:, None] ** 1.2
+
+
+def as_bytes(colours: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Colours (N, 3) 0 to 255, rounded."""
     return np.round(colours).astype(np.uint8)

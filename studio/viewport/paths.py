@@ -83,5 +83,6 @@ def _touching_point(pose: Posed, contact: ContactInterval) -> FloatArray:
 
 
 def _ring(centre: FloatArray, radius: float, project: Project, colour: str, strength: float) -> StagePath:
-    middle = np.array([centre[0], centre[1], project.ground.height + LIFT])
-    return StagePath(middle + radius * _CIRCLE, colour, np.full(len(_CIRCLE), strength))
+    points = np.array([centre[0], centre[1], LIFT]) + radius * _CIRCLE
+    points[:, 2] += project.ground.height_at(points)
+    return StagePath(points, colour, np.full(len(_CIRCLE), strength))

@@ -11,10 +11,12 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
 from studio.core.character import Character
+from studio.core.ground import Ground
 from studio.core.project import Project
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
-from studio.viewport.floor import SoftShadows, make_lines, make_plane, make_sky
+from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
+from studio.viewport.ground_visual import GroundVisual
 from studio.viewport.live_mesh import LiveLines, flat_actor
 from studio.viewport.material import SkyShading, light_like_a_studio
 from studio.viewport.paths import StagePath
@@ -40,6 +42,8 @@ class StageScene:
         self._plane, self._grid = flat_actor(make_plane()), flat_actor(make_lines())
         self._plane.prop.culling = "back"
         self._sky = flat_actor(make_sky())
+        self._ground = GroundVisual()
+        self._ground.surface.texture = self._shadows.texture
         self._lines = LiveLines()
         self._add(self._lines.actor)
         self._pixels = vtkUnsignedCharArray()
@@ -59,10 +63,9 @@ class StageScene:
                 self._add_shaded(body.make_bones(pose.motion.morphology.layout))
             body.pose(pose, bones)
         self._lines.show_paths(paths)
-        self._shadows.cast([(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground.height)
+        self._shadows.cast([(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground)
+        self._sync_ground(project.ground)
         self._sync_props(project)
-        for actor in (self._plane, self._grid):
-            actor.SetPosition(0.0, 0.0, project.ground.height)
 
     def render(self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)) -> Pixels:
         """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel."""
@@ -94,7 +97,14 @@ class StageScene:
 
     def _add(self, actor: Any) -> None:
         """Draw an actor before the backdrop, which is then hidden behind it at no cost."""
-        backdrop = (self._grid, self._shadows.actor, self._plane, self._sky)
+        backdrop = (
+            self._grid,
+            self._shadows.actor,
+            self._plane,
+            self._ground.lines,
+            self._ground.surface,
+            self._sky,
+        )
         renderer = self.plotter.renderer
         for behind in backdrop:
             renderer.RemoveActor(behind)
@@ -124,6 +134,14 @@ class StageScene:
             self._add_shaded(body.skin_actor)
         body.take(character)
         return body
+
+    def _sync_ground(self, ground: Ground) -> None:
+        self._ground.show(ground)
+        if not ground.is_level:
+            self._ground.place_shadow(self._shadows.centre, SHADOW_REACH)
+        for actor in (self._plane, self._grid):
+            actor.SetVisibility(ground.is_level)
+            actor.SetPosition(0.0, 0.0, ground.height)
 
     def _sync_props(self, project: Project) -> None:
         for prop_id in [key for key in self._props if key not in project.props]:
