@@ -94,18 +94,20 @@ def print_report(report: Record) -> None:
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]
     print_table(titles, rows)
     lines = [
-        [each["name"], record["name"], _millimetres(each["residual_mm"]), _yes(each["reached"])]
+        [each["name"], record["name"], _residual(each), _yes(each["reached"])]
         for record in report["characters"]
         for each in record["constraints"]
     ]
     if lines:
         print()
-        print_table(("constraint", "character", "residual mm", "reached"), lines)
+        print_table(("constraint", "character", "residual", "reached"), lines)
     print("\nWritten:", *(record["file"] for record in report["characters"]), sep="\n  ")
 
 
-def _millimetres(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3f}"
+def _residual(record: Record) -> str:
+    if record["residual_deg"] is not None:
+        return f"{record['residual_deg']:.3f} deg"
+    return "-" if record["residual_mm"] is None else f"{record['residual_mm']:.3f} mm"
 
 
 def _yes(reached: bool | None) -> str:

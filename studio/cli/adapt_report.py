@@ -1,5 +1,6 @@
 """What is measured of a motion adapted to one character."""
 
+import math
 import statistics
 import time
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyPart
+from studio.core.constraints.base import Constraint
 from studio.core.metrics import acceleration_ratio, foot_quality
 from studio.core.rotations import from_matrix, inverse, multiply
 from studio.core.solver.adapt import adapt
@@ -18,8 +20,8 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 Record = dict[str, Any]
 FloatArray = NDArray[np.float64]
 
-REACHED = 0.2
-"""Millimetres within which a target counts as met."""
+REACHED_MM, REACHED_DEG = 0.2, 0.1
+"""Millimetres and degrees within which a target counts as met."""
 FULLY = 1.0 - 1e-9
 QUIET = 1.0
 """Radians a second: a source peak below it counts as this."""
@@ -57,16 +59,20 @@ def constraint_records(request: AdaptRequest, adapted: AdaptedMotion) -> list[Re
     records = []
     for row, active in enumerate(full_activity(request)[:, adapted.first_frame :]):
         constraint = request.constraints[row]
-        residual = float(1000.0 * adapted.residuals[row, active].max()) if active.any() else None
-        records.append(
-            {
-                "name": constraint.name,
-                "kind": constraint.kind,
-                "residual_mm": residual,
-                "reached": None if residual is None else residual <= REACHED,
-            }
-        )
+        residual = float(adapted.residuals[row, active].max()) if active.any() else None
+        records.append({"name": constraint.name, "kind": constraint.kind, **residual_record(constraint, residual)})
     return records
+
+
+def residual_record(constraint: Constraint, residual: float | None) -> Record:
+    """A residual (metres or radians, by the constraint's kind) as it is reported; None where there is none."""
+    is_angle = constraint.unit == "rad"
+    shown = None if residual is None else math.degrees(residual) if is_angle else 1000.0 * residual
+    return {
+        "residual_mm": None if is_angle else shown,
+        "residual_deg": shown if is_angle else None,
+        "reached": None if shown is None else shown <= (REACHED_DEG if is_angle else REACHED_MM),
+    }
 
 
 def full_activity(request: AdaptRequest) -> NDArray[np.bool_]:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.ground import Ground
+from studio.core.solver.chains import segment_masses
 from studio.core.solver.footprints import planes_under, soles_of
 from studio.core.solver.request import AdaptedMotion
 
@@ -41,6 +42,14 @@ def foot_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], gr
             slide = max(slide, moved)
             rise, depth = max(rise, float(heights.max())), max(depth, float(-heights.min()))
     return FootQuality(slide, rise, depth)
+
+
+def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
+    """(F, 3) metres, in the motion's space: where the body's centre of mass is (de Leva 1996; METHOD 7)."""
+    layout, points = adapted.morphology.layout, adapted.positions
+    shares, along = segment_masses(layout).T
+    begin, end = points[:, list(layout.proximal_points())], points[:, list(layout.distal_points())]
+    return np.asarray(shares @ (begin + along[:, None] * (end - begin)))
 
 
 def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Ground) -> tuple[float, FloatArray]:

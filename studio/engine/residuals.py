@@ -14,29 +14,43 @@ from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval
 from studio.core.project import Clip, Project
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.measures import LENGTH, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
 
-HELD_BELOW = 0.001
-"""Metres: nobody sees less."""
-PARTLY_BELOW = 0.020
-"""Metres: up to here the eye forgives."""
 FULLY = 1.0 - 1e-9
 LEG = ("thigh", "shank", "foot", "toe")
 
 
 @dataclass(frozen=True)
 class Residual:
-    """The worst miss of a constraint on a body: metres, the motion's frame, whether it is fully active there."""
+    """The worst miss of a constraint on a body: its amount, the motion's frame, whether it is fully active there."""
 
-    metres: float
+    amount: float
+    """Metres or radians, as ``measure`` says."""
     frame: int
     fully_active: bool
+    measure: Measure = LENGTH
+
+    @property
+    def words(self) -> str:
+        """The amount with its unit."""
+        return self.measure.words(self.amount)
+
+    @property
+    def weight(self) -> float:
+        """How bad it is, among misses of any measure."""
+        return self.measure.weight(self.amount)
+
+    @property
+    def partly(self) -> bool:
+        """Whether the eye forgives it."""
+        return self.amount < self.measure.partly_below
 
     @property
     def held(self) -> bool:
         """Whether nobody sees that it is missed."""
-        return self.metres < HELD_BELOW
+        return self.amount < self.measure.held_below
 
     @property
     def remark(self) -> str:
@@ -45,7 +59,7 @@ class Residual:
 
 
 def residual_row(project: Project, motion: AdaptedMotion | None, constraint_id: str) -> FloatArray | None:
-    """(F,) metres, NaN where nothing is asked; None while the answer is on its way or the constraint is off."""
+    """(F,) metres or radians, NaN where nothing is asked; None without an answer, or while it is off."""
     constraint = project.constraints.get(constraint_id)
     if constraint is None or motion is None or not constraint.enabled:
         return None
@@ -73,7 +87,7 @@ def worst_residual(
     if not np.isfinite(counted).any():
         return None
     place = int(np.nanargmax(counted))
-    return Residual(float(counted[place]), int(frames[place]), fully_active)
+    return Residual(float(counted[place]), int(frames[place]), fully_active, measure_of(constraint))
 
 
 def _clip(project: Project, performer_id: str, motion_id: str) -> Clip | None:

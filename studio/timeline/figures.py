@@ -1,10 +1,4 @@
-"""Times and errors in words: always with their unit."""
-
-
-def millimetres(metres: float) -> str:
-    """``0.4 mm``, ``42 mm``."""
-    value = metres * 1000.0
-    return f"{value:.1f} mm" if value < 10.0 else f"{value:.0f} mm"
+"""Times in words: always with their unit."""
 
 
 def moment(frame: float, seconds: float) -> str:

@@ -4,14 +4,14 @@ from typing import Any
 
 from PySide6.QtCore import QPointF
 
-from studio.timeline.figures import millimetres, moment
+from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import constraint
-from studio.timeline.tracks.plot import PlotPicture, Quantity
+from studio.timeline.tracks.plot import PlotPicture
 
 
 def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
@@ -50,7 +50,7 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     name = sheet.shown.project.performers[performer_id].name
     if strip.state_at(frame) == StripState.YIELDING:
         return f"{name}: gives way to the foot's contact at frame {frame}"
-    return f"{name}: {millimetres(strip.error_at(frame))} at frame {frame}"
+    return f"{name}: {strip.measure.words(strip.error_at(frame))} at frame {frame}"
 
 
 def _label_text(sheet: Sheet, hit: Hit) -> str:
@@ -83,5 +83,5 @@ def _plot_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     if near is None:
         return ""
     curve, value = near
-    figure = f"{value:.0f} mm" if plot.quantity is Quantity.ERROR else f"{value:.2f} m/s"
+    figure = plot.words(sheet.shown, value)
     return f"{curve.name}: {figure} at frame {round(sheet.shown.subject.motion_frame(time))}"

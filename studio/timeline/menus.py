@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QMenu
 from studio.core.contacts import FootPoint
 from studio.timeline import edits
 from studio.timeline.gestures.contact import new_contact
-from studio.timeline.shown import Hit, Part
+from studio.timeline.shown import Hit, Part, Shown
 from studio.timeline.tracks.plot import Quantity
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     menu = QMenu(canvas)
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     if hit.kind == "plot":
-        _offer_quantities(menu, canvas)
+        _offer_quantities(menu, canvas, canvas.sheet.shown)
     elif hit.kind in edits.DELETABLE and hit.part != Part.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         _offer_deletion(menu, canvas, hit)
@@ -33,9 +33,9 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     return menu if menu.actions() else None
 
 
-def _offer_quantities(menu: QMenu, canvas: "TrackCanvas") -> None:
+def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: Shown) -> None:
     for quantity in Quantity:
-        action = menu.addAction(f"{quantity.value} ({quantity.unit})")
+        action = menu.addAction(f"{quantity.value} ({quantity.unit(shown)})")
         action.setCheckable(True)
         action.setChecked(quantity is canvas.picture.plot.quantity)
         action.triggered.connect(lambda _, chosen=quantity: canvas.set_quantity(chosen))

@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.residuals import HELD_BELOW, PARTLY_BELOW, residual_row
-
-WORST_SHOWN = 0.1
-"""Metres at which a strip has its full height."""
+from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.engine.residuals import residual_row
 
 
 class StripState(StrEnum):
@@ -27,7 +25,7 @@ class StripState(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Errors (F,) in metres and activation (F,), from frame ``first_frame`` on.
+    """Errors (F,) in metres or radians and activation (F,), from frame ``first_frame`` on.
 
     An error is NaN where nothing is asked; where the activation is above 0 all the same, a foot's constraint gives
     way to that foot's contact.
@@ -36,9 +34,10 @@ class Strip:
     first_frame: int
     errors: NDArray[np.float64]
     activation: NDArray[np.float64]
+    measure: Measure = LENGTH
 
     def error_at(self, frame: int) -> float:
-        """Metres at a frame of the motion; NaN outside."""
+        """The error at a frame of the motion; NaN outside."""
         place = frame - self.first_frame
         return float(self.errors[place]) if 0 <= place < len(self.errors) else float("nan")
 
@@ -56,8 +55,8 @@ class Strip:
             [
                 self.activation <= 0.0,
                 ~np.isfinite(self.errors),
-                self.errors < HELD_BELOW,
-                self.errors < PARTLY_BELOW,
+                self.errors < self.measure.held_below,
+                self.errors < self.measure.partly_below,
             ],
             range(4),
             default=4,
@@ -78,11 +77,12 @@ def strip_of(project: Project, result: AdaptedMotion | None, constraint_id: str)
     if row is None or result is None:
         return None
     times = (result.first_frame + np.arange(result.frame_count)) / result.frame_rate
-    return Strip(result.first_frame, row, project.constraints[constraint_id].activation.at(times))
+    constraint = project.constraints[constraint_id]
+    return Strip(result.first_frame, row, constraint.activation.at(times), measure_of(constraint))
 
 
-def strip_heights(errors: NDArray[np.float64], most: int) -> NDArray[np.int64]:
-    """Pixels for errors in metres: 1 for what is held, growing with the logarithm to ``most``."""
+def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH) -> NDArray[np.int64]:
+    """Pixels for errors: 1 for what is held, growing with the logarithm to ``most``."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.log(errors / HELD_BELOW) / np.log(WORST_SHOWN / HELD_BELOW)
+        share = np.log(errors / measure.held_below) / np.log(measure.worst_shown / measure.held_below)
     return 1 + np.rint(np.clip(np.nan_to_num(share), 0.0, 1.0) * (most - 1)).astype(np.int64)

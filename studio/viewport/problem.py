@@ -6,9 +6,6 @@ from studio.core.project import Project
 from studio.engine.residuals import Residual, worst_residual
 from studio.viewport.performance import Results, stage_time
 
-WORTH_SAYING = 0.005
-"""Metres short of a target below which nobody needs to be told."""
-
 
 @dataclass(frozen=True)
 class Problem:
@@ -19,7 +16,7 @@ class Problem:
     frame: int
     time: float
     """On the stage, seconds."""
-    metres: float
+    residual: Residual
     sentence: str
 
 
@@ -33,17 +30,15 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
         clip = performer.clips[0]
         for constraint_id, constraint in project.constraints_of(clip.motion_id).items():
             found = worst_residual(project, performer_id, motion, constraint_id)
-            if found is not None and found.metres > max(WORTH_SAYING, worst.metres if worst else 0.0):
+            if found is None or found.amount <= found.measure.worth_saying:
+                continue
+            if worst is None or found.weight > worst.residual.weight:
                 time = stage_time(clip, motion.frame_rate, found.frame / motion.frame_rate)
                 sentence = _sentence(performer.name, found, constraint.name)
-                worst = Problem(performer_id, constraint_id, found.frame, time, found.metres, sentence)
+                worst = Problem(performer_id, constraint_id, found.frame, time, found, sentence)
     return worst
 
 
 def _sentence(performer: str, residual: Residual, constraint: str) -> str:
     remark = f", {residual.remark}" if residual.remark else ""
-    return f"{performer}: {_length(residual.metres)} short of '{constraint}' at frame {residual.frame}{remark}"
-
-
-def _length(metres: float) -> str:
-    return f"{metres * 1000:.0f} mm" if metres < 1.0 else f"{metres:.2f} m"
+    return f"{performer}: {residual.words} short of '{constraint}' at frame {residual.frame}{remark}"

@@ -17,12 +17,11 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.ground import Ground
 from studio.core.kernels.areas import nearest_allowed
-from studio.core.kernels.balance import centre_of_mass, segment_centres
-from studio.core.metrics import foot_quality
+from studio.core.metrics import centre_of_mass, foot_quality
 from studio.core.morphology import Morphology
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.chains import free_joints
 from studio.core.solver.packing import pack
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
@@ -43,15 +42,6 @@ def ask(kind: Callable[..., Constraint], point: BodyPoint, chain: Chain = ARM, p
 
 def solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
     return adapt(AdaptRequest(WALK, body, CONTACTS, constraints))
-
-
-def centres_of_mass(adapted: AdaptedMotion) -> np.ndarray:
-    masses = segment_masses(adapted.morphology.layout)
-    centres, places = np.empty((len(masses), 3)), np.empty((adapted.frame_count, 3))
-    for positions, place in zip(adapted.positions, places, strict=True):
-        segment_centres(masses, positions, centres)
-        centre_of_mass(masses, centres, place)
-    return places
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
@@ -129,7 +119,7 @@ def test_balance_and_reach_hold_together_or_by_their_priority(body: Morphology, 
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (reach, balance)), 30, 30)
     misses = {"reach": adapted.residuals[0, 0], "balance": adapted.residuals[1, 0]}
     assert misses[first] < MET
-    drift = centres_of_mass(adapted)[0, :2] - centres_of_mass(before)[30, :2]
+    drift = centre_of_mass(adapted)[0, :2] - centre_of_mass(before)[30, :2]
     assert np.linalg.norm(drift) == pytest.approx(misses["balance"], abs=1e-6)
 
 

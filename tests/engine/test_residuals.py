@@ -38,14 +38,14 @@ def project_of(constraint, **parts):
 def test_only_frames_count_in_which_the_constraint_is_fully_active():
     project = project_of(make_constraint())  # full from frame 6 to 18
     found = worst_residual(project, "performer 0", answer(peaks(f3=0.9, f10=0.04, f22=0.8)), "c")
-    assert (found.metres, found.frame, found.fully_active, found.remark) == (0.04, 10, True, "")
+    assert (found.amount, found.frame, found.fully_active, found.remark) == (0.04, 10, True, "")
 
 
 def test_a_constraint_that_is_never_fully_active_is_judged_where_it_is_active_and_that_is_said():
     between = make_constraint(activation=ActivationCurve(0.0, 0.105, 0.107, 0.2))  # full between frames 6 and 7
     row = np.where(between.activation.at(np.arange(FRAMES) / RATE) > 0, peaks(f3=0.2), np.nan)
     found = worst_residual(project_of(between), "performer 0", answer(row), "c")
-    assert (found.metres, found.frame, found.remark) == (0.2, 3, "never fully active")
+    assert (found.amount, found.frame, found.remark) == (0.2, 3, "never fully active")
 
 
 def test_a_foot_is_judged_only_where_no_contact_holds_it():
@@ -78,6 +78,6 @@ def test_viewport_and_inspector_tell_the_same_number_and_frame():
     motion = answer(peaks(f3=0.9, f10=0.04))
     problem = worst_problem(project, lambda _: motion)
     [line] = residuals_of(project, SimpleNamespace(result=lambda _: motion), "c")
-    assert (problem.metres, problem.frame) == pytest.approx((line.worst.metres, line.worst.frame))
+    assert (problem.residual.amount, problem.frame) == pytest.approx((line.worst.amount, line.worst.frame))
     assert problem.sentence == "Body 0: 40 mm short of 'Wrist' at frame 10"
     assert words_of(line) == "short by 40 mm at 10"

@@ -18,7 +18,7 @@ def test_the_worst_miss_of_a_fully_active_constraint_is_told_with_its_frame():
     worst = {key: np.where(full, motion.residuals[0], 0.0) for key, motion in results.items()}
     key = max(worst, key=lambda one: worst[one].max())
     assert (problem.performer_id, problem.frame) == (key, int(worst[key].argmax()))
-    assert problem.metres == pytest.approx(worst[key].max())
+    assert problem.residual.amount == pytest.approx(worst[key].max())
     assert problem.time == pytest.approx(problem.frame / RATE)
     assert problem.sentence.endswith(f"short of 'Target 0' at frame {problem.frame}")
 

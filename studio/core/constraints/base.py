@@ -51,6 +51,8 @@ class Constraint:
     """What the user asks of a motion, apart from its kind. Priority 0 is the highest."""
 
     kind: ClassVar[str]
+    unit: ClassVar[str] = "m"
+    """What its residual is counted in: metres, or radians (``rad``)."""
     motion_id: str
     name: str
     point: BodyPoint

@@ -15,6 +15,7 @@ class LookAtConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "look_at"
+    unit: ClassVar[str] = "rad"
     target: Vector = (1.0, 0.0, 1.5)
 
     def __post_init__(self) -> None:

@@ -18,6 +18,7 @@ class OrientationConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "orientation"
+    unit: ClassVar[str] = "rad"
     target: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:

@@ -30,8 +30,8 @@ class AdaptedMotion:
     """Frames ``first_frame`` and on of a motion on one body, in the motion's space (metres, Z up).
 
     ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals``
-    (C, F) is the distance in metres from each constraint's point to its target, in the order of the request, NaN
-    where the constraint is not active.
+    (C, F) is by how much each constraint is missed, in its ``unit`` (metres or radians), in the order of the request,
+    NaN where the constraint is not active.
     """
 
     morphology: Morphology

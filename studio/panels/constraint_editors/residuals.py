@@ -1,4 +1,4 @@
-"""How well a constraint holds on each body: the worst distance while it is fully active."""
+"""How well a constraint holds on each body: the worst miss while it is fully active."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,11 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from studio.core.project import Project
 from studio.document import colours
 from studio.engine.live import Live
-from studio.engine.residuals import PARTLY_BELOW, Residual, worst_residual
+from studio.engine.residuals import Residual, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
 ROW, COLUMNS, BETWEEN = 18, 2, 16
-MILLIMETRES = 1000.0
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,7 @@ class BodyResidual:
             return "not active", colours.TEXT_THIRD
         if self.worst.held:
             return "held", colours.mixed(colours.HELD, "#ffffff", 0.35)
-        if self.worst.metres < PARTLY_BELOW:
+        if self.worst.partly:
             return "partly", colours.PARTLY
         return "short", colours.NOT_REACHED
 
@@ -52,7 +51,7 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
 
 
 class ResidualTable(QWidget):
-    """The bodies in two columns: dot, name, millimetres; the whole sentence under the mouse."""
+    """The bodies in two columns: dot, name, amount; the whole sentence under the mouse."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -102,7 +101,7 @@ def words_of(residual: BodyResidual) -> str:
     if residual.worst is None or word == "held":
         return word
     remark = f", {residual.worst.remark}" if residual.worst.remark else ""
-    return f"{word} by {residual.worst.metres * MILLIMETRES:.3g} mm at {residual.worst.frame}{remark}"
+    return f"{word} by {residual.worst.words} at {residual.worst.frame}{remark}"
 
 
 def short_words_of(residual: BodyResidual) -> str:
@@ -110,7 +109,7 @@ def short_words_of(residual: BodyResidual) -> str:
     word, _ = residual.state
     if residual.worst is None or word == "held":
         return word
-    return f"{residual.worst.metres * MILLIMETRES:.3g} mm{'*' if residual.worst.remark else ''}"
+    return f"{residual.worst.words}{'*' if residual.worst.remark else ''}"
 
 
 class ResidualSection(Section):

@@ -6,8 +6,6 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
 
 from studio.core.constraints.base import Constraint
 from studio.document import colours
-from studio.engine.residuals import PARTLY_BELOW
-from studio.timeline.figures import millimetres
 from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip
@@ -146,10 +144,9 @@ def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
         held = "held by all" if len(strips) > 1 else "held"
         yields = any(strip.yields for strip in strips if strip)
         return "gives way to contacts" if yields else held, colours.TEXT_THIRD
-    worst, name = max(missed, key=lambda each: each[0].metres)
-    text = f"{name} {millimetres(worst.metres)} at frame {worst.frame}"
-    reached = worst.metres < PARTLY_BELOW
-    colour = colours.PARTLY if reached else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
+    worst, name = max(missed, key=lambda each: each[0].weight)
+    text = f"{name} {worst.words} at frame {worst.frame}"
+    colour = colours.PARTLY if worst.partly else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
     return f"{text}, {worst.remark}" if worst.remark else text, colour
 
 

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QWidget
 from studio.core.canonical import BodyLayout
 from studio.core.solver.request import AdaptedMotion
 from studio.document import colours
+from studio.engine.measures import LENGTH, Measure, measure_of
 from studio.timeline.shown import LABEL_WIDTH, Shown, label_area
 from studio.timeline.tracks.brush import font, paint_label, translucent
 
@@ -29,10 +30,9 @@ class Quantity(StrEnum):
     RIGHT_FOOT_SPEED = "Right foot speed"
     ERROR = "Error"
 
-    @property
-    def unit(self) -> str:
-        """The unit of the values drawn."""
-        return "mm" if self is Quantity.ERROR else "m/s"
+    def unit(self, shown: Shown) -> str:
+        """The unit of the values drawn: an error's is that of the constraint."""
+        return error_measure(shown).sign.strip() if self is Quantity.ERROR else "m/s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ def _values(shown: Shown, quantity: Quantity, performer_id: str, adapted: Adapte
             return foot_speed(adapted, (1,))
     constraint_id = plotted_constraint(shown)
     strip = shown.strip(constraint_id, performer_id) if constraint_id else None
-    return None if strip is None else np.nan_to_num(strip.errors) * 1000.0
+    return None if strip is None else np.nan_to_num(strip.errors) * strip.measure.factor
 
 
 def plotted_constraint(shown: Shown) -> str | None:
@@ -91,6 +91,12 @@ def plotted_constraint(shown: Shown) -> str | None:
     own = shown.project.constraints_of(shown.subject.motion_id)
     selected = [key for key in shown.document.selection.of("constraints") if key in own]
     return next(iter((*reversed(selected), *own)), None)
+
+
+def error_measure(shown: Shown) -> Measure:
+    """What the error that is plotted is."""
+    constraint_id = plotted_constraint(shown)
+    return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH
 
 
 class PlotPicture:
@@ -165,7 +171,7 @@ class PlotPicture:
         area = label_area(row)
         paint_label(painter, QRect(0, row.top() + 4, LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
         count = len(self.curves)
-        note = f"{self.quantity.unit} · {count} {'body' if count == 1 else 'bodies'}"
+        note = f"{self.quantity.unit(shown)} · {count} {'body' if count == 1 else 'bodies'}"
         paint_label(painter, QRect(0, row.top() + 22, LABEL_WIDTH, 18), note, colours.TEXT_THIRD, 11)
         painter.setFont(font(10))
         painter.setPen(QColor(colours.TEXT_THIRD))
@@ -178,6 +184,13 @@ class PlotPicture:
         constraint_id = plotted_constraint(shown) if self.quantity is Quantity.ERROR else None
         name = f": {shown.project.constraints[constraint_id].name}" if constraint_id else ""
         return self.quantity.value + name
+
+    def words(self, shown: Shown, value: float) -> str:
+        """A value that is drawn, with its unit."""
+        if self.quantity is not Quantity.ERROR:
+            return f"{value:.2f} m/s"
+        measure = error_measure(shown)
+        return measure.words(value / measure.factor)
 
     def nearest(self, row: QRect, seconds: float, y: float) -> tuple[Curve, float] | None:
         """The curve that passes nearest to a height at a time, with its value there."""

@@ -53,5 +53,5 @@ def _columns(
     starts = np.clip(frames, first, last)
     errors = np.nan_to_num(strip.errors)[: last + 1]
     states = np.maximum.reduceat(strip.state_indices[: last + 1], starts)
-    heights = strip_heights(np.maximum.reduceat(errors, starts), PITCH)
+    heights = strip_heights(np.maximum.reduceat(errors, starts), PITCH, strip.measure)
     return states, np.where(states >= MISSED, heights, 1)

@@ -1,0 +1,50 @@
+"""In what the miss of a constraint is measured, told and judged: lengths and angles, one place for every view."""
+
+import math
+from dataclasses import dataclass
+
+from studio.core.constraints.base import Constraint
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A kind of amount: its unit on show, how much of that one of ours is, and what counts as how good (ours)."""
+
+    sign: str
+    factor: float
+    held_below: float
+    """Nobody sees less."""
+    partly_below: float
+    """Up to here the eye forgives."""
+    worth_saying: float
+    """Nobody needs to be told of less."""
+    worst_shown: float
+    """A strip has its full height here."""
+
+    def words(self, amount: float) -> str:
+        """``0.4 mm``, ``42 mm``, ``1.20 m``; ``0.4°``, ``42°``."""
+        value = amount * self.factor
+        if self is LENGTH and value >= 1000.0:
+            return f"{amount:.2f} m"
+        return f"{value:.1f}{self.sign}" if value < 9.95 else f"{value:.0f}{self.sign}"
+
+    def weight(self, amount: float) -> float:
+        """How bad an amount is, beside what the eye forgives: to compare lengths with angles."""
+        return amount / self.partly_below
+
+
+LENGTH = Measure(" mm", 1000.0, held_below=0.001, partly_below=0.020, worth_saying=0.005, worst_shown=0.1)
+ANGLE = Measure(
+    "°",
+    math.degrees(1.0),
+    held_below=math.radians(0.5),
+    partly_below=math.radians(5.0),
+    worth_saying=math.radians(1.0),
+    worst_shown=math.radians(45.0),
+)
+_BY_UNIT = {"m": LENGTH, "rad": ANGLE}
+
+
+def measure_of(constraint: Constraint) -> Measure:
+    """What a constraint's misses are."""
+    return _BY_UNIT[constraint.unit]
