@@ -7,10 +7,11 @@ from numba import njit
 
 from studio.core.kernels.balance import centre_of_mass, segment_centres
 from studio.core.kernels.body import move_all
-from studio.core.kernels.constraints import miss_of, solve_frame, turn_error
+from studio.core.kernels.constraints import solve_frame
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb_constraints import distance
+from studio.core.kernels.placing import miss_of, turn_error
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
 
 
@@ -97,7 +98,7 @@ def set_goals(frame, asked, wishes, activations, body, work, pose, out_goal):
     """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts."""
     kinds, ends, offsets = asked[0], asked[2], asked[3]
     places, turns, distances, _ = wishes
-    acts, point, other = False, np.empty(3), np.empty(3)
+    acts, point, other = False, work[5][1, 0], work[5][1, 1]
     for c in range(kinds.shape[0]):
         share = activations[c]
         out_goal[4][c] = share > 0.0

@@ -5,7 +5,6 @@
 
 import math
 
-import numpy as np
 from numba import njit
 
 from studio.core.kernels.body import body_point, turn_part
@@ -78,7 +77,7 @@ def solve_limb(limb, level, asked, goal, turn, pose):
     if turning >= 0:
         multiply(goal[1][turning], rotations[upper + 2].T, turn[0])
         turn_part(turn[0], upper + 2, spine_count, positions[root + 2], positions, rotations)
-    first, point = np.empty(3), np.empty(3)
+    first, point = turn[1, 0], turn[1, 1]
     solved, held_upper = 0, False
     for c in range(ranks.shape[0]):
         if not wanted[c] or ranks[c] > level or (asked[0][c] == AREA and not goal[5][c]):
