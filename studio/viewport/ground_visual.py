@@ -59,8 +59,8 @@ class GroundVisual:
 
     def place_shadow(self, centre: FloatArray, reach: float) -> None:
         """Lay the surface's texture over ``centre`` (2,), ``reach`` metres to each side, seen from above."""
-        plan = np.asarray(self._surface.points, dtype=np.float64)[:, :2]
-        self._surface.active_texture_coordinates = np.array((plan - centre) / (2 * reach) + 0.5, dtype=np.float32)
+        places = (np.asarray(self._surface.points)[:, :2] - centre) / (2 * reach) + 0.5
+        self._surface.active_texture_coordinates = places.astype(np.float64)
 
 
 def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:

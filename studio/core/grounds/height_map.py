@@ -10,6 +10,9 @@ from scipy.interpolate import RectBivariateSpline
 
 from studio.core.ground import FloatArray, Ground
 
+FEWEST = 4
+"""Heights each way that a bicubic spline needs; smaller maps are continued by their edge."""
+
 
 @dataclass(frozen=True, eq=False)
 class HeightMap(Ground):
@@ -61,6 +64,7 @@ class HeightMap(Ground):
 
     @cached_property
     def _surface(self) -> RectBivariateSpline:
-        rows, columns = self.heights.shape
-        degrees = min(3, rows - 1), min(3, columns - 1)
-        return RectBivariateSpline(np.arange(rows), np.arange(columns), self.heights, kx=degrees[0], ky=degrees[1])
+        missing = [(0, max(FEWEST - count, 0)) for count in self.heights.shape]
+        heights = np.pad(self.heights, missing, mode="edge")
+        rows, columns = heights.shape
+        return RectBivariateSpline(np.arange(rows), np.arange(columns), heights)
