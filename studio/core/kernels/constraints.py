@@ -60,9 +60,10 @@ def solve_frame(level_count, asked, goal, held, body, work, pose):
 @njit(cache=True, nogil=True)
 def wants_level(level, asked, goal):
     """Whether any constraint of this level acts now."""
+    ranks, wanted = asked[1], goal[4]
     acts = False
-    for c in range(asked[1].shape[0]):
-        acts = acts or (asked[1][c] == level and goal[4][c])
+    for c in range(ranks.shape[0]):
+        acts = acts or (ranks[c] == level and wanted[c])
     return acts
 
 
@@ -120,15 +121,16 @@ def step(level, damping, mending, asked, goal, held, body, work, pose):
 
     False when nothing moves.
     """
+    kinds, ranks, wanted = asked[0], asked[1], goal[4]
     rows, errors, owners, matrix, turned, turn = work[0], work[1], work[2], work[3], work[4], work[5]
     positions = pose[0]
     count = feet_rows(asked, body, rows, errors, owners, positions)
-    for c in range(asked[0].shape[0]):
-        if goal[4][c] and asked[1][c] < level:
+    for c in range(kinds.shape[0]):
+        if wanted[c] and ranks[c] < level:
             count = add_rows(c, True, count, asked, goal, held, body, work, pose)
     held_count = 0 if mending else count
-    for c in range(asked[0].shape[0]):
-        if not mending and goal[4][c] and asked[1][c] == level:
+    for c in range(kinds.shape[0]):
+        if not mending and wanted[c] and ranks[c] == level:
             count = add_rows(c, False, count, asked, goal, held, body, work, pose)
     if count == held_count:
         return False
@@ -162,10 +164,11 @@ def step(level, damping, mending, asked, goal, held, body, work, pose):
 @njit(cache=True, nogil=True)
 def judge(level, asked, goal, held, body, work, pose):
     """(merit of this level, its largest miss, how much those above are disturbed), all in metres."""
+    wanted = goal[4]
     kinds, ranks = asked[0], asked[1]
     merit, worst, harm = 0.0, 0.0, 0.0
     for c in range(kinds.shape[0]):
-        if not goal[4][c] or ranks[c] > level:
+        if not wanted[c] or ranks[c] > level:
             continue
         miss = miss_of(c, asked, goal, body, work, pose)
         if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
@@ -181,9 +184,10 @@ def judge(level, asked, goal, held, body, work, pose):
 @njit(cache=True, nogil=True)
 def note_held(level, asked, goal, held, body, work, pose):
     """Note what the constraints above this level have got: it is theirs to keep."""
+    wanted = goal[4]
     kinds, ranks, ends, offsets = asked[0], asked[1], asked[2], asked[3]
     for c in range(kinds.shape[0]):
-        if not goal[4][c] or ranks[c] >= level:
+        if not wanted[c] or ranks[c] >= level:
             continue
         held[0][c] = miss_of(c, asked, goal, body, work, pose)
         if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
@@ -204,12 +208,13 @@ def comfort(asked, goal, point, out_reaches, out_folds, pose):
     Beyond 98 % of the reach (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is
     smooth in time and the trunk does the rest without error (METHOD 6, "reach sharing"). ``point`` (3,) is scratch.
     """
+    wanted = goal[4]
     kinds, ends, offsets, mobilities = asked[0], asked[2], asked[3], asked[4]
     spine_count = pose[0].shape[0] - 23
     for c in range(kinds.shape[0]):
         for end in range(2):
             limb = ends[c, end, 2]
-            if not goal[4][c] or limb < 0 or kinds[c] == ORIENTATION:
+            if not wanted[c] or limb < 0 or kinds[c] == ORIENTATION:
                 continue
             holds_end = limb >= 2 or held_turn(limb, 1 << 30, asked, goal, spine_count) >= 0
             end_place(ends, offsets, c, end, pose, point)

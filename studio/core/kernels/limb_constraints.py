@@ -34,10 +34,11 @@ def limb_indices(limb, spine_count):
 @njit(cache=True, nogil=True)
 def held_turn(limb, level, asked, goal, spine_count):
     """The constraint that holds the orientation of a limb's end segment at this level, -1 if none."""
+    wanted = goal[4]
     kinds, ranks, ends = asked[0], asked[1], asked[2]
     _, upper = limb_indices(limb, spine_count)
     for c in range(kinds.shape[0]):
-        if kinds[c] == ORIENTATION and goal[4][c] and ranks[c] <= level and ends[c, 0, 1] == upper + 2:
+        if kinds[c] == ORIENTATION and wanted[c] and ranks[c] <= level and ends[c, 0, 1] == upper + 2:
             return c
     return -1
 
@@ -68,6 +69,7 @@ def nearest_of(limb, segment, holds_end, point, pose):
 @njit(cache=True, nogil=True)
 def solve_limb(limb, level, asked, goal, turn, pose):
     """All constraints of one limb down to ``level``, in order; ``turn`` (2, 3, 3) is scratch."""
+    kinds, engaged = asked[0], goal[5]
     ranks, ends, offsets, freedoms = asked[1], asked[2], asked[3], asked[5]
     places, wanted = goal[0], goal[4]
     positions, rotations = pose
@@ -80,9 +82,9 @@ def solve_limb(limb, level, asked, goal, turn, pose):
     first, point = turn[1, 0], turn[1, 1]
     solved, held_upper = 0, False
     for c in range(ranks.shape[0]):
-        if not wanted[c] or ranks[c] > level or (asked[0][c] == AREA and not goal[5][c]):
+        if not wanted[c] or ranks[c] > level or (kinds[c] == AREA and not engaged[c]):
             continue
-        if asked[0][c] == ORIENTATION:
+        if kinds[c] == ORIENTATION:
             if ends[c, 0, 2] == limb and ends[c, 0, 1] != upper + 2:
                 multiply(goal[1][c], rotations[ends[c, 0, 1]].T, turn[0])
                 pivot = positions[root + ends[c, 0, 1] - upper]

@@ -34,12 +34,13 @@ ENGAGED = 1e-6
 @njit(cache=True, nogil=True)
 def note_arms(asked, goal, body, pose):
     """Remember how constrained arms lie in their clavicles, so that they can be put back before each reach."""
+    kinds, ends, wanted = asked[0], asked[2], goal[4]
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     for side in range(2):
         used = False
-        for c in range(asked[0].shape[0]):
-            used = used or (goal[4][c] and (asked[2][c, 0, 2] == side or asked[2][c, 1, 2] == side))
+        for c in range(kinds.shape[0]):
+            used = used or (wanted[c] and (ends[c, 0, 2] == side or ends[c, 1, 2] == side))
         if not used:
             continue
         shoulder, upper = limb_indices(side, spine_count)
@@ -85,12 +86,13 @@ def place_limbs(first_level, level, asked, goal, body, work, pose):
 
     Once more where a point ends in an area that it may not be in, or a distance is not shared well.
     """
+    wanted, engaged = goal[4], goal[5]
     kinds, ranks, ends = asked[0], asked[1], asked[2]
     busy, moving = 0, False
     for c in range(kinds.shape[0]):
-        if goal[4][c] and ranks[c] <= level:
+        if wanted[c] and ranks[c] <= level:
             moving = moving or kinds[c] == DISTANCE or kinds[c] == AREA or kinds[c] == LOOK_AT
-            goal[5][c] = False
+            engaged[c] = False
             for end in range(2):
                 if ends[c, end, 2] >= 0 and (ranks[c] >= first_level or kinds[c] == AREA or kinds[c] == DISTANCE):
                     busy |= 1 << ends[c, end, 2]
@@ -112,32 +114,34 @@ def place_limbs(first_level, level, asked, goal, body, work, pose):
 @njit(cache=True, nogil=True)
 def follow(level, asked, goal, work, pose):
     """Goals that depend on where things are now: both ends of distances, areas, the line of sight (METHOD 5)."""
+    places, distances, wanted, engaged = goal[0], goal[3], goal[4], goal[5]
     kinds, ranks, ends, offsets = asked[0], asked[1], asked[2], asked[3]
     points = np.empty((2, 3))
     for c in range(kinds.shape[0]):
-        if not goal[4][c] or ranks[c] > level:
+        if not wanted[c] or ranks[c] > level:
             continue
         if kinds[c] == DISTANCE:
             end_place(ends, offsets, c, 0, pose, points[0])
             second_place(asked, goal, c, pose, points[1])
-            part_to(points[0], points[1], goal[3][c], goal[2][c], goal[0][c])
+            part_to(points[0], points[1], distances[c], goal[2][c], places[c])
         elif kinds[c] == LOOK_AT:
             rotation = pose[1][ends[c, 0, 1]]
             end_place(ends, offsets, c, 0, pose, points[0])
-            gaze_goal(goal[0][c, 1], goal[0][c, 0], points[0], goal[3][c], points[1])
+            gaze_goal(places[c, 1], places[c, 0], points[0], distances[c], points[1])
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
             shortest_arc(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z, work[5][0])
             multiply(work[5][0], rotation, goal[1][c])
-        elif kinds[c] == AREA and not goal[5][c]:
+        elif kinds[c] == AREA and not engaged[c]:
             engage_one(c, asked, goal, points, pose)
 
 
 @njit(cache=True, nogil=True)
 def falls_short(level, asked, goal, body, work, pose):
     """Whether a distance is missed because one of its limbs could not do its share: then the other does more."""
+    kinds, ranks, wanted = asked[0], asked[1], goal[4]
     short = False
-    for c in range(asked[0].shape[0]):
-        if asked[0][c] == DISTANCE and goal[4][c] and asked[1][c] <= level:
+    for c in range(kinds.shape[0]):
+        if kinds[c] == DISTANCE and wanted[c] and ranks[c] <= level:
             short = short or miss_of(c, asked, goal, body, work, pose) > CLOSE_ENOUGH
     return short
 
@@ -145,10 +149,11 @@ def falls_short(level, asked, goal, body, work, pose):
 @njit(cache=True, nogil=True)
 def engage(level, asked, goal, pose):
     """Areas whose points are where they may not be after all else was solved; True when there are new ones."""
+    kinds, ranks, wanted, engaged = asked[0], asked[1], goal[4], goal[5]
     found = False
     points = np.empty((2, 3))
-    for c in range(asked[0].shape[0]):
-        if asked[0][c] == AREA and goal[4][c] and asked[1][c] <= level and not goal[5][c]:
+    for c in range(kinds.shape[0]):
+        if kinds[c] == AREA and wanted[c] and ranks[c] <= level and not engaged[c]:
             found = engage_one(c, asked, goal, points, pose) or found
     return found
 
@@ -156,16 +161,18 @@ def engage(level, asked, goal, pose):
 @njit(cache=True, nogil=True)
 def engage_one(c, asked, goal, points, pose):
     """Engage one area if its point is where it may not be: the goal is the nearest place where it may."""
+    places, distances, engaged = goal[0], goal[3], goal[5]
     end_place(asked[2], asked[3], c, 0, pose, points[0])
     if nearest_allowed(asked[8][c], points[0], points[1]) > ENGAGED:
-        goal[5][c] = True
-        ease_goal(points[0], points[1], goal[3][c], goal[0][c, 0])
-    return goal[5][c]
+        engaged[c] = True
+        ease_goal(points[0], points[1], distances[c], places[c, 0])
+    return engaged[c]
 
 
 @njit(cache=True, nogil=True)
 def miss_of(c, asked, goal, body, work, pose):
     """By how much a constraint is missed now: metres, or radians for an orientation or a look."""
+    places, distances, engaged = goal[0], goal[3], goal[5]
     kinds, ends, offsets = asked[0], asked[2], asked[3]
     point, other = work[5][1, 0], work[5][1, 1]
     if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
@@ -174,14 +181,14 @@ def miss_of(c, asked, goal, body, work, pose):
     if kinds[c] == BALANCE:
         segment_centres(body[1], pose[0], work[6])
         centre_of_mass(body[1], work[6], point)
-        return math.hypot(point[0] - goal[0][c, 0, 0], point[1] - goal[0][c, 0, 1])
+        return math.hypot(point[0] - places[c, 0, 0], point[1] - places[c, 0, 1])
     end_place(ends, offsets, c, 0, pose, point)
     if kinds[c] == DISTANCE:
         second_place(asked, goal, c, pose, other)
-        return abs(distance(point, other) - goal[3][c])
-    if kinds[c] == AREA and not goal[5][c]:
-        return goal[3][c] * nearest_allowed(asked[8][c], point, other)
-    return distance(point, goal[0][c, 0])
+        return abs(distance(point, other) - distances[c])
+    if kinds[c] == AREA and not engaged[c]:
+        return distances[c] * nearest_allowed(asked[8][c], point, other)
+    return distance(point, places[c, 0])
 
 
 @njit(cache=True, nogil=True)

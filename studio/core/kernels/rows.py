@@ -29,8 +29,9 @@ def aimed_at(c, end, holds_end, upper, root, asked, goal, point, pose):
 
     ``point`` (3,) is the constrained point; it becomes the point that the limb moves there.
     """
-    aimed = goal[0][c, end].copy()
-    if holds_end and asked[2][c, end, 1] >= upper + 2:
+    ends, places = asked[2], goal[0]
+    aimed = places[c, end].copy()
+    if holds_end and ends[c, end, 1] >= upper + 2:
         aimed -= point - pose[0][root + 2]
         point[:] = pose[0][root + 2]
     return aimed
@@ -39,12 +40,13 @@ def aimed_at(c, end, holds_end, upper, root, asked, goal, point, pose):
 @njit(cache=True, nogil=True)
 def add_rows(c, is_held, count, asked, goal, held, body, work, pose):
     """Rows of one constraint, towards its goal or, when held, towards what it has; the new number of rows."""
+    places, engaged = goal[0], goal[5]
     kinds, ends, offsets, freedoms = asked[0], asked[2], asked[3], asked[5]
     rows, errors, owners = work[0], work[1], work[2]
     positions, rotations = pose
     joints = asked[7]
     first, vector, point = count, np.empty(3), np.empty(3)
-    if kinds[c] == AREA and not goal[5][c]:
+    if kinds[c] == AREA and not engaged[c]:
         return count
     if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
         if ends[c, 0, 2] >= 0:
@@ -59,7 +61,7 @@ def add_rows(c, is_held, count, asked, goal, held, body, work, pose):
         segment_centres(body[1], positions, work[6])
         centre_of_mass(body[1], work[6], point)
         for axis in range(2):
-            target_xy = held[1][c, 0, axis] if is_held else goal[0][c, 0, axis]
+            target_xy = held[1][c, 0, axis] if is_held else places[c, 0, axis]
             begin_row(rows, errors, owners, count, c, target_xy - point[axis])
             add_balance_row(axis, body[1], work[6], joints, positions, rows[count])
             count += 1
@@ -71,7 +73,7 @@ def add_rows(c, is_held, count, asked, goal, held, body, work, pose):
                 count = add_reach_row(c, end, is_held, count, asked, goal, held, work, pose)
             elif kinds[c] != DISTANCE:
                 end_place(ends, offsets, c, end, pose, point)
-                target = held[1][c, end] if is_held else goal[0][c, end]
+                target = held[1][c, end] if is_held else places[c, end]
                 for axis in range(3):
                     begin_row(rows, errors, owners, count, c, target[axis] - point[axis])
                     x, y, z = axis == 0, axis == 1, axis == 2
@@ -120,6 +122,7 @@ def add_reach_row(c, end, is_held, count, asked, goal, held, work, pose):
 @njit(cache=True, nogil=True)
 def feet_rows(asked, body, rows, errors, owners, positions):
     """Rows of planted legs that are stretched to their comfort: their hips go no further. The number of rows."""
+    kinds = asked[0]
     measures, states, legs = body[0], body[3], body[4]
     spine_count = positions.shape[0] - 23
     count = 0
@@ -131,7 +134,7 @@ def feet_rows(asked, body, rows, errors, owners, positions):
         span = distance(hip, ankle)
         if span > length - 1e-5:
             x, y, z = (ankle[0] - hip[0]) / span, (ankle[1] - hip[1]) / span, (ankle[2] - hip[2]) / span
-            begin_row(rows, errors, owners, count, asked[0].shape[0], span - length)
+            begin_row(rows, errors, owners, count, kinds.shape[0], span - length)
             add_point_row(hip, x, y, z, 0, asked[7], positions, rows[count])
             count += 1
     return count
