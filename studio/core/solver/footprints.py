@@ -119,6 +119,10 @@ def find_footprints(
     first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
     soles = soles_of(ankles[middle], feet[middle], body, side)
     nudges = ground.nudges(soles)[of_episode]
+    rolled = soles.copy()
+    rolled[:, 0] += _heel_play(soles[:, 0], first, last, states, ankles, feet, body, side) / 2
+    edge = np.ptp(ground.height_at(np.stack([soles[:, 0], rolled[:, 0]], axis=1) + nudges[:, None]), axis=1) > EDGE
+    soles = np.where(edge[:, None, None], soles, rolled)
     level = np.column_stack([soles[:, 1], np.full(len(soles), ground.height)])
     placed = soles + nudges[:, None]
     for _ in range(_SETTLING):
@@ -207,6 +211,30 @@ def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """(first, last), both included, of each unbroken run of true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _heel_play(
+    heels: FloatArray,
+    first: NDArray[np.int64],
+    last: NDArray[np.int64],
+    states: NDArray[np.int64],
+    ankles: FloatArray,
+    feet: FloatArray,
+    body: Morphology,
+    side: int,
+) -> FloatArray:
+    """(N, 2) how far a standing heel is at most from its flat place ``heels`` (N, 2): it rolls as the foot comes down.
+
+    On bent ground a plane through the middle of that way is off by half as much at its ends.
+    """
+    tracks = (ankles + feet @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]]))[:, :2]
+    play = np.zeros((len(heels), 2))
+    for row, (begin, end) in enumerate(zip(first, last, strict=True)):
+        standing = (states[begin : end + 1] & HEEL) != 0
+        if standing.any():
+            ways = tracks[begin : end + 1][standing] - heels[row]
+            play[row] = ways[np.argmax(np.linalg.norm(ways, axis=1))]
+    return play
 
 
 def soles_of(ankles: FloatArray, feet: FloatArray, body: Morphology, side: int) -> FloatArray:

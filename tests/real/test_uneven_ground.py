@@ -1,0 +1,74 @@
+"""Real walks up and down stairs, over slopes and bumps, on the five characters."""
+
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.ground import Ground
+from studio.core.grounds import Bumps, Slope, Steps
+from studio.core.metrics import acceleration_ratio, foot_quality
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.source import source_motion
+from studio.io.character_file import bundled_characters
+from studio.resources_folder import example_captures_folder
+from tests.real.taken import contacts_of, named, taken
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+STEMS = (
+    "bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180",
+    "accad_female1_B21_PutDownBoxToWalk",
+)  # fmt: skip
+TILT = math.radians(15.0)
+
+
+def _grounds(positions: np.ndarray) -> dict[str, Ground]:
+    """Grounds that lie in the way of a walk whose root is at ``positions`` (F, 3)."""
+    begin, way = positions[0, :2], positions[-1, :2] - positions[0, :2]
+    ahead = way / np.linalg.norm(way)
+    direction, left = math.atan2(ahead[1], ahead[0]), np.array([-ahead[1], ahead[0]])
+    first = tuple(begin + 0.3 * ahead)
+    return {
+        "up": Slope(0.0, TILT, direction, tuple(begin)),
+        "down": Slope(0.0, -TILT, direction, tuple(begin)),
+        "across": Slope(0.0, TILT, direction + math.pi / 2, tuple(begin - 3 * left)),
+        "stairs up": Steps(0.0, 0.17, 0.30, 30, direction, first),
+        "stairs down": Steps(0.0, -0.17, 0.30, 30, direction, first),
+        "bumps": Bumps(0.0, 0.08, 1.2, 1),
+    }
+
+
+@cache
+def _source(path: Path) -> tuple[NormalizedMotion, AdaptedMotion, int]:
+    capture, motion, actor = taken(path)
+    return motion, source_motion(motion, actor), capture.first_frame
+
+
+def _faults(path: Path) -> list[str]:
+    """What is wrong with a walk on each ground and character, in words."""
+    motion, source, first = _source(path)
+    contacts, found = contacts_of(taken(path)[0]), []
+    for where, ground in _grounds(source.positions[first:, 0]).items():
+        for name, body in BODIES.items():
+            adapted = adapt(AdaptRequest(motion, body, contacts, (), ground), first)
+            quality = foot_quality(adapted, contacts, ground)
+            measured = (
+                ("slide mm", 1e3 * quality.slide, 1.0), ("float mm", 1e3 * quality.rise, 2.0),
+                ("depth mm", 1e3 * quality.penetration, 2.0),
+                ("acceleration ratio", acceleration_ratio(adapted, source), 3.0),
+            )  # fmt: skip
+            found += [f"{where} on {name}: {what} {value:.2f}" for what, value, most in measured if value > most]
+    return found
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_a_real_walk_holds_its_feet_on_any_ground(captures: Path, stem: str) -> None:
+    assert _faults(named(stem)) == []
+
+
+def test_the_bundled_walk_holds_its_feet_on_any_ground() -> None:
+    assert _faults(example_captures_folder() / "walk_turn.bvh") == []
