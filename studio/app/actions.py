@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from studio.app import recovery
 from studio.app.verbs import editing, files, playback, view
+from studio.app.verbs.constraining import adder
 from studio.app.workbench import Workbench
 
 Run = Callable[[Workbench], object]
@@ -111,8 +112,18 @@ CHARACTER = (
 )  # fmt: skip
 
 CONSTRAINT = (
-    Action("add_constraint", "Constraint", "Add position constraint", editing.add_constraint, ("C",),
+    Action("add_constraint", "Constraint", "Add position constraint", adder("position"), ("C",),
            "Give the joint picked in the viewport a target", _picked),
+    Action("add_orientation", "Constraint", "Add orientation constraint", adder("orientation"),
+           tooltip="Keep what turns about the picked joint as it is turned now", enabled=_picked),
+    Action("add_look_at", "Constraint", "Add look-at constraint", adder("look_at"),
+           tooltip="Let the active body look at a place ahead of it", enabled=_picked),
+    Action("add_distance", "Constraint", "Add distance constraint", adder("distance"),
+           tooltip="From a picked wrist or hand to the other one; from another joint to a place", enabled=_picked),
+    Action("add_balance", "Constraint", "Add balance constraint", adder("balance"),
+           tooltip="Keep the centre of mass where the motion has it", enabled=_picked),
+    Action("add_area", "Constraint", "Add table (area) constraint", adder("area"),
+           tooltip="A table under the picked joint, which it does not sink into", enabled=_picked, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",), "Copy the selected constraints",
            _constraint_selected),
 )  # fmt: skip

@@ -1,34 +1,177 @@
-"""A new position constraint from a picked joint: where the joint is now, round the playhead."""
+"""A new constraint of any kind, made of what a body does at the playhead: it asks for what is there already."""
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Project
+from studio.core.rotations import from_matrix
 from studio.viewport.body_points import BodyJoint, point_path
+from studio.viewport.camera import FloatArray
 from studio.viewport.performance import Posed
 
 HOLD, RAMP = 0.1, 0.3
 """Seconds held on either side of the playhead, and eased beyond."""
+AHEAD = 2.0
+"""Metres from the eyes to what a new look-at looks at."""
+TABLE = (0.8, 0.8)
+"""Metres of a new table's top; it stands on the ground and reaches up to the point."""
+LEAST_TABLE = 0.1
+NEEDS_A_PICK = ("position", "orientation", "distance", "area")
+TURNED_BY = {
+    "clavicle": "upper_arm", "upper_arm": "forearm", "forearm": "hand",
+    "thigh": "shank", "shank": "foot", "thorax": "neck", "neck": "head",
+}  # fmt: skip
+"""A joint is the far end of one segment; what turns about it is the next."""
+_HEAD = Chain(limb=1.0, end_segment=1.0, clavicle=0.0, trunk=0.3)
+_WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0)
 
 
-def constraint_here(project: Project, pose: Posed, joint: BodyJoint) -> PositionConstraint:
-    """A constraint that keeps ``joint`` where ``pose`` has it: full near the playhead, last in priority."""
-    clip = pose.performer.clips[0]
-    begin, end = (frame / pose.motion.frame_rate for frame in (clip.first, clip.last))
-    now = min(max(pose.seconds, begin), end)
-    start, full, full_end, last = (
-        min(max(now + step, begin), end) for step in (-HOLD - RAMP, -HOLD, HOLD, HOLD + RAMP)
+@dataclass(frozen=True)
+class Here:
+    """What a new constraint is made of: a body at the playhead, and the joint picked on it if there is one."""
+
+    project: Project
+    pose: Posed
+    joint: BodyJoint | None
+
+    @property
+    def picked(self) -> BodyJoint:
+        """The joint, for a kind that needs one."""
+        assert self.joint is not None
+        return self.joint
+
+    def place(self, point: BodyPoint) -> FloatArray:
+        """(3,) where a point of the body is, in the space of the motion."""
+        return point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0]
+
+    def turn(self, part: BodyPart) -> FloatArray:
+        """(3, 3) how a segment is turned, in the space of the motion."""
+        motion = self.pose.motion
+        return np.asarray(motion.rotations[self.pose.row, motion.morphology.layout.segment(part)])
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """Seconds of the motion at which the clip begins and ends."""
+        clip, rate = self.pose.performer.clips[0], self.pose.motion.frame_rate
+        return clip.first / rate, clip.last / rate
+
+    def common(self, name: str, point: BodyPoint, chain: Chain, always: bool = False) -> dict[str, Any]:
+        """What every kind has: last in priority, full near the playhead or all the time."""
+        motion_id = self.pose.performer.clips[0].motion_id
+        existing = self.project.constraints_of(motion_id).values()
+        begin, end = self.span
+        now = min(max(self.pose.seconds, begin), end)
+        steps = (-HOLD - RAMP, -HOLD, HOLD, HOLD + RAMP)
+        times = (begin, begin, end, end) if always else [min(max(now + step, begin), end) for step in steps]
+        return {
+            "motion_id": motion_id,
+            "name": _free_name(name, {one.name for one in existing}),
+            "point": point,
+            "chain": chain,
+            "priority": max((one.priority for one in existing), default=-1) + 1,
+            "activation": ActivationCurve(*times),
+        }
+
+
+def constraint_here(here: Here, kind: str) -> Constraint:
+    """A constraint of ``kind`` that asks for what the body does at the playhead."""
+    return _MAKERS[kind](here)
+
+
+def _position(here: Here) -> Constraint:
+    joint = here.picked
+    target = _vector(here.place(joint.point))
+    return PositionConstraint(**here.common(joint.name.capitalize(), joint.point, joint.chain), target=target)
+
+
+def _orientation(here: Here) -> Constraint:
+    joint = here.picked
+    part = turned_part(joint.point)
+    target = tuple(from_matrix(here.turn(part)).tolist())
+    chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(joint.chain, end_segment=1.0)
+    return OrientationConstraint(**here.common(f"Turn of {part.label.lower()}", BodyPoint(part), chain), target=target)
+
+
+def _look_at(here: Here) -> Constraint:
+    target = here.place(EYES) + AHEAD * here.turn(EYES.part)[:, 0]
+    return LookAtConstraint(**here.common("Look at", EYES, _HEAD), target=_vector(target))
+
+
+def _distance(here: Here) -> Constraint:
+    joint = here.picked
+    begin, other = here.place(joint.point), opposite_hand(joint.point)
+    name = "Hands apart" if other else f"{joint.name.capitalize()} near"
+    common = here.common(name, joint.point, joint.chain)
+    if other is None:
+        return DistanceConstraint(**common, other=_vector(begin), distance=0.0)
+    return DistanceConstraint(**common, other=other, distance=float(np.linalg.norm(here.place(other) - begin)))
+
+
+def _balance(here: Here) -> Constraint:
+    return BalanceConstraint(**here.common("Balance", BodyPoint(BodyPart.PELVIS), _WHOLE_BODY, always=True))
+
+
+def _area(here: Here) -> Constraint:
+    joint = here.picked
+    x, y, top = here.place(joint.point)
+    floor = float(here.project.ground.height_at(here.pose.placement.to_stage((x, y, 0.0))))
+    height = max(float(top) - floor, LEAST_TABLE)
+    return AreaConstraint(
+        **here.common(f"Table under {joint.name}", joint.point, joint.chain, always=True),
+        centre=(float(x), float(y), floor + height / 2),
+        size=(*TABLE, height),
     )
-    row = slice(pose.row, pose.row + 1)
-    existing = project.constraints_of(clip.motion_id).values()
-    return PositionConstraint(
-        motion_id=clip.motion_id,
-        name=_free_name(joint.name.capitalize(), {one.name for one in existing}),
-        point=joint.point,
-        chain=joint.chain,
-        priority=max((one.priority for one in existing), default=-1) + 1,
-        activation=ActivationCurve(start, full, full_end, last),
-        target=tuple(point_path(pose.motion, joint.point, row)[0].tolist()),
-    )
+
+
+_MAKERS: dict[str, Callable[[Here], Constraint]] = {
+    "position": _position,
+    "orientation": _orientation,
+    "look_at": _look_at,
+    "distance": _distance,
+    "balance": _balance,
+    "area": _area,
+}
+
+
+def turned_part(point: BodyPoint) -> BodyPart:
+    """The segment that an animator turns at a joint: at the wrist the hand."""
+    side, bone = _side_and_bone(point.part)
+    next_bone = TURNED_BY.get(bone) if point.at_end else None
+    return BodyPart(f"{side}{next_bone}") if next_bone else point.part
+
+
+def opposite_hand(point: BodyPoint) -> BodyPoint | None:
+    """The same point of the other hand; None for a point that is on no hand or wrist."""
+    side, bone = _side_and_bone(point.part)
+    if bone not in ("forearm", "hand") or not point.at_end:
+        return None
+    return replace(point, part=BodyPart(f"{'right_' if side == 'left_' else 'left_'}{bone}"))
+
+
+def _side_and_bone(part: BodyPart) -> tuple[str, str]:
+    """``left_`` and ``upper_arm``; no side for a part in the middle."""
+    for side in ("left_", "right_"):
+        if part.startswith(side):
+            return side, part.removeprefix(side)
+    return "", part.value
+
+
+def _vector(place: FloatArray) -> Vector:
+    x, y, z = (float(number) for number in place)
+    return x, y, z
 
 
 def _free_name(name: str, taken: set[str]) -> str:

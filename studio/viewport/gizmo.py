@@ -37,6 +37,8 @@ class Gizmo:
     size: tuple[float, float]
     pixels: float = ARROW_PIXELS
     """Of an arrow."""
+    flat: bool = False
+    """Whether what it moves stays on the ground."""
 
     @cached_property
     def length(self) -> float:
@@ -78,6 +80,8 @@ class Gizmo:
         """An arrow seen end on, or a plane seen edge on, cannot be dragged and is not shown."""
         if part == BALL:
             return True
+        if self.flat and "z" in part:
+            return False
         sight = self.origin - self.camera.eye if not self.camera.parallel else -self.camera.axes[2]
         sight = sight / max(float(np.linalg.norm(sight)), 1e-9)
         facing = np.abs(self.axes @ sight)

@@ -59,7 +59,9 @@ def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
     """A target before a joint before a body before a prop; a click on nothing lets go of everything."""
     where = (viewport.camera, viewport.view_size, x, y)
     handles = {f"{one.performer_id} {one.constraint_id}": one for one in viewport.handles()}
-    near = picking.nearest_place([(key, one.target) for key, one in handles.items()], *where, HANDLE_REACH)
+    near = picking.nearest_place(
+        [(key, one.target) for key, one in handles.items() if one.target is not None], *where, HANDLE_REACH
+    )
     joint = None if near else picking.joint_at(viewport.posed, *where)
     if near:
         viewport.pick(None)

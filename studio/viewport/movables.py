@@ -1,14 +1,15 @@
-"""What a gizmo can move: a constraint's target, a prop. Each knows its axes and tells the document."""
+"""What a gizmo can move: a constraint's place, a prop. Each knows its axes and tells the document."""
 
 from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
-from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.base import Constraint
 from studio.core.project import Prop
 from studio.document.document import Document
 from studio.viewport.camera import FloatArray
+from studio.viewport.handle_places import handle_place, is_flat, with_handle_place
 from studio.viewport.performance import Placement
 
 
@@ -16,6 +17,10 @@ class Movable(Protocol):
     """A thing with a place in its own axes."""
 
     placement: Placement
+
+    @property
+    def flat(self) -> bool:
+        """Whether it stays on the ground."""
 
     @property
     def place(self) -> FloatArray:
@@ -26,31 +31,37 @@ class Movable(Protocol):
 
 
 class Target:
-    """The target of a position constraint, as the performer at ``placement`` sees it."""
+    """The place by which a constraint is held, as the performer at ``placement`` on a ``floor`` sees it."""
 
-    def __init__(self, document: Document, constraint_id: str, placement: Placement) -> None:
-        self._document, self._id, self.placement = document, constraint_id, placement
+    def __init__(self, document: Document, constraint_id: str, placement: Placement, floor: float) -> None:
+        self._document, self._id, self.placement, self._floor = document, constraint_id, placement, floor
 
     @property
-    def _constraint(self) -> PositionConstraint:
-        constraint = self._document.project.constraints[self._id]
-        assert isinstance(constraint, PositionConstraint)
-        return constraint
+    def _constraint(self) -> Constraint:
+        return self._document.project.constraints[self._id]
+
+    @property
+    def flat(self) -> bool:
+        """Whether it stays on the ground."""
+        return is_flat(self._constraint)
 
     @property
     def place(self) -> FloatArray:
         """(3,) in the space of the motion."""
-        return np.array(self._constraint.target)
+        return np.array(handle_place(self._constraint, self._floor))
 
     def move(self, place: FloatArray, gesture: int) -> None:
-        """Put the target at ``place``."""
+        """Put it at ``place``."""
         old = self._constraint
-        new = replace(old, target=tuple(place.tolist()))
+        x, y, z = place.tolist()
+        new = with_handle_place(old, (x, y, z))
         self._document.replace("constraints", self._id, new, f"Move target of {old.name}", gesture)
 
 
 class PlacedProp:
     """A prop on the stage."""
+
+    flat = False
 
     def __init__(self, document: Document, prop_id: str) -> None:
         self._document, self._id = document, prop_id
@@ -71,10 +82,12 @@ class PlacedProp:
         self._document.replace("props", self._id, new, f"Move {self._prop.name}", gesture)
 
 
-def selected_movable(document: Document, placement: Placement) -> Movable | None:
+def selected_movable(document: Document, placement: Placement, floor: float) -> Movable | None:
     """What the gizmo stands on: the current selection, if it can be moved."""
     collection, entity_id = document.selection.current or ("", "")
     if collection == "props" and entity_id in document.project.props:
         return PlacedProp(document, entity_id)
     constraint = document.project.constraints.get(entity_id) if collection == "constraints" else None
-    return Target(document, entity_id, placement) if isinstance(constraint, PositionConstraint) else None
+    if constraint is None or handle_place(constraint) is None:
+        return None
+    return Target(document, entity_id, placement, floor)

@@ -30,20 +30,22 @@ class Overlay:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def handles(self, handles: Iterable[Handle], selected: set[str]) -> None:
-        """Targets in their kind's colour; lines to what misses them."""
+        """Figures and targets in their kind's colour; lines to what misses them."""
         for handle in handles:
-            (target, point), depth = self._camera.project(np.stack([handle.target, handle.point]), self._size)
-            if (depth <= 0).any():
+            chosen = handle.constraint_id in selected
+            self._figure(handle, chosen)
+            if handle.target is None:
+                continue
+            pixels, depth = self._camera.project(handle.target, self._size)
+            if depth[0] <= 0:
                 continue
             colour = QColor(colours.kind_colour(handle.kind))
-            if handle.missed:
-                self._line(point, target, colours.NOT_REACHED, 2.0 if handle.main else 1.2)
             if not handle.main:
                 colour.setAlpha(220 if handle.activation > 0 else 90)
-                self._disc(target, 3.5, colour)
+                self._disc(pixels[0], 3.5, colour)
                 continue
             colour.setAlpha(255 if handle.activation > 0 else 130)
-            self._target(target, colour, handle.constraint_id in selected)
+            self._target(pixels[0], colour, chosen)
 
     def ghost(self, points: FloatArray, pairs: NDArray[np.intp]) -> None:
         """The source as grey sticks seen through everything: ``pairs`` (B, 2) of ``points`` (N, 3)."""
@@ -105,6 +107,46 @@ class Overlay:
                 self._painter.setBrush(QColor(colour))
                 bar = QRectF(plate.left() + 20.0, top + 33.0, (width - 40.0) * part, 4.0)
                 self._painter.drawRoundedRect(bar, 2.0, 2.0)
+
+    def _figure(self, handle: Handle, chosen: bool) -> None:
+        """Quiet lines: fainter on the bodies that are not worked on, and while the constraint is not active."""
+        figure, colour = handle.figure, colours.kind_colour(handle.kind)
+        strength = (0.95 if chosen else 0.6) if handle.main else 0.3
+        strength *= 1.0 if handle.activation > 0 else 0.5
+        for face in figure.faces:
+            self._face(face, colour, 0.25 * strength)
+        for line in figure.lines:
+            self._thin(line, colours.NOT_REACHED if handle.missed and not figure.link_always else colour, strength)
+        if figure.link is None:
+            return
+        pixels, depth = self._camera.project(figure.link, self._size)
+        if handle.missed and (depth > 0).all():
+            self._line(pixels[0], pixels[1], colours.NOT_REACHED, 2.0 if handle.main else 1.2)
+        elif figure.link_always:
+            self._thin(figure.link, colour, strength)
+
+    def _thin(self, points: FloatArray, colour: str, strength: float) -> None:
+        """A line over ``points`` (N, 3), as far as they are before the camera."""
+        pixels, depth = self._camera.project(points, self._size)
+        if (depth <= 0).any():
+            return
+        corners = QPolygonF([QPointF(*pixel) for pixel in pixels])
+        self._painter.setBrush(Qt.BrushStyle.NoBrush)
+        for hue, width, alpha in ((SHADOW, 3.0, 0.5), (QColor(colour), 1.5, 1.0)):
+            hue = QColor(hue)
+            hue.setAlphaF(hue.alphaF() * strength * alpha)
+            self._painter.setPen(QPen(hue, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            self._painter.drawPolyline(corners)
+
+    def _face(self, points: FloatArray, colour: str, strength: float) -> None:
+        pixels, depth = self._camera.project(points, self._size)
+        if (depth <= 0).any():
+            return
+        fill = QColor(colour)
+        fill.setAlphaF(strength)
+        self._painter.setPen(Qt.PenStyle.NoPen)
+        self._painter.setBrush(fill)
+        self._painter.drawPolygon(QPolygonF([QPointF(*pixel) for pixel in pixels]))
 
     def _target(self, place: FloatArray, colour: QColor, selected: bool) -> None:
         self._disc(place, 6.0, colour)

@@ -19,12 +19,12 @@ from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
-from studio.viewport.constraining import constraint_here
+from studio.viewport.constraining import NEEDS_A_PICK, Here, constraint_here
 from studio.viewport.figure import bone_pairs
 from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
-from studio.viewport.handles import Handle, constraint_handles
+from studio.viewport.handles import Handle, constraint_handles, floor_under
 from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
@@ -75,7 +75,7 @@ class Viewport(Canvas):
                 "ghost": self.show_again,
                 "trails": self.show_again,
                 "problem": self.go_to_problem,
-                "constrain": self.add_position_constraint_at_pick,
+                "constrain": self.add_constraint_at_pick,
             },
         )
         self._links = self._connect()
@@ -156,16 +156,17 @@ class Viewport(Canvas):
             self._document.selection.set(("performers", picked.performer_id))
         self.show_again()
 
-    def add_position_constraint_at_pick(self) -> str | None:
-        """Constrain the picked joint to where it is at the playhead and select that; returns its id."""
+    def add_constraint_at_pick(self, kind: str = "position") -> str | None:
+        """Ask the picked joint, or the body, to keep what it does at the playhead, and select that; returns its id."""
         picked = self.joint_picked
-        pose = self.posed.get(picked.performer_id) if picked else None
-        if picked is None or pose is None or pose.motion_id is None:
+        performer_id = picked.performer_id if picked else self._document.active_performer_id or ""
+        pose = self.posed.get(performer_id)
+        if pose is None or pose.motion_id is None or (picked is None and kind in NEEDS_A_PICK):
             return None
-        constraint = constraint_here(self._document.project, pose, picked.joint)
-        constraint_id = self._document.add("constraints", constraint, f"Constrain {picked.joint.name}")
+        constraint = constraint_here(Here(self._document.project, pose, picked.joint if picked else None), kind)
+        constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
-        self._document.selection.set(("performers", picked.performer_id), ("constraints", constraint_id))
+        self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))
         return constraint_id
 
     def show_progress(self, words: str, share: float) -> None:
@@ -211,6 +212,7 @@ class Viewport(Canvas):
             self.camera,
             self.view_size,
             self._arrow_pixels(),
+            movable.flat,
         )
 
     def _arrow_pixels(self) -> float:
@@ -223,7 +225,8 @@ class Viewport(Canvas):
     def movable(self) -> Movable | None:
         """What the gizmo moves."""
         pose = self.posed.get(self._document.active_performer_id or "")
-        return selected_movable(self._document, pose.placement if pose else Placement())
+        floor = floor_under(self._document.project, pose) if pose else 0.0
+        return selected_movable(self._document, pose.placement if pose else Placement(), floor)
 
     def handles(self) -> list[Handle]:
         """The constraint handles on show."""
@@ -327,7 +330,9 @@ class Viewport(Canvas):
         selection = self._document.selection
         points = [self.posed[key].points for key in selection.of("performers") if key in self.posed]
         targets = [
-            one.target for one in self.handles() if one.main and one.constraint_id in selection.of("constraints")
+            one.target
+            for one in self.handles()
+            if one.main and one.target is not None and one.constraint_id in selection.of("constraints")
         ]
         props = self._document.project.props
         targets += [np.array(props[key].position) for key in selection.of("props") if key in props]
@@ -423,7 +428,7 @@ class Viewport(Canvas):
         """Constrain the joint under the mouse."""
         self.mousePressEvent(event)
         if self.gesture is None and self.joint_picked is not None:
-            self.add_position_constraint_at_pick()
+            self.add_constraint_at_pick()
 
     def leaveEvent(self, event: QEvent) -> None:
         """Nothing is under the mouse any more."""
@@ -452,7 +457,7 @@ class Viewport(Canvas):
         return {
             Qt.Key.Key_F: self.frame_selection,
             Qt.Key.Key_A: self.frame_all,
-            Qt.Key.Key_C: self.add_position_constraint_at_pick,
+            Qt.Key.Key_C: self.add_constraint_at_pick,
             Qt.Key.Key_Q: partial(self.set_tool, "select"),
             Qt.Key.Key_W: partial(self.set_tool, "move"),
             Qt.Key.Key_1: partial(self.set_view, "front"),

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Project
 from studio.core.rest_pose import rest_pose
 from studio.core.solver.request import AdaptedMotion
@@ -21,8 +23,15 @@ def standing(project: Project, performer_id: str) -> AdaptedMotion:
     positions[:, :, 0] += np.linspace(0.0, 0.3, FRAMES)[:, None]
     motion = AdaptedMotion(morphology, RATE, 0, positions, rotations, np.zeros((0, FRAMES)))
     asked = [one for one in project.constraints_of("motion").values() if one.enabled]
-    residuals = [np.linalg.norm(point_path(motion, one.point) - one.target, axis=1) for one in asked]
+    residuals = [_misses(motion, one) for one in asked]
     return AdaptedMotion(morphology, RATE, 0, positions, rotations, np.reshape(residuals, (-1, FRAMES)))
+
+
+def _misses(motion: AdaptedMotion, constraint: Constraint) -> Any:
+    """(FRAMES,) metres from a target; what other kinds ask, the standing bodies do."""
+    if not isinstance(constraint, PositionConstraint):
+        return np.zeros(FRAMES)
+    return np.linalg.norm(point_path(motion, constraint.point) - constraint.target, axis=1)
 
 
 class StandingLive(QObject):

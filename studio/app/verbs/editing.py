@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from studio.app.workbench import Workbench
 from studio.core.contacts import ContactInterval
-from studio.core.errors import StudioError
 from studio.core.project import GROUND_ID
 
 SMALL_THINGS = ("constraints", "contacts", "props")
@@ -18,12 +17,6 @@ def undo(bench: Workbench) -> None:
 def redo(bench: Workbench) -> None:
     """Do again what was taken back."""
     bench.document.undo_stack.redo()
-
-
-def add_constraint(bench: Workbench) -> None:
-    """A position constraint at the joint picked in the viewport."""
-    if bench.viewport.add_position_constraint_at_pick() is None:
-        raise StudioError("Click a joint in the viewport first, then press C to give it a target.")
 
 
 def duplicate(bench: Workbench) -> None:

@@ -1,9 +1,21 @@
 """Forms for constraints, found by kind; a kind without one gets the form that all kinds share."""
 
+from studio.panels.constraint_editors.area import AreaEditor
+from studio.panels.constraint_editors.balance import BalanceEditor
 from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.distance import DistanceEditor
+from studio.panels.constraint_editors.look_at import LookAtEditor
+from studio.panels.constraint_editors.orientation import OrientationEditor
 from studio.panels.constraint_editors.position import PositionEditor
 
-EDITORS: dict[str, type[ConstraintEditor]] = {"position": PositionEditor}
+EDITORS: dict[str, type[ConstraintEditor]] = {
+    "position": PositionEditor,
+    "orientation": OrientationEditor,
+    "look_at": LookAtEditor,
+    "distance": DistanceEditor,
+    "balance": BalanceEditor,
+    "area": AreaEditor,
+}
 
 
 def editor_of_kind(kind: str) -> type[ConstraintEditor]:

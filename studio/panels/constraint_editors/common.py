@@ -28,6 +28,9 @@ def point_choices() -> list[tuple[object, str]]:
 class ConstraintEditor(Editor):
     """A constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
 
+    has_point = True
+    """Whether the kind is about one point; otherwise its rows are not shown."""
+
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         kind = self.entity.kind.replace("_", "-")
@@ -59,7 +62,7 @@ class ConstraintEditor(Editor):
         self._point = Choice("Point", point_choices())
         self._point.setToolTip("Where on the body. Or click a joint in the viewport and press C.")
         self._point.chosen.connect(self._set_point)
-        self._section.add_row("Point", self._point)
+        caption = self._section.add_row("Point", self._point)
         self._offset = [
             self.bind(
                 NumberField(f"Offset {axis}", "", -100.0, 100.0, 0.5, 1),
@@ -67,7 +70,10 @@ class ConstraintEditor(Editor):
             )
             for k, axis in enumerate("XYZ")
         ]
-        self._section.add_row("Offset  cm", *self._offset)
+        offset_caption = self._section.add_row("Offset  cm", *self._offset)
+        if not self.has_point:
+            for widget in (caption, self._point, offset_caption, *self._offset):
+                widget.hide()
 
     def refresh(self) -> None:
         """Fetch everything."""

@@ -1,35 +1,22 @@
 """The form of a position constraint: where the point is to be."""
 
-from functools import partial
-
 from studio.panels.constraint_editors.common import ConstraintEditor
-from studio.panels.fields import NumberField, Section
-
-FAR = 1000.0
+from studio.panels.constraint_editors.vector_row import VectorRow
+from studio.panels.fields import Section
 
 
 class PositionEditor(ConstraintEditor):
-    """Three numbers in metres, to type or to drag."""
+    """Three numbers in metres."""
 
     def add_kind_rows(self, section: Section) -> None:
         """The target."""
-        self._target = [
-            self.bind(
-                NumberField(f"Target {axis}", "", -FAR, FAR, 0.01, 3),
-                partial(self._set_target, k),
-            )
-            for k, axis in enumerate("XYZ")
-        ]
-        section.add_row("Target  m", *self._target)
+        self._target = VectorRow(self, section, "Target", self._set_target)
 
     def refresh(self) -> None:
         """Fetch everything."""
         super().refresh()
         if self.entity is not None:
-            for field, value in zip(self._target, self.entity.target, strict=True):
-                field.show_value(value)
+            self._target.show_values(self.entity.target)
 
-    def _set_target(self, axis: int, metres: float) -> None:
-        target = list(self.entity.target)
-        target[axis] = metres
-        self.change(f"Move target of {self.entity.name}", target=tuple(target))
+    def _set_target(self, target: tuple[float, ...]) -> None:
+        self.change(f"Move target of {self.entity.name}", target=target)

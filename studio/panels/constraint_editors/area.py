@@ -1,0 +1,78 @@
+"""The form of a restricted area: its shape, place and size, and which side is allowed."""
+
+import math
+from typing import Any
+
+from studio.core.constraints.area import AreaShape
+from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.vector_row import VectorRow
+from studio.panels.fields import Choice, NumberField, Section, Segments
+
+SHAPES = (
+    (AreaShape.TABLE, "Table"),
+    (AreaShape.BOX, "Box"),
+    (AreaShape.SPHERE, "Sphere"),
+    (AreaShape.CYLINDER, "Cylinder"),
+    (AreaShape.HALF_SPACE, "Half-space"),
+)
+SIZES = {
+    AreaShape.SPHERE: ("Diameter  m", (True, False, False)),
+    AreaShape.CYLINDER: ("Width, height", (True, False, True)),
+    AreaShape.HALF_SPACE: ("Normal", (True, True, True)),
+}
+"""What the three numbers of a size mean, and which of them are used; the others are a box's edges."""
+TURNED = (AreaShape.TABLE, AreaShape.BOX)
+LEAST = 0.001
+UP, METRE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
+
+
+class AreaEditor(ConstraintEditor):
+    """Only the numbers that the shape uses are shown."""
+
+    def add_kind_rows(self, section: Section) -> None:
+        """Shape, side, centre, size, heading."""
+        self._shape = Choice("Shape", SHAPES)
+        self._shape.chosen.connect(self._set_shape)
+        section.add_row("Shape", self._shape)
+        self._side = Segments("Point stays", [(False, "Outside"), (True, "Inside")])
+        self._side.chosen.connect(lambda inside: self._set("Choose side of", inside=inside))
+        section.add_row("Stays", self._side)
+        self._centre = VectorRow(self, section, "Centre", lambda place: self._set("Move", centre=place))
+        self._size = VectorRow(self, section, "Size", self._set_size)
+        self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._set_heading)
+        self._heading_caption = section.add_row("Heading", self._heading)
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        super().refresh()
+        area = self.entity
+        if area is None:
+            return
+        self._shape.show_value(area.shape)
+        self._side.show_value(area.inside)
+        self._centre.show_values(area.centre)
+        words, used = SIZES.get(area.shape, ("Size  m", (True, True, True)))
+        self._size.caption.setText(words)
+        self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST)
+        self._size.show_values(area.size)
+        self._size.set_visible(*used)
+        self._heading.show_value(math.degrees(area.heading))
+        for widget in (self._heading, self._heading_caption):
+            widget.setVisible(area.shape in TURNED)
+
+    def _set(self, verb: str, **values: Any) -> None:
+        self.change(f"{verb} {self.entity.name}", **values)
+
+    def _set_size(self, size: tuple[float, ...]) -> None:
+        self._set("Resize", size=size)
+
+    def _set_shape(self, shape: AreaShape) -> None:
+        """A half-space has a direction where the others have a size."""
+        old = self.entity.shape
+        size = self.entity.size
+        if shape is not old and AreaShape.HALF_SPACE in (shape, old):
+            size = UP if shape is AreaShape.HALF_SPACE else METRE
+        self._set("Choose shape of", shape=shape, size=size)
+
+    def _set_heading(self, degrees: float) -> None:
+        self._set("Turn", heading=math.radians(degrees))

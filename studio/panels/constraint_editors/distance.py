@@ -1,0 +1,57 @@
+"""The form of a distance constraint: how far, and from what."""
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.engine.point_names import point_words
+from studio.panels.constraint_editors.common import ConstraintEditor, point_choices
+from studio.panels.constraint_editors.present import place_now
+from studio.panels.constraint_editors.vector_row import FAR, VectorRow
+from studio.panels.fields import Choice, NumberField, Section
+
+OUTSIDE = None
+
+
+class DistanceEditor(ConstraintEditor):
+    """Metres, and the other end: a point of the body or a place outside."""
+
+    def add_kind_rows(self, section: Section) -> None:
+        """Distance, other end, and the place if it is outside."""
+        self._distance = self.bind(NumberField("Distance", "m", 0.0, FAR, 0.005, 3), self._set_distance)
+        section.add_row("Distance", self._distance)
+        self._other = Choice("Distance from", [(OUTSIDE, "A place outside"), *point_choices()])
+        self._other.chosen.connect(self._set_other)
+        section.add_row("From", self._other)
+        self._place = VectorRow(self, section, "Place", self._set_place)
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        super().refresh()
+        if self.entity is None:
+            return
+        other = self.entity.other
+        self._distance.show_value(self.entity.distance)
+        outside = not isinstance(other, BodyPoint)
+        self._place.set_visible(*[outside] * 3)
+        if isinstance(other, BodyPoint):
+            if not self._other.offers((other.part, other.at_end)):
+                self._other.add((other.part, other.at_end), point_words(other).capitalize())
+            self._other.show_value((other.part, other.at_end))
+        else:
+            self._other.show_value(OUTSIDE)
+            self._place.show_values(other)
+
+    def _set_distance(self, metres: float) -> None:
+        self.change(f"Change distance of {self.entity.name}", distance=metres)
+
+    def _set_place(self, place: tuple[float, ...]) -> None:
+        self.change(f"Move place of {self.entity.name}", other=place)
+
+    def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
+        """A place outside begins where the other end was."""
+        other: object = None
+        if choice is not None:
+            other = BodyPoint(choice[0], at_end=choice[1])
+        elif isinstance(self.entity.other, BodyPoint):
+            other = place_now(self, self.entity.other) or (0.0, 0.0, 1.0)
+        if other is not None:
+            self.change(f"Choose other end of {self.entity.name}", other=other)

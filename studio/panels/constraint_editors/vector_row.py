@@ -1,0 +1,55 @@
+"""Some numbers of one value of a constraint in one row: a target, a centre, a size."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QLabel
+
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section
+
+FAR = 1000.0
+
+
+class VectorRow:
+    """A field for each of X, Y, Z in metres, to type or to drag; ``put`` takes all of them when one is changed."""
+
+    def __init__(
+        self,
+        editor: Editor,
+        section: Section,
+        label: str,
+        put: Callable[[tuple[float, ...]], None],
+        axes: str = "XYZ",
+    ) -> None:
+        self._values: list[float] = [0.0] * len(axes)
+        self._put = put
+        self.fields = [
+            editor.bind(NumberField(f"{label} {axis}", "", -FAR, FAR, 0.01, 3), partial(self._set, k))
+            for k, axis in enumerate(axes)
+        ]
+        self.caption: QLabel = section.add_row(f"{label}  m", *self.fields)
+
+    def show_values(self, values: Sequence[float]) -> None:
+        """Show what the document says."""
+        self._values = list(values)
+        for field, value in zip(self.fields, values, strict=True):
+            field.show_value(value)
+
+    def set_least(self, low: float) -> None:
+        """Allow no number below ``low``."""
+        for field in self.fields:
+            with QSignalBlocker(field):
+                field.setMinimum(low)
+
+    def set_visible(self, *visible: bool) -> None:
+        """Show the fields that mean something; the row goes with the last of them."""
+        for field, shown in zip(self.fields, visible, strict=True):
+            field.setVisible(shown)
+        self.caption.setVisible(any(visible))
+
+    def _set(self, axis: int, number: float) -> None:
+        values = list(self._values)
+        values[axis] = number
+        self._put(tuple(values))

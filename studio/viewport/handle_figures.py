@@ -1,0 +1,174 @@
+"""What is drawn of a constraint beside its handle, by its kind: lines of sight, wireframes, discs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.look_at import LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.rotations import to_matrix
+from studio.engine.measures import measure_of
+from studio.viewport.body_points import point_path
+from studio.viewport.camera import FloatArray
+from studio.viewport.performance import Placement, Posed
+
+REACHED = 0.003
+"""Metres; nearer than this the point counts as on its target."""
+DISC, RING = 0.05, 0.08
+"""Metres: the disc under a centre of mass, the ring where it is asked to be."""
+AXIS = 0.13
+"""Metres of each of the three axes by which a turn is drawn."""
+PATCH = 1.2
+"""Metres of the piece that is drawn of an endless plane."""
+_TURN = np.linspace(0.0, 2 * np.pi, 49)
+_CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
+_SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0]])
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """Lines (N, 3) and filled faces in the motion's space; ``link`` (2, 3) leads from what is to what is asked."""
+
+    lines: tuple[FloatArray, ...] = ()
+    faces: tuple[FloatArray, ...] = ()
+    link: FloatArray | None = None
+    link_always: bool = False
+    """Whether the link is drawn when nothing is missed too."""
+    missed: bool = False
+
+    def placed(self, placement: Placement) -> "Figure":
+        """The figure on the stage."""
+        lines, faces = (tuple(placement.to_stage(each) for each in parts) for parts in (self.lines, self.faces))
+        link = None if self.link is None else placement.to_stage(self.link)
+        return Figure(lines, faces, link, self.link_always, self.missed)
+
+
+def figure_of(constraint: Constraint, pose: Posed, floor: float) -> Figure:
+    """How ``constraint`` looks on a body at a moment, over a ground ``floor`` metres high."""
+    draw = _FIGURES.get(type(constraint))
+    return draw(constraint, pose, floor) if draw else Figure()
+
+
+def _position(constraint: PositionConstraint, pose: Posed, floor: float) -> Figure:
+    link = np.stack([_point(pose, constraint.point), constraint.target])
+    return Figure(link=link, missed=_length(link) > REACHED)
+
+
+def _look_at(constraint: LookAtConstraint, pose: Posed, floor: float) -> Figure:
+    link = np.stack([_point(pose, constraint.point), constraint.target])
+    gaze, way = _turn(pose, constraint.point)[:, 0], link[1] - link[0]
+    angle = float(np.arctan2(np.linalg.norm(np.cross(gaze, way)), gaze @ way))
+    return Figure(link=link, link_always=True, missed=angle > measure_of(constraint).held_below)
+
+
+def _distance(constraint: DistanceConstraint, pose: Posed, floor: float) -> Figure:
+    other = constraint.other
+    end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
+    link = np.stack([_point(pose, constraint.point), end])
+    return Figure(link=link, link_always=True, missed=abs(_length(link) - constraint.distance) > REACHED)
+
+
+def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -> Figure:
+    """The three axes as they are asked, at the segment's origin."""
+    begin = _point(pose, constraint.point)
+    asked, is_so = to_matrix(np.array(constraint.target)), _turn(pose, constraint.point)
+    lines = tuple(np.stack([begin, begin + AXIS * axis]) for axis in asked.T)
+    cosine = np.clip((np.trace(asked.T @ is_so) - 1.0) / 2.0, -1.0, 1.0)
+    return Figure(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
+
+
+def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> Figure:
+    x, y, _ = _mass(pose)
+    below = np.array([x, y, floor])
+    disc = below + DISC * _CIRCLE
+    if constraint.place is None:
+        return Figure(lines=(disc, below + RING * _CIRCLE), faces=(disc,))
+    asked = np.array([*constraint.place, floor])
+    link = np.stack([below, asked])
+    return Figure((disc, asked + RING * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
+
+
+def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> Figure:
+    lines, faces = _SHAPES[constraint.shape](np.array(constraint.size))
+    turn = Placement(heading=constraint.heading).rotation
+    if constraint.shape is AreaShape.HALF_SPACE:
+        turn = np.eye(3)
+    centre = np.array(constraint.centre)
+    return Figure(tuple(line @ turn.T + centre for line in lines), tuple(face @ turn.T + centre for face in faces))
+
+
+Shape = tuple[list[FloatArray], list[FloatArray]]
+
+
+def _half_space(size: FloatArray) -> Shape:
+    """A piece of the plane, and its normal."""
+    normal = size / np.linalg.norm(size)
+    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    first /= np.linalg.norm(first)
+    square = _SQUARE @ np.stack([first, np.cross(normal, first), normal]) * PATCH / 2
+    return [square, np.stack([np.zeros(3), 0.25 * normal])], [square]
+
+
+def _box(size: FloatArray) -> Shape:
+    bottom, top = (_SQUARE * [1.0, 1.0, 0.0] + [0.0, 0.0, z] for z in (-1.0, 1.0))
+    upright = [np.stack([bottom[k], top[k]]) for k in range(4)]
+    return [line * size / 2 for line in (bottom, top, *upright)], []
+
+
+def _table(size: FloatArray) -> Shape:
+    """A box whose top counts."""
+    lines, _ = _box(size)
+    return lines, [lines[1]]
+
+
+def _sphere(size: FloatArray) -> Shape:
+    return [size[0] / 2 * np.roll(_CIRCLE, shift, axis=1) for shift in range(3)], []
+
+
+def _cylinder(size: FloatArray) -> Shape:
+    bottom, top = (_CIRCLE * size[0] / 2 + [0.0, 0.0, z * size[2] / 2] for z in (-1, 1))
+    return [bottom, top, *(np.stack([bottom[k], top[k]]) for k in (0, 12, 24, 36))], []
+
+
+_SHAPES: dict[AreaShape, Callable[[FloatArray], Shape]] = {
+    AreaShape.HALF_SPACE: _half_space,
+    AreaShape.BOX: _box,
+    AreaShape.TABLE: _table,
+    AreaShape.SPHERE: _sphere,
+    AreaShape.CYLINDER: _cylinder,
+}
+_FIGURES: dict[type[Constraint], Callable[[Any, Posed, float], Figure]] = {
+    PositionConstraint: _position,
+    OrientationConstraint: _orientation,
+    LookAtConstraint: _look_at,
+    DistanceConstraint: _distance,
+    BalanceConstraint: _balance,
+    AreaConstraint: _area,
+}
+
+
+def _point(pose: Posed, point: BodyPoint) -> FloatArray:
+    return point_path(pose.motion, point, slice(pose.row, pose.row + 1))[0]
+
+
+def _turn(pose: Posed, point: BodyPoint) -> FloatArray:
+    motion = pose.motion
+    return np.asarray(motion.rotations[pose.row, motion.morphology.layout.segment(point.part)])
+
+
+def _mass(pose: Posed) -> FloatArray:
+    from studio.core.metrics import centre_of_mass  # not before a result is there: it loads kernels
+
+    row = slice(pose.row, pose.row + 1)
+    return centre_of_mass(replace(pose.motion, positions=pose.motion.positions[row]))[0]
+
+
+def _length(link: FloatArray) -> float:
+    return float(np.linalg.norm(link[1] - link[0]))
