@@ -83,8 +83,8 @@ def _constraints(project: Project, motion_id: str | None) -> list[Row]:
 
 def _point(constraint: Constraint) -> str:
     """The point, unless the name says it already."""
-    words = point_words(constraint.point)
-    return "" if constraint.name.lower().startswith(words) else words
+    words = "whole body" if constraint.kind == "balance" else point_words(constraint.point)
+    return "" if words in constraint.name.lower() else words
 
 
 def _stage(project: Project) -> list[Row]:

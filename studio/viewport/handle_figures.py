@@ -40,7 +40,7 @@ class Figure:
     faces: tuple[FloatArray, ...] = ()
     link: FloatArray | None = None
     link_always: bool = False
-    """Whether the link is drawn when nothing is missed too."""
+    """Whether the link is drawn when nothing is missed too; where there is no link, the lines show a miss."""
     missed: bool = False
 
     def placed(self, placement: Placement) -> "Figure":
@@ -101,7 +101,13 @@ def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> Figure:
     if constraint.shape is AreaShape.HALF_SPACE:
         turn = np.eye(3)
     centre = np.array(constraint.centre)
-    return Figure(tuple(line @ turn.T + centre for line in lines), tuple(face @ turn.T + centre for face in faces))
+    link = np.stack([_point(pose, constraint.point), _allowed(constraint, _point(pose, constraint.point))])
+    return Figure(
+        tuple(line @ turn.T + centre for line in lines),
+        tuple(face @ turn.T + centre for face in faces),
+        link,
+        missed=_length(link) > REACHED,
+    )
 
 
 Shape = tuple[list[FloatArray], list[FloatArray]]
@@ -163,8 +169,14 @@ def _turn(pose: Posed, point: BodyPoint) -> FloatArray:
     return np.asarray(motion.rotations[pose.row, motion.morphology.layout.segment(point.part)])
 
 
+def _allowed(constraint: AreaConstraint, place: FloatArray) -> FloatArray:
+    from studio.core.solver.areas import nearest_place  # not before a result is there: it loads kernels
+
+    return nearest_place(constraint, place)
+
+
 def _mass(pose: Posed) -> FloatArray:
-    from studio.core.metrics import centre_of_mass  # not before a result is there: it loads kernels
+    from studio.core.metrics import centre_of_mass  # as above
 
     row = slice(pose.row, pose.row + 1)
     return centre_of_mass(replace(pose.motion, positions=pose.motion.positions[row]))[0]

@@ -116,14 +116,23 @@ class Overlay:
         for face in figure.faces:
             self._face(face, colour, 0.25 * strength)
         for line in figure.lines:
-            self._thin(line, colours.NOT_REACHED if handle.missed and not figure.link_always else colour, strength)
-        if figure.link is None:
+            self._thin(line, colours.NOT_REACHED if handle.missed and figure.link is None else colour, strength)
+        if figure.link is not None and (handle.missed or figure.link_always):
+            self._link(handle, figure.link, colour, strength)
+
+    def _link(self, handle: Handle, link: FloatArray, colour: str, strength: float) -> None:
+        """From what is to what is asked: red and strong when that is missed, else quiet with a dot at each end."""
+        pixels, depth = self._camera.project(link, self._size)
+        if (depth <= 0).any():
             return
-        pixels, depth = self._camera.project(figure.link, self._size)
-        if handle.missed and (depth > 0).all():
+        if handle.missed:
             self._line(pixels[0], pixels[1], colours.NOT_REACHED, 2.0 if handle.main else 1.2)
-        elif figure.link_always:
-            self._thin(figure.link, colour, strength)
+            return
+        self._thin(link, colour, strength)
+        dot = QColor(colour)
+        dot.setAlphaF(strength)
+        for pixel in pixels if handle.main else ():
+            self._disc(pixel, 3.0, dot)
 
     def _thin(self, points: FloatArray, colour: str, strength: float) -> None:
         """A line over ``points`` (N, 3), as far as they are before the camera."""
@@ -132,7 +141,7 @@ class Overlay:
             return
         corners = QPolygonF([QPointF(*pixel) for pixel in pixels])
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
-        for hue, width, alpha in ((SHADOW, 3.0, 0.5), (QColor(colour), 1.5, 1.0)):
+        for hue, width, alpha in ((SHADOW, 3.4, 0.6), (QColor(colour), 1.8, 1.0)):
             hue = QColor(hue)
             hue.setAlphaF(hue.alphaF() * strength * alpha)
             self._painter.setPen(QPen(hue, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))

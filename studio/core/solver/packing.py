@@ -1,6 +1,5 @@
 """Constraints as the arrays that the solver's kernels take: one row a constraint, one writer a kind."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,26 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout, BodyPart
-from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels import areas, goals
+from studio.core.kernels import goals
 from studio.core.rotations import to_matrix
+from studio.core.solver.areas import area_row
 from studio.core.solver.chains import FreeJoints
 
 FloatArray = NDArray[np.float64]
-
-_SHAPES = {
-    AreaShape.HALF_SPACE: areas.HALF_SPACE,
-    AreaShape.BOX: areas.BOX,
-    AreaShape.SPHERE: areas.SPHERE,
-    AreaShape.CYLINDER: areas.CYLINDER,
-    AreaShape.TABLE: areas.TABLE,
-}
 
 
 @dataclass(eq=False)
@@ -123,9 +115,7 @@ def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
 def _area(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.kinds[c] = goals.AREA
     rows.put_end(c, 0, constraint.point, constraint)
-    turn = math.cos(constraint.heading), math.sin(constraint.heading)
-    shape, inside = _SHAPES[constraint.shape], float(constraint.inside)
-    rows.areas[c] = shape, inside, *constraint.centre, *constraint.size, *turn
+    rows.areas[c] = area_row(constraint)
 
 
 _WRITERS: dict[type[Constraint], Callable[[Rows, int, Any], None]] = {
