@@ -30,14 +30,14 @@ from studio.core.kernels.placing import miss_of, note_arms, place_limbs, reset_l
 from studio.core.kernels.priorities import take_step
 from studio.core.kernels.rows import TURN_ARM, add_rows, aimed_at, feet_rows, keep_feet_in_reach
 
-TRIES = 10
-COMFORT = 0.98
+TRIES = 12
+COMFORT = 0.95
 """Part of its reach that a limb takes before the trunk helps."""
 MENDS = 3
 """Steps that may be taken to give those above back what a step has cost them."""
 KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
-SLOW = 0.97
+SLOW = 0.98
 """Part of its error that a step must at least leave behind for another to be worth while."""
 
 
@@ -174,11 +174,28 @@ def judge(level, asked, goal, held, body, work, pose):
         if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
             miss *= TURN_ARM
         if ranks[c] == level:
+            if kinds[c] == POSITION:
+                miss = max(miss, strain(c, asked[2], asked[5], work[9], work[5][1, 0], pose[0]))
             merit += asked[6][c] * miss * miss
             worst = max(worst, miss)
         else:
             harm = max(harm, miss - held[0][c])
     return merit, worst, harm
+
+
+@njit(cache=True, nogil=True)
+def strain(c, ends, freedoms, reaches, point, positions):
+    """Metres by which the limb of a position is stretched beyond its comfort: the chain is to take that over.
+
+    ``point`` (3,) is where the constrained point is.
+    """
+    limb = ends[c, 0, 2]
+    if limb < 0 or freedoms[c, 0, 0] == 0.0:
+        return 0.0
+    root, upper = limb_indices(limb, positions.shape[0] - 23)
+    if limb >= 2 and ends[c, 0, 1] >= upper + 2:
+        return distance(positions[root + 2], positions[root]) - reaches[c, 0]
+    return distance(point, positions[root]) - reaches[c, 0]
 
 
 @njit(cache=True, nogil=True)
