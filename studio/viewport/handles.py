@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from studio.core.project import Project
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_figures import Figure, figure_of
@@ -27,6 +29,13 @@ class Handle:
     def missed(self) -> bool:
         """Whether it should hold now, and does not."""
         return self.activation > 0.5 and self.figure.missed
+
+    @property
+    def extent(self) -> FloatArray:
+        """(N, 3) stage points of all that is drawn of it."""
+        own = [] if self.target is None else [self.target[None]]
+        links = [] if self.figure.link is None else [self.figure.link]
+        return np.concatenate([*own, *links, *self.figure.lines])
 
 
 def constraint_handles(project: Project, posed: Mapping[str, Posed], active: str | None) -> list[Handle]:

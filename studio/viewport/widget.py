@@ -327,16 +327,12 @@ class Viewport(Canvas):
 
     def _selected_points(self) -> list[FloatArray]:
         around = ROOM_AROUND_TARGET * np.concatenate([np.eye(3), -np.eye(3)])
-        selection = self._document.selection
-        points = [self.posed[key].points for key in selection.of("performers") if key in self.posed]
-        targets = [
-            one.target
-            for one in self.handles()
-            if one.main and one.target is not None and one.constraint_id in selection.of("constraints")
-        ]
-        props = self._document.project.props
-        targets += [np.array(props[key].position) for key in selection.of("props") if key in props]
-        return [target + around for target in targets] or points
+        selection, props = self._document.selection, self._document.project.props
+        chosen = [one for one in self.handles() if one.main and one.constraint_id in selection.of("constraints")]
+        things = [one.extent for one in chosen]
+        things += [np.array([props[key].position]) for key in selection.of("props") if key in props]
+        bodies = [self.posed[key].points for key in selection.of("performers") if key in self.posed]
+        return [(thing[:, None] + around).reshape(-1, 3) for thing in things] or bodies
 
     def _frame(self, points: FloatArray) -> None:
         self._glide.start(self.camera, self.camera.framing(points, self.view_size))

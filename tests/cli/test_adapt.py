@@ -4,15 +4,20 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
+from studio.cli.adapt_report import residual_record
 from studio.cli.main import main
+from studio.core.constraints.look_at import LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.position import PositionConstraint
 from studio.io.character_file import bundled_characters
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.resources_folder import resources_folder
 from tests.architecture.sources import ROOT
-from tests.builders import make_capture
+from tests.builders import make_capture, make_constraint
 
 KEYS = {
     *("name", "file", "slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "microseconds_per_frame"),
@@ -168,3 +173,17 @@ def test_help_tells_in_which_space_targets_are(capsys):
     with pytest.raises(SystemExit):
         main(["adapt", "--help"])
     assert "on the ground\nunder the root" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("kind", "amount", "expected"),
+    [
+        (PositionConstraint, 0.0001, {"residual_mm": 0.1, "residual_deg": None, "reached": True}),
+        (LookAtConstraint, 0.01, {"residual_mm": None, "residual_deg": np.degrees(0.01), "reached": False}),
+        (OrientationConstraint, 0.001, {"residual_mm": None, "residual_deg": np.degrees(0.001), "reached": True}),
+        (LookAtConstraint, None, {"residual_mm": None, "residual_deg": None, "reached": None}),
+    ],
+)
+def test_an_angle_is_reported_in_degrees_and_a_length_in_millimetres(kind, amount, expected):
+    common = {key: value for key, value in vars(make_constraint()).items() if key != "target"}
+    assert residual_record(kind(**common), amount) == pytest.approx(expected)

@@ -209,6 +209,19 @@ def test_dragging_an_arrow_moves_the_place_of_any_kind_in_one_step(studio, kind)
     assert document.undo_stack.count() == 2
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_selected_constraint_is_framed_with_all_that_is_drawn_of_it(studio, kind):
+    viewport, _, _ = studio
+    constraint = add(studio, kind)
+    viewport.frame_selection()
+    settle(viewport)
+    [handle] = [one for one in viewport.handles() if one.main]
+    assert handle.kind == constraint.kind
+    pixels, depth = viewport.camera.project(handle.extent, viewport.view_size)
+    assert ((pixels >= 0) & (pixels <= viewport.view_size)).all()
+    assert (depth > 0).all()
+
+
 def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(studio):
     for kind in KINDS:
         constraint = add(studio, kind, "left ankle")
