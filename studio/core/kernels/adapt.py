@@ -38,12 +38,12 @@ def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positi
 
 
 @njit(cache=True, nogil=True)
-def solve_frames(asked, wishes, activations, states, stance, body, out_residuals, positions, rotations):
+def solve_frames(asked, wishes, activations, leashes, stance, body, out_residuals, positions, rotations):
     """Constraints of every frame, in place (METHOD 5 and 6).
 
     ``asked`` as in ``kernels.constraints``; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3),
     distances (C, F or 1), shares (C, 2)) where things are to be at full activation; ``activations`` (C, F);
-    ``states`` (2, F) of the feet; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs;
+    ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs;
     ``body`` the tuple (measures, masses (S, 2), limits (N,)). ``out_residuals`` (C, F): by how much each is
     missed (metres, radians for an orientation), NaN where not active.
     """
@@ -64,7 +64,7 @@ def solve_frames(asked, wishes, activations, states, stance, body, out_residuals
     for frame in range(frame_count):
         row = body[0][frame if body[0].shape[0] > 1 else 0]
         legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame], scratch)
-        frame_body = (row, body[1], body[2], states[:, frame], legs, arm_turns, arm_places)
+        frame_body = (row, body[1], body[2], leashes[:, frame], legs, arm_turns, arm_places)
         pose = (positions[frame], rotations[frame])
         out_residuals[:, frame] = math.nan
         if set_goals(frame, asked, wishes, activations[:, frame], frame_body, work, pose, goal):

@@ -7,8 +7,9 @@ Tuples that go through the functions here, for C constraints with up to two ends
 ``goal`` (places (C, 2, 3), turns (C, 3, 3), shares (C, 2), distances (C,), wanted (C,), engaged (C,)): what is to be
   this frame; distances of look-at and area are their activation; an area is engaged once its point is where it may not.
 ``held`` (misses (C,), places (C, 2, 3), turns (C, 3, 3)): what higher levels have got and keep.
-``body`` (measures, masses (S, 2), limits (N,), states (2,), legs, arm turns (2, 3, 3, 3), arm places (2, 3, 3)):
-  all of the body that does not move in the search; legs are channels, comforts, ankles, feet, toes and scratch.
+``body`` (measures, masses (S, 2), limits (N,), leashes (2,), legs, arm turns (2, 3, 3, 3), arm places (2, 3, 3)):
+  all of the body that does not move in the search; leashes are the parts of their lengths to which the root may stretch
+  the legs, inf where a foot is free; legs are channels, comforts, ankles, feet, toes and scratch.
 ``pose`` (positions (P, 3), rotations (S, 3, 3)).
 """
 

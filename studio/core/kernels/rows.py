@@ -121,16 +121,16 @@ def add_reach_row(c, end, is_held, count, asked, goal, held, work, pose):
 
 @njit(cache=True, nogil=True)
 def feet_rows(asked, body, rows, errors, owners, positions):
-    """Rows of planted legs that are stretched to their comfort: their hips go no further. The number of rows."""
+    """Rows of legs stretched to the end of their leash: their hips go no further. The number of rows."""
     kinds = asked[0]
-    measures, states, legs = body[0], body[3], body[4]
+    measures, leashes, legs = body[0], body[3], body[4]
     spine_count = positions.shape[0] - 23
     count = 0
     for side in range(2):
-        if states[side] == 0:
+        if leashes[side] == np.inf:
             continue
         hip, ankle = positions[spine_count + 13 + 5 * side], legs[2][side]
-        length = legs[1][side] * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
+        length = leashes[side] * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
         span = distance(hip, ankle)
         if span > length - 1e-5:
             x, y, z = (ankle[0] - hip[0]) / span, (ankle[1] - hip[1]) / span, (ankle[2] - hip[2]) / span
@@ -142,16 +142,16 @@ def feet_rows(asked, body, rows, errors, owners, positions):
 
 @njit(cache=True, nogil=True)
 def keep_feet_in_reach(body, positions):
-    """Bring the root back to where every planted ankle is within its leg's comfort, in turns (METHOD 7)."""
-    measures, states, legs = body[0], body[3], body[4]
+    """Bring the root back to where every ankle is within its leg's leash, in turns (METHOD 7)."""
+    measures, leashes, legs = body[0], body[3], body[4]
     spine_count = positions.shape[0] - 23
     for _ in range(SWEEPS):
         moved = False
         for side in range(2):
-            if states[side] == 0:
+            if leashes[side] == np.inf:
                 continue
             hip, ankle = positions[spine_count + 13 + 5 * side], legs[2][side]
-            length = legs[1][side] * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
+            length = leashes[side] * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
             span = distance(hip, ankle)
             if span > length + 1e-6:
                 moved, share = True, (span - length) / span

@@ -20,6 +20,9 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 FloatArray = NDArray[np.float64]
 
+LEASH = 0.3
+"""Part of its length by which a leg's leash has run out when its foot becomes free."""
+
 
 @dataclass(frozen=True, eq=False)
 class Standing:
@@ -68,7 +71,7 @@ def hold(
         solve_frames(
             *pack(constraints, joints, body.layout),
             np.ascontiguousarray(activations),
-            np.ascontiguousarray(standing.footing.states[:, window]),
+            np.ascontiguousarray(leashes(standing.footing, motion.frame_rate)[:, window]),
             (motion.channels[window], *_legs(standing.footing, window)),
             (body.packed[None], segment_masses(body.layout), joints.limits),
             residuals,
@@ -76,6 +79,15 @@ def hold(
             rotations,
         )
     return AdaptedMotion(body, motion.frame_rate, first, positions, rotations, residuals)
+
+
+def leashes(footing: Footing, frame_rate: float) -> FloatArray:
+    """(2, F) part of its length to which the root may stretch each leg; inf where its foot is free.
+
+    A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
+    """
+    free = np.array([freedom(states != 0, frame_rate) for states in footing.states])
+    return np.where(free < 1.0, footing.comforts + LEASH * free, np.inf)
 
 
 def _legs(footing: Footing, window: slice) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
