@@ -31,8 +31,8 @@ from studio.core.kernels.placing import miss_of, note_arms, place_limbs, reset_l
 from studio.core.kernels.priorities import take_step
 from studio.core.kernels.rows import TURN_ARM, add_rows, aimed_at, feet_rows, keep_feet_in_reach
 
-TRIES = 12
-COMFORT = 0.95
+TRIES = 8
+COMFORT = 0.97
 """Part of its reach that a limb takes before the trunk helps."""
 MENDS = 3
 """Steps that may be taken to give those above back what a step has cost them."""
