@@ -393,6 +393,8 @@ def test_a_viewport_opens_and_closes_many_times_and_leaves_document_and_engine_u
         document.playhead.step(1)
         live.adapt()
         QTest.qWait(5)
+    assert document.playhead.frame == 4
+    assert all(live.result(performer) is not None for performer in document.project.performers)
 
 
 def test_a_viewport_closed_before_it_has_started_stays_closed(qtbot):

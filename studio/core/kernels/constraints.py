@@ -31,7 +31,7 @@ from studio.core.kernels.placing import miss_of, note_arms, place_limbs, reset_l
 from studio.core.kernels.priorities import take_step
 from studio.core.kernels.rows import TURN_ARM, add_rows, aimed_at, feet_rows, keep_feet_in_reach
 
-TRIES = 8
+TRIES = 12
 COMFORT = 0.97
 """Part of its reach that a limb takes before the trunk helps."""
 MENDS = 3
