@@ -6,7 +6,7 @@ from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.io.export import export_bvh
+from studio.io.export import take_of_adapted, write_take
 
 
 def chosen_performers(bench: Workbench) -> list[str]:
@@ -34,12 +34,12 @@ def export(bench: Workbench, paths: dict[str, Path]) -> int:
         performer = project.performers[key]
         if adapted is None:
             raise StudioError(f"{performer.name} is still being adapted. Export again in a moment.")
-        jobs.append((adapted, performer.name, path))
+        jobs.append((adapted, project.characters[performer.character_id], performer.name, path))
 
     def work(progress: Callable[[float, str], None]) -> list[Path]:
-        for place, (adapted, name, path) in enumerate(jobs):
+        for place, (adapted, character, name, path) in enumerate(jobs):
             progress(place / len(jobs), path.name)
-            export_bvh(adapted, name, path)
+            write_take(take_of_adapted(name, adapted, character), path)
         return [path for *_, path in jobs]
 
     task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(_words(written)))

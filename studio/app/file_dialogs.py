@@ -7,10 +7,15 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from studio.app.workbench import Workbench
+from studio.io.registry import known_formats
 
 PROJECTS = "Morpho Studio projects (*.studio)"
-MOTIONS = "Motions (*.bvh)"
 EVERYTHING = "All files (*)"
+
+
+def motions(job: str) -> str:
+    """The kinds of files of which the studio is a ``capture_reader``, or a ``motion_writer``, as dialogs say it."""
+    return f"Motions ({' '.join(f'*{suffix}' for suffix in known_formats().suffixes(job))})"
 
 
 def ask_file(bench: Workbench, title: str, kind: str, then: Callable[[Path], object]) -> QFileDialog:

@@ -26,7 +26,6 @@ SIZE = (1680, 1050)
 LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
 TIMELINE_SHARE, TIMELINE_MOST = 0.35, 0.45
 HISTORY_HEIGHT = 160
-READABLE = (".bvh", ".studio")
 
 Area = Qt.DockWidgetArea
 
@@ -242,7 +241,7 @@ class MainWindow(QMainWindow):
         super().mousePressEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Take what can be read; say no to the rest by the cursor alone."""
+        """Take any file: what cannot be read is answered by a sentence that says what to do."""
         if _dropped(event):
             event.acceptProposedAction()
 
@@ -299,4 +298,4 @@ class MainWindow(QMainWindow):
 
 def _dropped(event: QDragEnterEvent | QDropEvent) -> list[Path]:
     names = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
-    return [Path(name) for name in names if name.lower().endswith(READABLE)]
+    return [Path(name) for name in names if Path(name).is_file()]

@@ -11,7 +11,7 @@ from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptRequest
 from studio.io.constraint_file import ConstraintFile, read_constraints
-from studio.io.export import export_bvh
+from studio.io.export import take_of_adapted, write_take
 from studio.io.report_file import write_json
 
 SPACE = """
@@ -74,7 +74,7 @@ def adapt_to(character: Character, key: str, ready: ReadyCapture, asked: Constra
     request = AdaptRequest(ready.motion, character.morphology, contacts, constraints)
     adapted, record = character_report(request, ready.source, ready.capture.first_frame)
     path = folder / f"{ready.capture.name}_{key}.bvh"
-    export_bvh(adapted, character.name, path)
+    write_take(take_of_adapted(character.name, adapted, character, request), path)
     return {"name": key, "file": str(path), **record}
 
 

@@ -14,8 +14,9 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
-from studio.io.character_file import bundled_characters, read_character
-from studio.io.importing import ImportOptions, load_capture
+from studio.io.character_file import bundled_characters
+from studio.io.importing import ImportOptions, load_capture, load_character
+from studio.io.registry import known_formats
 
 MOTION_ID = "motion"
 
@@ -88,8 +89,10 @@ def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
 
 def _character_file(name: str, bundled: Sequence[str]) -> Character:
     path = Path(name)
-    if path.suffix.lower() != ".json":
+    suffixes = known_formats().suffixes("character_reader")
+    if path.suffix.lower() not in suffixes:
         raise StudioError(
-            f"No character is called '{name}'. Bundled are {', '.join(bundled)}; or name a character's .json file."
+            f"No character is called '{name}'. Bundled are {', '.join(bundled)}; or name a character's file"
+            f" ({', '.join(suffixes)})."
         )
-    return read_character(path)
+    return load_character(path).character

@@ -14,7 +14,7 @@ from studio.io.importing import load_capture
 def add_arguments(parser: ArgumentParser) -> None:
     """What to read and what to write."""
     parser.add_argument("source", type=Path, metavar="IN", help="any capture that the studio reads")
-    parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format (.bvh)")
+    parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format")
     parser.add_argument("--json", action="store_true", help="one object: what was written, guessed and repaired")
     add_import_options(parser)
 

@@ -1,7 +1,7 @@
 """``info``: what was read from files and what was guessed, with the error of the round trip."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import degrees
 from pathlib import Path
 from textwrap import wrap
@@ -12,15 +12,15 @@ import numpy as np
 from studio.cli.adaptation import contacts_of, spans_by_foot
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
-from studio.core.capture import Capture
+from studio.core.capture import Capture, Guess
 from studio.core.character_skeleton import character_body_map, character_skeleton
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
-from studio.io.character_file import read_character
-from studio.io.importing import ImportOptions, load_capture
+from studio.io.importing import ImportOptions, load_capture, load_character
 from studio.io.project_file import read_project
+from studio.io.registry import format_of
 
 Record = dict[str, Any]
 
@@ -43,7 +43,7 @@ _NOTHING: Record = {
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Files, and how to print."""
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="capture, character (.json) or project")
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="capture, character or project")
     parser.add_argument("--json", action="store_true", help="a list with one object a file")
     add_import_options(parser)
 
@@ -71,7 +71,8 @@ def described(path: Path, options: ImportOptions) -> Record:
 def _describer(path: Path) -> Callable[[Path, ImportOptions], Record]:
     if path.suffix.lower() == ".studio":
         return _project
-    return _character if path.suffix.lower() == ".json" else _capture
+    found = format_of(path, "capture_reader", "character_reader")
+    return _capture if found.capture_reader else _character
 
 
 def _capture(path: Path, options: ImportOptions) -> Record:
@@ -86,12 +87,16 @@ def _capture(path: Path, options: ImportOptions) -> Record:
         "body_map": capture.body_map.to_json(capture.skeleton) if capture.body_map else {},
         "contacts": spans_by_foot(contacts_of(capture)) if capture.body_map else {},
         "round_trip": _round_trip(capture),
-        "assumptions": [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in capture.guesses],
+        "assumptions": _sentences(capture.guesses),
         "repairs": list(capture.repairs),
         "first_frame": capture.first_frame,
         "floor": capture.floor,
         "end_sites": int(np.count_nonzero(capture.skeleton.end_sites)),
     }
+
+
+def _sentences(guesses: Iterable[Guess]) -> list[str]:
+    return [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in guesses]
 
 
 def _round_trip(capture: Capture) -> Record | None:
@@ -101,8 +106,9 @@ def _round_trip(capture: Capture) -> Record | None:
     return {"position_mm": 1000.0 * error.position, "rotation_deg": degrees(error.rotation)}
 
 
-def _character(path: Path, _options: ImportOptions) -> Record:
-    character = read_character(path)
+def _character(path: Path, options: ImportOptions) -> Record:
+    read = load_character(path, options)
+    character = read.character
     skeleton = character_skeleton(character.morphology)
     return {
         "kind": "character",
@@ -110,6 +116,8 @@ def _character(path: Path, _options: ImportOptions) -> Record:
         "unit": "m",
         "up_axis": "Z",
         "body_map": character_body_map(character.morphology.layout).to_json(skeleton),
+        "assumptions": _sentences(read.guesses),
+        "repairs": list(read.repairs),
         "name": character.name,
         "stature": character.morphology.stature,
         "vertices": len(character.skin.vertices),

@@ -10,6 +10,7 @@ from importlib.metadata import entry_points
 from studio import __version__
 from studio.cli.process import has_display, prepare_process
 from studio.core.errors import StudioError
+from studio.io.registry import known_formats
 
 VERBS = {
     "info": "say what was read from a file, what was guessed, and how well it round-trips",
@@ -18,8 +19,6 @@ VERBS = {
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
 }
-OPENED = (".bvh", ".studio")
-"""What the window opens when it is named without a verb."""
 WORK_FAILED = 1
 
 
@@ -31,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_process()
     given = list(sys.argv[1:] if arguments is None else arguments)
     verb = next((word for word in given if word in VERBS), None)
-    files = [word for word in given if verb is None and word.lower().endswith(OPENED)]
+    files = [word for word in given if word.lower().endswith(opened())] if verb is None else []
     parsed = make_parser(verb).parse_args([word for word in given if word not in files])
     wants_json = getattr(parsed, "json", False)
     try:
@@ -53,7 +52,7 @@ def make_parser(verb: str | None) -> ArgumentParser:
     parser = ArgumentParser(
         prog="morpho-studio",
         description="Adapts captured motions live to any character.",
-        epilog="Without a verb the window opens, with the .bvh and .studio files that are named. Every verb has its own"
+        epilog="Without a verb the window opens, with the captures and projects that are named. Every verb has its own"
         " --help.",
     )
     parser.add_argument("--version", action="version", version=f"Morpho Studio {__version__}")
@@ -65,6 +64,11 @@ def make_parser(verb: str | None) -> ArgumentParser:
             module.add_arguments(verb_parser)
             verb_parser.set_defaults(run=module.run)
     return parser
+
+
+def opened() -> tuple[str, ...]:
+    """The suffixes of what the window opens when it is named without a verb."""
+    return (".studio", *known_formats().suffixes("capture_reader"))
 
 
 def report(error: StudioError, as_json: bool) -> None:

@@ -26,7 +26,8 @@ from studio.io.guessing import (
     leg_length,
     unit_called,
 )
-from studio.io.importing import ImportOptions, Progress
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
 

@@ -19,6 +19,8 @@ from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.morphology import Morphology, Proportions
 from studio.core.skin import SkinnedMesh
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress, ReadCharacter
 from studio.io.replacing import replacing_all
 from studio.resources_folder import resources_folder
 
@@ -30,6 +32,23 @@ _DAMAGE = (  # what zipfile and numpy raise over bytes that are no mesh
     *(KeyError, ValueError, TypeError, SyntaxError, NotImplementedError, RuntimeError, MemoryError),
 )
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
+
+
+def is_character(head: bytes) -> bool:
+    """Whether a file that begins with ``head`` is a character of ours."""
+    return FORMAT.encode() in head
+
+
+def load_character(path: Path, _options: ImportOptions, progress: Progress) -> ReadCharacter:
+    """``read_character`` for the registry: nothing in our own file has to be guessed."""
+    progress(0.0, f"Reading {path.name}")
+    return ReadCharacter(read_character(path))
+
+
+def save_character(path: Path, character: Character, progress: Progress) -> None:
+    """``write_character`` for the registry."""
+    progress(0.0, f"Writing {path.name}")
+    write_character(character, path)
 
 
 def write_character(character: Character, path: Path) -> None:

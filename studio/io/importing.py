@@ -1,13 +1,11 @@
-"""From a file to a capture: read, find the body, guess what is not said, convert to world axes once."""
+"""From a file to a capture or a character, whatever its format, with what the user knows better."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from studio.core.capture import Capture
-from studio.io.registry import format_of
-
-Progress = Callable[[float, str], None]
+from studio.io.registry import Progress, ReadCharacter, format_of
 
 
 @dataclass(frozen=True)
@@ -37,4 +35,16 @@ def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
     to do when the file is damaged or the options do not fit it.
     """
     path = Path(path)
-    return format_of(path).read(path, options, progress or (lambda share, text: None))
+    return format_of(path, "capture_reader").read_capture(path, options, progress or _unheard)
+
+
+def load_character(
+    path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
+) -> ReadCharacter:
+    """The character in the file at ``path`` with what was guessed; raises as ``load_capture`` does."""
+    path = Path(path)
+    return format_of(path, "character_reader").read_character(path, options, progress or _unheard)
+
+
+def _unheard(_share: float, _text: str) -> None:
+    pass

@@ -1,57 +1,178 @@
-"""The kinds of files that hold captures, and which one a file is."""
+"""The kinds of files that captures, characters and motions stand in, and which one a file is.
 
-from collections.abc import Callable
+A format is one file: functions to ``sniff``, ``read`` or ``write``, named by the ``Format`` here for the studio's own,
+or by an entry point of the group ``morpho_studio.formats`` for anybody else's (``examples/trace_format.py`` is one).
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib import import_module
+from functools import lru_cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
 
 from studio.core.errors import StudioError
 
 if TYPE_CHECKING:
-    from studio.core.capture import Capture
+    from studio.core.capture import Capture, Guess
+    from studio.core.character import Character
+    from studio.io.export import Take
     from studio.io.importing import ImportOptions
 
 Progress = Callable[[float, str], None]
-Reader = Callable[[Path, "ImportOptions", Progress], "Capture"]
+"""Hears a share from 0 to 1 and what is being done; it raises to cancel."""
 
+ENTRY_POINTS = "morpho_studio.formats"
 _SNIFFED = 4096
 
 
 @dataclass(frozen=True)
-class CaptureFormat:
-    """A kind of file; its reader is imported when the first such file is read."""
+class ReadCharacter:
+    """A character from a file, with what had to be assumed and repaired to read it."""
+
+    character: "Character"
+    guesses: tuple["Guess", ...] = ()
+    repairs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Format:
+    """A kind of file. Each job is a function as ``module:function``, imported when first needed; empty where it cannot.
+
+    All raise StudioError with file, place and what to do. A reader reports what it guessed and repaired in what it
+    returns; a writer leaves the whole file or none (``studio.io.replacing``).
+    """
 
     name: str
     suffixes: tuple[str, ...]
-    sniff: Callable[[bytes], bool]
-    reader: str
-    """``module:function``."""
+    """In lower case, with their dot."""
+    sniff: str = ""
+    """``(head: bytes) -> bool``: whether a file that begins with these bytes is one; for a module light to import."""
+    capture_reader: str = ""
+    """``(path, options: ImportOptions, progress: Progress) -> Capture``."""
+    character_reader: str = ""
+    """``(path, options: ImportOptions, progress: Progress) -> ReadCharacter``."""
+    motion_writer: str = ""
+    """``(path, take: Take, progress: Progress) -> None``."""
+    character_writer: str = ""
+    """``(path, character: Character, progress: Progress) -> None``."""
 
-    def read(self, path: Path, options: "ImportOptions", progress: Progress) -> "Capture":
-        """The capture in the file; raises StudioError."""
-        module, function = self.reader.split(":")
-        reader: Reader = getattr(import_module(module), function)
-        return reader(path, options, progress)
+    def recognises(self, head: bytes) -> bool:
+        """Whether a file that begins with ``head`` is one of this kind."""
+        return bool(self.sniff) and bool(self._function("sniff")(head))
+
+    def read_capture(self, path: Path, options: "ImportOptions", progress: Progress) -> "Capture":
+        """The capture in the file at ``path``, in world axes and metres; raises StudioError."""
+        capture: Capture = self._function("capture_reader")(path, options, progress)
+        return capture
+
+    def read_character(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCharacter:
+        """The character in the file at ``path``; raises StudioError."""
+        read: ReadCharacter = self._function("character_reader")(path, options, progress)
+        return read
+
+    def write_motion(self, path: Path, take: "Take", progress: Progress) -> None:
+        """The whole file or none of it; raises StudioError."""
+        self._function("motion_writer")(path, take, progress)
+
+    def write_character(self, path: Path, character: "Character", progress: Progress) -> None:
+        """The whole file or none of it; raises StudioError."""
+        self._function("character_writer")(path, character, progress)
+
+    def _function(self, job: str) -> Callable[..., Any]:
+        name = getattr(self, job)
+        if not name:
+            raise StudioError(f"The studio has no {job.replace('_', ' ')} for {self.name}.")
+        try:
+            function: Callable[..., Any] = resolve_name(name)
+        except Exception as error:  # a module may raise anything while it is imported
+            raise StudioError(f"The {job.replace('_', ' ')} of {self.name} could not be loaded: {error}.") from error
+        return function
 
 
-def _is_bvh(head: bytes) -> bool:
-    return head.lstrip(b"\xef\xbb\xbf \t\r\n")[:9].upper() == b"HIERARCHY"
+OWN_FORMATS = (
+    Format(
+        name="BVH",
+        suffixes=(".bvh",),
+        sniff="studio.io.bvh_format:is_bvh",
+        capture_reader="studio.io.bvh_capture:load_bvh",
+        motion_writer="studio.io.bvh_format:write_take",
+    ),
+    Format(
+        name="Morpho Studio character",
+        suffixes=(".json",),
+        sniff="studio.io.character_file:is_character",
+        character_reader="studio.io.character_file:load_character",
+        character_writer="studio.io.character_file:save_character",
+    ),
+)
 
 
-CAPTURE_FORMATS = (CaptureFormat("BVH", (".bvh",), _is_bvh, "studio.io.bvh_capture:load_bvh"),)
+@dataclass(frozen=True)
+class KnownFormats:
+    """What there is, and what there could be: for each entry point that failed, who and why."""
+
+    formats: tuple[Format, ...]
+    failures: tuple[str, ...]
+
+    def that_can(self, job: str) -> tuple[Format, ...]:
+        """Those with a function for ``job``, a field of ``Format`` (``capture_reader``)."""
+        return tuple(known for known in self.formats if getattr(known, job))
+
+    def suffixes(self, *jobs: str) -> tuple[str, ...]:
+        """The suffixes of all that can do one of ``jobs``, each once."""
+        found = (suffix for job in jobs for known in self.that_can(job) for suffix in known.suffixes)
+        return tuple(dict.fromkeys(found))
 
 
-def format_of(path: Path) -> CaptureFormat:
-    """The format of the file by its first bytes, else by its suffix; StudioError if neither tells."""
+@lru_cache(maxsize=1)
+def known_formats() -> KnownFormats:
+    """The studio's own formats and those that are installed beside it; never raises."""
+    formats, failures = list(OWN_FORMATS), []
+    for entry in entry_points(group=ENTRY_POINTS):
+        try:
+            formats.append(_added(entry, formats))
+        except Exception as error:  # noqa: BLE001 - another's code may raise anything; the studio starts
+            package = entry.dist.name if entry.dist else entry.value
+            failures.append(f"The format '{entry.name}' of {package} could not be added: {error or type(error)}")
+    return KnownFormats(tuple(formats), tuple(failures))
+
+
+def _added(entry: EntryPoint, formats: list[Format]) -> Format:
+    added = entry.load()
+    if not isinstance(added, Format):
+        raise StudioError(f"{entry.value} is no studio.io.registry.Format.")
+    if any(added.name == known.name for known in formats):
+        raise StudioError(f"there is already a format called {added.name}.")
+    return added
+
+
+def format_of(path: Path, *jobs: str) -> Format:
+    """The format of a file that can do one of ``jobs``, by its first bytes, else by its suffix; else StudioError.
+
+    Formats of the suffix are asked first, so that no other is imported for a file that is what it is called.
+    """
+    known = known_formats()
+    candidates = [each for each in known.formats if any(getattr(each, job) for job in jobs)]
+    by_suffix = [each for each in candidates if path.suffix.lower() in each.suffixes]
+    head = _head(path)
+    others = (each for each in candidates if each not in by_suffix)
+    found = next(_recognising([*by_suffix, *others], head), next(iter(by_suffix), None))
+    if found is None:
+        kinds = " or ".join(job.removesuffix("_reader") for job in jobs)
+        names = ", ".join(each.name for each in candidates)
+        raise StudioError(" ".join((f"{path.name} is no {kinds} the studio reads. It reads {names}.", *known.failures)))
+    return found
+
+
+def _recognising(candidates: list[Format], head: bytes) -> Iterator[Format]:
+    return (each for each in candidates if each.recognises(head))
+
+
+def _head(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            head = file.read(_SNIFFED)
+            return file.read(_SNIFFED)
     except OSError as error:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
-    by_content = [known for known in CAPTURE_FORMATS if known.sniff(head)]
-    by_suffix = [known for known in CAPTURE_FORMATS if path.suffix.lower() in known.suffixes]
-    if not by_content and not by_suffix:
-        names = ", ".join(known.name for known in CAPTURE_FORMATS)
-        raise StudioError(f"{path.name} is no capture the studio reads. It reads {names}.")
-    return (by_content or by_suffix)[0]

@@ -12,7 +12,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.bvh import read_bvh
 from studio.io.character_file import bundled_characters
-from studio.io.export import export_bvh, write_capture
+from studio.io.export import take_of_adapted, write_capture, write_take
 from studio.io.importing import load_capture
 from tests.builders import make_capture, make_morphology
 
@@ -38,7 +38,7 @@ def world_positions(path):
 def test_an_exported_file_read_back_gives_the_same_joint_positions(captures, tmp_path, clip, name):
     body = bundled_characters()[name].morphology
     adapted = adapted_to(body, load_capture(captures / "bvh" / f"{clip}.bvh"))
-    export_bvh(adapted, name, tmp_path / "out.bvh")
+    write_take(take_of_adapted(name, adapted), tmp_path / "out.bvh")
     back = world_positions(tmp_path / "out.bvh")
     expected = adapted.positions[:, list(joint_points(body.layout))]
     assert back.shape == expected.shape
@@ -47,7 +47,7 @@ def test_an_exported_file_read_back_gives_the_same_joint_positions(captures, tmp
 
 def test_an_exported_file_is_itself_a_capture_with_a_body(tmp_path):
     adapted = adapted_to(make_morphology(), make_capture())
-    export_bvh(adapted, "Body", tmp_path / "out.bvh")
+    write_take(take_of_adapted("Body", adapted), tmp_path / "out.bvh")
     capture = load_capture(tmp_path / "out.bvh")
     assert capture.body_map is not None
     assert (capture.unit, capture.up_axis, capture.frame_rate) == ("cm", "Y", 60.0)
@@ -60,14 +60,14 @@ def test_a_motion_without_finite_numbers_is_refused_by_the_characters_name(tmp_p
         adapted.morphology, 60.0, 0, adapted.positions * np.nan, adapted.rotations, adapted.residuals
     )
     with pytest.raises(StudioError, match="The motion of Woman cannot be exported"):
-        export_bvh(broken, "Woman", tmp_path / "out.bvh")
+        write_take(take_of_adapted("Woman", broken), tmp_path / "out.bvh")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_export_that_cannot_be_written_leaves_the_folder_as_it_was(tmp_path):
     (tmp_path / "out.bvh").mkdir()
     with pytest.raises(StudioError, match="could not be written"):
-        export_bvh(adapted_to(make_morphology(), make_capture()), "Woman", tmp_path / "out.bvh")
+        write_take(take_of_adapted("Woman", adapted_to(make_morphology(), make_capture())), tmp_path / "out.bvh")
     assert [path.name for path in tmp_path.iterdir()] == ["out.bvh"]
 
 

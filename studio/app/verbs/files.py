@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from studio.app import exporting, importing, sample
-from studio.app.file_dialogs import MOTIONS, PROJECTS, ask_file, ask_folder, ask_new_file
+from studio.app.file_dialogs import PROJECTS, ask_file, ask_folder, ask_new_file, motions
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
@@ -86,7 +86,7 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
 
 def import_motion(bench: Workbench) -> None:
     """Ask which."""
-    ask_file(bench, "Import motion", MOTIONS, lambda path: importing.import_motion(bench, path))
+    ask_file(bench, "Import motion", motions("capture_reader"), lambda path: importing.import_motion(bench, path))
 
 
 def export_motion(bench: Workbench) -> None:
@@ -96,9 +96,8 @@ def export_motion(bench: Workbench) -> None:
         raise StudioError("Nothing to export: no character with a motion is shown. Show one, then export again.")
     if len(keys) == 1:
         name = exporting.file_name(bench, keys[0])
-        ask_new_file(
-            bench, "Export adapted motion", MOTIONS, name, lambda path: exporting.export(bench, {keys[0]: path})
-        )
+        kind = motions("motion_writer")
+        ask_new_file(bench, "Export adapted motion", kind, name, lambda path: exporting.export(bench, {keys[0]: path}))
         return
 
     def into(folder: Path) -> None:

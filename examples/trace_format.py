@@ -1,0 +1,55 @@
+"""A file format added to the studio: one text line a frame, ``time x y z``, of where the root is.
+
+An installed package makes it known in its pyproject.toml, and every dialog and verb has it:
+
+    [project.entry-points."morpho_studio.formats"]
+    trace = "trace_format:FORMAT"
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from studio.core.capture import Capture, Guess
+from studio.core.errors import StudioError
+from studio.core.pose import PoseSequence
+from studio.core.rotations import IDENTITY
+from studio.core.skeleton import Skeleton
+from studio.io.export import Take
+from studio.io.importing import ImportOptions
+from studio.io.registry import Format, Progress
+from studio.io.replacing import write_whole
+
+HEAD = "trace 1\n"
+FORMAT = Format(
+    "Trace", (".trace",), f"{__name__}:sniff", capture_reader=f"{__name__}:read", motion_writer=f"{__name__}:write"
+)
+
+
+def sniff(head: bytes) -> bool:
+    """Whether a file that begins with ``head`` is a trace."""
+    return head.startswith(HEAD.encode())
+
+
+def read(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """A skeleton of one joint that goes where the trace says, in metres."""
+    progress(0.0, f"Reading {path.name}")
+    try:
+        rows = np.loadtxt(path, skiprows=1, ndmin=2)
+        times, places = rows[:, 0], rows[:, 1:4].reshape(-1, 1, 3)
+        rate = options.frame_rate or round(1.0 / float(np.diff(times).mean()), 3)
+    except (ValueError, IndexError, ZeroDivisionError) as error:
+        raise StudioError(f"{path.name} is no trace of 'time x y z': {error}. Export it again.") from error
+    skeleton = Skeleton(("Root",), np.array([-1]), np.zeros((1, 3)), np.array([False]))
+    poses = PoseSequence(np.tile(IDENTITY, (len(rows), 1, 1)), places)
+    guess = Guess("unit", "m", "A trace does not say its unit.")
+    still = np.tile(IDENTITY, (1, 1))
+    return Capture(path.stem, path.name, skeleton, poses, rate, None, still, 0.0, "m", "Z", 0, (guess,), ())
+
+
+def write(path: Path, take: Take, progress: Progress) -> None:
+    """Where the root of ``take`` is."""
+    progress(0.0, f"Writing {path.name}")
+    places = take.poses.local_translations[:, 0]
+    lines = (f"{frame / take.frame_rate:.6f} {x} {y} {z}\n" for frame, (x, y, z) in enumerate(places))
+    write_whole(path, (HEAD + "".join(lines)).encode())
