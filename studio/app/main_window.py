@@ -298,4 +298,4 @@ class MainWindow(QMainWindow):
 
 def _dropped(event: QDragEnterEvent | QDropEvent) -> list[Path]:
     names = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
-    return [Path(name) for name in names if Path(name).is_file()]
+    return [Path(name) for name in names if not Path(name).is_dir()]
