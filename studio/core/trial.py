@@ -1,0 +1,156 @@
+"""Trial: what an optical capture system recorded: points over time, analog signals, force plates, events."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+
+FloatArray = NDArray[np.float64]
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
+"""Metres a unit."""
+MARKER = "marker"
+
+
+def _freeze(value: object, name: str, shape: tuple[int | None, ...]) -> None:
+    array = np.array(getattr(value, name), dtype=np.float64)
+    fits = array.ndim == len(shape) and all(
+        wanted in (None, found) for wanted, found in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        raise StudioError(f"{type(value).__name__} needs {name} of shape {shape}, not {array.shape}.")
+    array.setflags(write=False)
+    object.__setattr__(value, name, array)
+
+
+@dataclass(frozen=True)
+class TrialEvent:
+    """Something that an operator or a program marked in time: ``Foot Strike`` of the side ``Right``."""
+
+    label: str
+    context: str
+    time: float
+    """Seconds from frame 1 of the recording, which is no frame of this trial where it begins later."""
+
+
+@dataclass(frozen=True, eq=False)
+class AnalogSignals:
+    """What was sampled beside the points: forces, muscles, switches."""
+
+    labels: tuple[str, ...]
+    units: tuple[str, ...]
+    rate: float
+    """Samples a second; a whole multiple of the frame rate."""
+    samples: FloatArray
+    """(N, C) in ``units``."""
+
+    def __post_init__(self) -> None:
+        _freeze(self, "samples", (None, len(self.labels)))
+
+
+@dataclass(frozen=True, eq=False)
+class ForcePlate:
+    """A plate in the floor and the analog channels that it feeds."""
+
+    kind: int
+    """1 to 4 as C3D counts them: 1 force and centre of pressure, 2 force and moment, 3 eight sensors, 4 calibrated."""
+    corners: FloatArray
+    """(4, 3) in file units and axes."""
+    origin: FloatArray
+    """(3,) from the middle of the surface to the sensors (or back: files disagree), file units."""
+    channels: tuple[int, ...]
+    """Columns of the analog samples."""
+    calibration: FloatArray | None = None
+    """(6, 6) from channels to forces and moments, kind 4."""
+
+    def __post_init__(self) -> None:
+        _freeze(self, "corners", (4, 3))
+        _freeze(self, "origin", (3,))
+        if self.calibration is not None:
+            _freeze(self, "calibration", (6, 6))
+
+
+NO_SIGNALS = AnalogSignals((), (), 1.0, np.zeros((0, 0)))
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """P points over F frames in the file's own unit and axes; what was not seen is NaN.
+
+    Raises StudioError when the parts do not fit each other.
+    """
+
+    name: str
+    source: str
+    """File name without folder."""
+    labels: tuple[str, ...]
+    """(P,) all different, with the subject's prefix where the file has one: ``Anna:LASI``."""
+    kinds: tuple[str, ...]
+    """(P,) ``marker``, or what a model computed and stored as if it were a point: ``angle``, ``force`` ..."""
+    points: FloatArray
+    """(F, P, 3) in ``unit`` (angles, forces and their like in units of their own)."""
+    residuals: FloatArray
+    """(F, P) in ``unit``: how well the cameras agreed; 0 for what was computed, -1 for what was not seen."""
+    frame_rate: float
+    first_frame: int
+    """The number that the recording gives to frame 0 of this trial."""
+    unit: str
+    """``m``, ``cm``, ``mm`` or ``inch``."""
+    analog: AnalogSignals = NO_SIGNALS
+    plates: tuple[ForcePlate, ...] = ()
+    events: tuple[TrialEvent, ...] = ()
+    measures: Mapping[str, float] = field(default_factory=dict)
+    """What was measured on the subject, in the file's units: ``LKneeWidth``, ``MarkerDiameter`` ..."""
+
+    def __post_init__(self) -> None:
+        count = len(self.labels)
+        _freeze(self, "points", (None, count, 3))
+        _freeze(self, "residuals", (len(self.points), count))
+        object.__setattr__(self, "measures", MappingProxyType(dict(self.measures)))
+        if len(set(self.labels)) != count or len(self.kinds) != count:
+            raise StudioError(f"The {count} points of '{self.name}' need a label each and a kind.")
+        if len(self.points) == 0 or not (np.isfinite(self.frame_rate) and self.frame_rate > 0.0):
+            raise StudioError(f"'{self.name}' needs a frame at least and a usable frame rate.")
+        if self.unit not in METRES:
+            raise StudioError(f"'{self.unit}' is no unit of '{self.name}'. Choose {', '.join(METRES)}.")
+
+    @property
+    def frame_count(self) -> int:
+        """Frames F."""
+        return len(self.points)
+
+    @property
+    def metres(self) -> float:
+        """Metres a unit."""
+        return METRES[self.unit]
+
+    @property
+    def markers(self) -> tuple[str, ...]:
+        """Labels of the points that are places, not angles or forces."""
+        return tuple(label for label, kind in zip(self.labels, self.kinds, strict=True) if kind == MARKER)
+
+    def track(self, label: str) -> FloatArray:
+        """(F, 3) of one point, in the file's unit."""
+        return np.asarray(self.points[:, self.labels.index(label)])
+
+    def event_frame(self, event: TrialEvent) -> float:
+        """Where an event lies among the frames of this trial, as a number of frames from frame 0."""
+        return event.time * self.frame_rate - (self.first_frame - 1)
+
+    def with_points(self, points: FloatArray) -> "Trial":
+        """The same trial with other coordinates (F, P, 3)."""
+        return replace(self, points=points)
+
+
+def bare_label(label: str) -> str:
+    """``LASI`` of ``Anna:LASI``."""
+    return label.rpartition(":")[2].strip()
+
+
+def subject_of(label: str) -> str:
+    """``Anna`` of ``Anna:LASI``; empty where a label says no subject."""
+    return label.rpartition(":")[0].strip()
