@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
+from studio.core.kernels.areas import put_area
 from studio.core.kernels.balance import centre_of_mass, segment_centres
 from studio.core.kernels.body import move_all
 from studio.core.kernels.constraints import solve_frame
@@ -42,10 +43,10 @@ def solve_frames(asked, wishes, activations, leashes, stance, body, out_residual
     """Constraints of every frame, in place (METHOD 5 and 6).
 
     ``asked`` as in ``kernels.constraints``; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3),
-    distances (C, F or 1), shares (C, 2)) where things are to be at full activation; ``activations`` (C, F);
-    ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs;
-    ``body`` the tuple (measures, masses (S, 2), limits (N,)). ``out_residuals`` (C, F): by how much each is
-    missed (metres, radians for an orientation), NaN where not active.
+    distances (C, F or 1), shares (C, 2)) where things are to be at full activation, of an area its centre and
+    heading; ``activations`` (C, F); ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles,
+    feet, toes) of the legs; ``body`` the tuple (measures, masses (S, 2), limits (N,)). ``out_residuals`` (C, F): by
+    how much each is missed (metres, radians for an orientation), NaN where not active.
     """
     constraint_count, frame_count = activations.shape
     channels, comforts, ankles, feet, toes = stance
@@ -121,6 +122,7 @@ def set_goals(frame, asked, wishes, activations, body, work, pose, out_goal):
             out_goal[3][c] = share
         elif kinds[c] == AREA:
             out_goal[3][c] = share
+            put_area(asked[8][c], places[c, at], turns[c, frame if turns.shape[1] > 1 else 0])
         elif kinds[c] == DISTANCE:
             out_goal[0][c, 1] = places[c, at]
             end_place(ends, offsets, c, 0, pose, point)

@@ -12,6 +12,14 @@ EDGE = 0.1
 
 
 @njit(cache=True, nogil=True)
+def put_area(area, centre, turn):
+    """Move an area (10,) to ``centre`` (3,) and head it as ``turn`` (3, 3) does; a centre of NaN leaves it."""
+    if not math.isnan(centre[0]):
+        area[2:5] = centre
+        area[8], area[9] = turn[0, 0], turn[1, 0]
+
+
+@njit(cache=True, nogil=True)
 def nearest_allowed(area, point, out_place):
     """Write the nearest place (3,) where the point may be; its distance from there, 0 when it may stay.
 
