@@ -21,6 +21,10 @@ _SIDES = (
     {"side": "left", "Side": "Left", "s": "l", "S": "L"},
     {"side": "right", "Side": "Right", "s": "r", "S": "R"},
 )
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[^\W\d_A-Z]+|\d+")
+_SIDE_WORDS = {"left": "left", "l": "left", "lft": "left", "right": "right", "r": "right", "rgt": "right"}
+_NOISE = {"jnt", "joint", "bone", "bind", "def", "org", "skin", "stretch", "x"}
+"""Words by which riggers tell deforming joints from their controls."""
 
 
 @dataclass(frozen=True)
@@ -102,17 +106,24 @@ def _plain(name: str) -> str:
     return re.sub(r"[\W_]+", "", name).casefold()
 
 
+def _sided(name: str) -> str:
+    """The same for ``thigh.L``, ``L_Thigh``, ``LeftThigh`` and ``left_thigh_jnt``: ``left thigh``."""
+    words = [word.casefold() for word in _WORD.findall(name)]
+    sides = {_SIDE_WORDS[word] for word in words if word in _SIDE_WORDS}
+    rest = "".join(word for word in words if word not in _SIDE_WORDS and word not in _NOISE)
+    return f"{next(iter(sides), '')} {rest}" if len(sides) < 2 else ""
+
+
 def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
-    """Joints by their plain name and by what follows a prefix (``Character1_Hips``, ``mixamorig:Hips``)."""
+    """Joints by plain name, by what follows a prefix (``Character1_Hips``), by side and name; the surest first."""
+    named = [(name, joint) for joint, name in enumerate(skeleton.names) if not skeleton.end_sites[joint]]
+    suffixed = [(suffix, joint) for name, joint in named for suffix in _suffixes(name)]
+    keys = [(_plain(name), joint) for name, joint in (*named, *suffixed)]
+    keys += [(_sided(name), joint) for name, joint in (*named, *suffixed)]
     by_name: dict[str, list[int]] = {}
-    suffixed: list[tuple[str, int]] = []
-    for joint, (name, end_site) in enumerate(zip(skeleton.names, skeleton.end_sites, strict=True)):
-        if not end_site:
-            by_name.setdefault(_plain(name), []).append(joint)
-            suffixed += [(_plain(suffix), joint) for suffix in _suffixes(name)]
-    for suffix, joint in suffixed:
-        if joint not in by_name.setdefault(suffix, []):
-            by_name[suffix].append(joint)
+    for key, joint in keys:
+        if joint not in by_name.setdefault(key, []):
+            by_name[key].append(joint)
     return by_name
 
 
@@ -127,7 +138,7 @@ def _suffixes(name: str) -> Iterator[str]:
 def _candidates(family: NamingFamily, by_name: dict[str, list[int]]) -> dict[BodyPart, list[int]]:
     candidates: dict[BodyPart, list[int]] = {}
     for part, words in family.names.items():
-        joints = [joint for word in words for joint in by_name.get(_plain(word), [])]
+        joints = [joint for key in (_plain, _sided) for word in words for joint in by_name.get(key(word), [])]
         candidates[part] = list(dict.fromkeys(joints))
     return candidates
 

@@ -1,7 +1,7 @@
 """BVH files: read as they are, any channel order, any joint with positions; written by ``bvh_writer``."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY, from_euler
 from studio.core.skeleton import Skeleton
 from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
+from studio.io.bvh_spelling import plainly_spelled
 from studio.io.bvh_writer import write_bvh
 from studio.io.numbers import count_per_line, number, table
 
@@ -35,6 +36,8 @@ class BvhFile:
     skeleton: Skeleton
     channels: tuple[tuple[str, ...], ...]
     """For each joint its channels in the order of the file (``Zrotation``); empty for end sites."""
+    moved_from_offsets: bool
+    """Whether positions, the first joint's aside, count from the offsets instead of replacing them."""
     frames: FloatArray
     """(F, C) as written: file units and degrees."""
     frame_time: float | None
@@ -44,17 +47,21 @@ class BvhFile:
     repairs: tuple[str, ...]
 
     def poses(self) -> PoseSequence:
-        """Rotations and translations of every joint in file axes; position channels replace the offset."""
+        """Rotations and translations of every joint in file axes."""
         count = self.skeleton.joint_count
         rotations = np.tile(IDENTITY, (len(self.frames), count, 1))
         translations = np.tile(self.skeleton.offsets, (len(self.frames), 1, 1))
         turning: dict[str, list[tuple[int, list[int]]]] = {}
         column = 0
+        travelling = _first_with_positions(self.channels)
         for joint, channels in enumerate(self.channels):
+            added = self.moved_from_offsets and joint != travelling
             order, columns = "", []
             for channel in channels:
                 if channel.endswith("position"):
-                    translations[:, joint, "XYZ".index(channel[0])] = self.frames[:, column]
+                    axis = "XYZ".index(channel[0])
+                    start = self.skeleton.offsets[joint, axis] if added else 0.0
+                    translations[:, joint, axis] = start + self.frames[:, column]
                 else:
                     order += channel[0]
                     columns.append(column)
@@ -73,23 +80,52 @@ def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
     path = Path(path)
     report = progress or (lambda share, text: None)
     report(0.0, f"Reading {path.name}")
-    content = _content(path)
+    spelling: list[str] = []
+    content = plainly_spelled(path.name, _content(path), spelling)
     head, motion_line, body = _split(path.name, content)
     hierarchy = read_hierarchy(path.name, head)
     report(0.2, f"Reading the motion of {path.name}")
     header, first_row = _motion_header(path.name, body, motion_line)
-    repairs = [*hierarchy.repairs]
+    repairs = [*spelling, *hierarchy.repairs]
     first_line = motion_line + min(first_row, len(body) - 1)
     frames = _frames(path.name, body[first_row:], first_line, hierarchy, header, repairs)
     frame_time, digit = _frame_time(path.name, header, repairs)
+    offsets = np.array(hierarchy.offsets)
+    moved = _moved_from_offsets(path.name, hierarchy.channels, offsets, frames, repairs)
     report(1.0, f"Read {path.name}")
     skeleton = Skeleton(
         tuple(hierarchy.names),
         np.array(hierarchy.parents),
-        np.array(hierarchy.offsets),
+        offsets,
         np.array(hierarchy.end_sites),
     )
-    return BvhFile(path.name, skeleton, tuple(hierarchy.channels), frames, frame_time, digit, tuple(repairs))
+    channels = tuple(hierarchy.channels)
+    return BvhFile(path.name, skeleton, channels, moved, frames, frame_time, digit, tuple(repairs))
+
+
+def _first_with_positions(channels: Sequence[tuple[str, ...]]) -> int:
+    return next((joint for joint, each in enumerate(channels) if any("position" in channel for channel in each)), 0)
+
+
+def _moved_from_offsets(
+    name: str, channels: list[tuple[str, ...]], offsets: FloatArray, frames: FloatArray, repairs: list[str]
+) -> bool:
+    """Whether most joints with positions, the first aside, stay near zero though their bones are long.
+
+    As a rule a position replaces the offset; read so, these files would have no bones.
+    """
+    travelling = _first_with_positions(channels)
+    ends = np.cumsum([len(each) for each in channels])
+    near = []
+    for joint, (each, end) in enumerate(zip(channels, ends.tolist(), strict=True)):
+        columns = [end - len(each) + place for place, channel in enumerate(each) if channel.endswith("position")]
+        length = float(np.linalg.norm(offsets[joint]))
+        if columns and joint != travelling and length > 0.0:
+            near.append(float(np.abs(frames[:, columns]).max()) < 0.1 * length)
+    if sum(near) <= len(near) / 2:
+        return False
+    repairs.append(f"{name}: the positions of its joints count from their offsets; they were added to them.")
+    return True
 
 
 def _content(path: Path) -> bytes:

@@ -76,7 +76,7 @@ def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
         match words.take("a joint").upper():
             case "ROOT" | "JOINT" as kind:
                 open_joints.append(_begin_joint(hierarchy, words, open_joints, kind, where))
-            case "END":
+            case "END" | "ENDSITE":
                 open_joints.append(_begin_end_site(hierarchy, words, open_joints, where))
             case "OFFSET":
                 _read_offset(hierarchy, words, _innermost(open_joints, "OFFSET", where))
@@ -94,6 +94,7 @@ def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
         place = hierarchy.places[open_joints[-1]]
         hierarchy.repairs.append(f"{place}: the brace of joint '{joint}' is never closed; it was closed before MOTION.")
     _make_names_unique(hierarchy)
+    _join_roots(hierarchy)
     return hierarchy
 
 
@@ -104,8 +105,8 @@ def _innermost(open_joints: list[int], word: str, where: str) -> int:
 
 
 def _begin_joint(hierarchy: Hierarchy, words: _Words, open_joints: list[int], kind: str, where: str) -> int:
-    if (kind == "ROOT" or not open_joints) and hierarchy.names:
-        raise StudioError(f"{where}: a second root stands in this file. Save each body in a file of its own.")
+    if kind == "ROOT" and open_joints:
+        raise StudioError(f"{where}: a root stands inside a joint. Correct the braces above it.")
     name = words.take_name()
     if not name:
         name = f"joint{len(hierarchy.names)}"
@@ -156,6 +157,25 @@ def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) 
             raise StudioError(f"{at}: joint '{name}' declares {channel} twice. Correct that line.")
         channels.append(channel)
     hierarchy.channels[joint] = tuple(channels)
+
+
+def _join_roots(hierarchy: Hierarchy) -> None:
+    """Several roots, as programs write them for props beside a body, hang below one that never moves."""
+    others = [joint for joint, parent in enumerate(hierarchy.parents) if parent < 0][1:]
+    if not others:
+        return
+    for joint in others:
+        name, place = hierarchy.names[joint], hierarchy.places[joint]
+        hierarchy.repairs.append(f"{place}: '{name}' is another root; it was kept beside the first.")
+    world = "World"
+    while world in hierarchy.names:
+        world += "_"
+    hierarchy.names.insert(0, world)
+    hierarchy.parents = [-1, *(parent + 1 for parent in hierarchy.parents)]
+    hierarchy.offsets.insert(0, (0.0, 0.0, 0.0))
+    hierarchy.channels.insert(0, ())
+    hierarchy.end_sites.insert(0, False)
+    hierarchy.places.insert(0, hierarchy.places[0])
 
 
 def _make_names_unique(hierarchy: Hierarchy) -> None:

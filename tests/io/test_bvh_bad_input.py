@@ -14,6 +14,8 @@ from studio.io.bvh import BvhFile, read_bvh
 from studio.io.importing import load_capture
 from tests.io.bvh_text import HIERARCHY, ROW, bvh_text
 
+POSITIONS = "Xposition Yposition Zposition"
+
 
 def _read(tmp_path: Path, content: str | bytes) -> BvhFile:
     path = tmp_path / "take.bvh"
@@ -107,9 +109,9 @@ REFUSED = {
         bvh_text(hierarchy="HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\n}\n"),
         "no joint declares channels",
     ),
-    "second root": (
-        bvh_text(hierarchy=HIERARCHY + "ROOT Other\n{\nOFFSET 0 0 0\n}\n"),
-        "line 16: a second root stands in this file",
+    "root inside a joint": (
+        bvh_text(hierarchy=HIERARCHY.replace("JOINT Spine", "ROOT Spine")),
+        "line 6: a root stands inside a joint",
     ),
     "missing brace": (
         bvh_text(hierarchy=HIERARCHY.replace("Hips\n{", "Hips\n")),
@@ -211,6 +213,21 @@ REPAIRED = {
         bvh_text([ROW, "1.5 90"], header="Frames: 361\nFrame Time: 0.01\n", end=""),
         1,
         "take.bvh, line 17: the file says Frames: 361; found and read: 1. The last is on line 19:",
+    ),
+    "second root": (
+        bvh_text(hierarchy=HIERARCHY + "ROOT Other\n{\nOFFSET 0 0 0\n}\n"),
+        3,
+        "take.bvh, line 16: 'Other' is another root; it was kept beside the first.",
+    ),
+    "positions that count from the offsets": (
+        bvh_text([ROW[:19] + "0 0.1 0 " + ROW[19:]] * 3, HIERARCHY.replace("CHANNELS 3 ", f"CHANNELS 6 {POSITIONS} ")),
+        3,
+        "take.bvh: the positions of its joints count from their offsets; they were added to them.",
+    ),
+    "decimal commas throughout": (
+        bvh_text([ROW.replace(".", ",")] * 3, header="Frames: 3\nFrame Time: 0,0333\n"),
+        3,
+        "take.bvh: its numbers have decimal commas; they were read as points.",
     ),
     "joint names twice": (
         bvh_text(hierarchy=HIERARCHY.replace("JOINT Spine", "JOINT Hips")),
