@@ -1,6 +1,8 @@
 """``adapt``: a capture on many characters, as files, with a report of what was reached."""
 
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from studio.cli.adapt_report import Record, character_report
@@ -11,9 +13,11 @@ from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptRequest
 from studio.io.constraint_file import ConstraintFile, read_constraints
-from studio.io.export import take_of_adapted, write_take
+from studio.io.export import format_for, take_of_actor, take_of_adapted, write_take
+from studio.io.importing import ImportOptions
 from studio.io.report_file import write_json
 
+ACTOR = "actor"
 SPACE = """
 Targets of constraints are metres in the motion's own space: X forward, Y left, Z up, the origin on the ground
 under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
@@ -32,10 +36,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="NAME|FILE",
-        help="bundled characters by name, or character files; all bundled ones by default",
+        help="bundled characters by name, character files, or 'actor': the capture's own body; by default all bundled",
     )
     parser.add_argument("--constraints", type=Path, metavar="FILE.json", help="constraints, and contacts if it has any")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files; made if missing")
+    parser.add_argument("--format", default="bvh", metavar="SUFFIX", help="kind of the files; bvh by default")
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
     add_import_options(parser)
@@ -43,22 +48,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Adapt, export, report."""
-    characters = chosen_characters(arguments.character)
-    ready = ready_capture(arguments.capture, import_options(arguments), all_frames=arguments.all_frames)
-    asked = ConstraintFile((), None)
-    if arguments.constraints is not None:
-        asked = read_constraints(arguments.constraints, MOTION_ID)
-        check_frames(asked, ready, arguments.constraints)
-    make_folder(arguments.out)
-    records = [adapt_to(character, key, ready, asked, arguments.out) for key, character in characters.items()]
-    report = {
-        "source": str(arguments.capture),
-        "frames": ready.capture.frame_count - ready.capture.first_frame,
-        "first_frame": ready.capture.first_frame,
-        "frame_rate": ready.capture.frame_rate,
-        "contacts": "detected" if asked.contacts is None else "given",
-        "characters": records,
-    }
+    report = adapt_file(arguments.capture, import_options(arguments), asked_by(arguments), arguments.out)
     write_json(arguments.out / "report.json", report)
     if arguments.json:
         print_json(report)
@@ -67,14 +57,61 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def adapt_to(character: Character, key: str, ready: ReadyCapture, asked: ConstraintFile, folder: Path) -> Record:
-    """One character's file and its part of the report."""
-    contacts = ready.contacts if asked.contacts is None else asked.contacts
-    constraints = tuple(each for each in asked.constraints if each.enabled)
-    request = AdaptRequest(ready.motion, character.morphology, contacts, constraints)
+@dataclass(frozen=True)
+class Asked:
+    """What the command line asks of every capture: whom to adapt to, by what, written as what."""
+
+    characters: Mapping[str, Character | None]
+    """None is the body that a capture was recorded from, whatever the capture."""
+    constraints: Path | None
+    suffix: str
+    all_frames: bool
+
+
+def asked_by(arguments: Namespace) -> Asked:
+    """The arguments of ``adapt`` as they hold for any capture; StudioError for a character or format there is not."""
+    suffix = f".{arguments.format.lower().lstrip('.')}"
+    format_for(Path(f"'{arguments.format}'").with_suffix(suffix))
+    others = [name for name in arguments.character if name != ACTOR]
+    characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
+    if others or not characters:
+        characters |= chosen_characters(others)
+    return Asked(characters, arguments.constraints, suffix, arguments.all_frames)
+
+
+def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
+    """Adapt one capture to all characters asked for, write their files into ``folder``, and report."""
+    ready = ready_capture(path, options, all_frames=asked.all_frames)
+    given = ConstraintFile((), None)
+    if asked.constraints is not None:
+        given = read_constraints(asked.constraints, MOTION_ID)
+        check_frames(given, ready, asked.constraints)
+    make_folder(folder)
+    return {
+        "source": str(path),
+        "frames": ready.capture.frame_count - ready.capture.first_frame,
+        "first_frame": ready.capture.first_frame,
+        "frame_rate": ready.capture.frame_rate,
+        "contacts": "detected" if given.contacts is None else "given",
+        "characters": [
+            adapt_to(character, key, ready, given, folder / f"{ready.capture.name}_{key}{asked.suffix}")
+            for key, character in asked.characters.items()
+        ],
+    }
+
+
+def adapt_to(character: Character | None, key: str, ready: ReadyCapture, given: ConstraintFile, path: Path) -> Record:
+    """One character's file, or the actor's own for None, and its part of the report."""
+    contacts = ready.contacts if given.contacts is None else given.contacts
+    constraints = tuple(each for each in given.constraints if each.enabled)
+    body = character.morphology if character else ready.actor.morphology
+    request = AdaptRequest(ready.motion, body, contacts, constraints)
     adapted, record = character_report(request, ready.source, ready.capture.first_frame)
-    path = folder / f"{ready.capture.name}_{key}.bvh"
-    write_take(take_of_adapted(character.name, adapted, character, request), path)
+    if character is None:
+        take = take_of_actor(adapted, ready.actor, request)
+    else:
+        take = take_of_adapted(character.name, adapted, character, request)
+    write_take(take, path)
     return {"name": key, "file": str(path), **record}
 
 

@@ -7,6 +7,8 @@ from studio.core.capture import Capture
 from studio.core.character import Character
 from studio.core.character_skeleton import character_poses, character_skeleton
 from studio.core.errors import StudioError
+from studio.core.normalized.actor import Actor
+from studio.core.normalized.realize import own_poses
 from studio.core.pose import PoseSequence
 from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -45,6 +47,18 @@ def take_of_adapted(
         raise StudioError(f"The motion of {name} cannot be exported: {error}") from error
     skeleton = character_skeleton(adapted.morphology)
     return Take(name, skeleton, poses, adapted.frame_rate, character=character, adapted=adapted, request=request)
+
+
+def take_of_actor(adapted: AdaptedMotion, actor: Actor, request: AdaptRequest | None = None) -> Take:
+    """A motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all others
+    that play no part of the body move as they were captured.
+    """
+    name = request.motion.name if request else "the actor"
+    try:
+        poses = own_poses(actor, adapted.positions, adapted.rotations, adapted.first_frame)
+    except StudioError as error:
+        raise StudioError(f"The motion of {name} cannot be exported: {error}") from error
+    return Take(name, actor.skeleton, poses, adapted.frame_rate, adapted=adapted, request=request)
 
 
 def format_for(path: Path, job: str = "motion_writer") -> Format:

@@ -187,3 +187,16 @@ def test_help_tells_in_which_space_targets_are(capsys):
 def test_an_angle_is_reported_in_degrees_and_a_length_in_millimetres(kind, amount, expected):
     common = {key: value for key, value in vars(make_constraint()).items() if key != "target"}
     assert residual_record(kind(**common), amount) == pytest.approx(expected)
+
+
+def test_the_actor_is_a_character_on_the_captures_own_joints(tmp_path, capsys):
+    write_capture(make_capture(), tmp_path / "walk.bvh")
+    assert main(["adapt", str(tmp_path / "walk.bvh"), "--character", "actor", "--out", str(tmp_path), "--json"]) == 0
+    [record] = json.loads(capsys.readouterr().out)["characters"]
+    assert record["name"] == "actor"
+    assert load_capture(record["file"]).skeleton.names == load_capture(tmp_path / "walk.bvh").skeleton.names
+
+
+def test_a_kind_of_file_that_there_is_not_is_refused_before_anything_is_read(tmp_path, capsys):
+    assert main(["adapt", "missing.bvh", "--format", "xyz", "--out", str(tmp_path)]) == 1
+    assert "Let it end with .bvh" in capsys.readouterr().err

@@ -6,13 +6,14 @@ import pytest
 from studio.core.character_skeleton import joint_points
 from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
+from studio.core.humanoid import BodyPart
 from studio.core.kinematics import joint_world
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.bvh import read_bvh
 from studio.io.character_file import bundled_characters
-from studio.io.export import take_of_adapted, write_capture, write_take
+from studio.io.export import take_of_actor, take_of_adapted, write_capture, write_take
 from studio.io.importing import load_capture
 from tests.builders import make_capture, make_morphology
 
@@ -86,3 +87,25 @@ def test_a_capture_keeps_its_joints_poses_and_rate(tmp_path):
 def test_a_suffix_that_no_writer_knows_is_refused_with_those_there_are(tmp_path):
     with pytest.raises(StudioError, match=r"Let it end with \.bvh"):
         write_capture(make_capture(), tmp_path / "out.fbx")
+
+
+def test_the_actors_own_joints_carry_fingers_untouched_and_wrists_to_where_they_were_adapted(captures, tmp_path):
+    capture = load_capture(captures / "bvh" / "conventions" / "pybvh_test3_fingers.bvh")
+    motion, actor = normalize(capture)
+    request = AdaptRequest(motion, actor.morphology, (), ())
+    adapted = adapt(request, capture.first_frame)
+    write_take(take_of_actor(adapted, actor, request), tmp_path / "out.bvh")
+    back = load_capture(tmp_path / "out.bvh")
+    assert back.skeleton.names == capture.skeleton.names
+    assert capture.body_map is not None
+    frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    mapped = {*capture.body_map.parts.values(), *capture.body_map.spine}
+    free = [joint for joint in range(capture.skeleton.joint_count) if joint not in mapped]
+    assert any("Thumb" in capture.skeleton.names[joint] for joint in free)
+    before = capture.poses.local_rotations[frames][:, free]
+    assert np.abs(np.abs(np.sum(back.poses.local_rotations[:, free] * before, axis=2)) - 1.0).max() < 1e-9
+    places = joint_world(back.skeleton, back.poses)[0] - actor.origin
+    layout = actor.morphology.layout
+    for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
+        wrist = adapted.positions[:, layout.collar(side) + 3]
+        assert np.linalg.norm(places[:, capture.body_map[part]] - wrist, axis=1).max() < 0.002

@@ -44,17 +44,23 @@ def spine_sampling(places: FloatArray, spine: FloatArray) -> tuple[NDArray[np.in
 
 def restore(motion: NormalizedMotion, actor: Actor) -> PoseSequence:
     """The capture's own poses out of its normalised motion: the way back, within rounding."""
-    positions, rotations = realize(motion, actor.morphology, play=True)
-    skeleton, original = actor.skeleton, actor.pass_through
-    world = np.empty((motion.frame_count, skeleton.joint_count, 3, 3))
-    local = to_matrix(original.local_rotations)
-    translations = np.array(original.local_translations)
+    return own_poses(actor, *realize(motion, actor.morphology, play=True))
+
+
+def own_poses(actor: Actor, positions: FloatArray, rotations: FloatArray, first_frame: int = 0) -> PoseSequence:
+    """Poses of the actor's own joints that put its segments at ``positions`` and ``rotations`` (as ``realize`` gives
+    them, from ``first_frame`` of the capture on); joints that play no segment turn and lie as they were captured.
+    """
+    skeleton, frames = actor.skeleton, slice(first_frame, first_frame + len(positions))
+    local = to_matrix(actor.pass_through.local_rotations[frames])
+    translations = np.array(actor.pass_through.local_translations[frames])
+    world = np.empty_like(local)
     segment_of = {int(joint): segment for segment, joint in enumerate(actor.segment_joints) if joint >= 0}
     root = int(actor.segment_joints[0])
-    places = np.empty((motion.frame_count, skeleton.joint_count, 3))
+    places = np.empty(local.shape[:3])
     for joint, parent in enumerate(skeleton.parents.tolist()):
         carrier = world[:, parent] if parent >= 0 else np.broadcast_to(np.eye(3), local[:, joint].shape)
-        from_origin = places[:, parent] if parent >= 0 else np.zeros((motion.frame_count, 3))
+        from_origin = places[:, parent] if parent >= 0 else np.zeros((len(local), 3))
         if joint in segment_of:
             segment = segment_of[joint]
             world[:, joint] = rotations[:, segment] @ actor.alignments[segment].T
