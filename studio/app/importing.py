@@ -1,10 +1,12 @@
 """Captures in: read in the background, contacts detected, shown on the visible bodies as one undo step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
+from studio.app.corrections import ReadAs, read_as_corrected, values_of, words
 from studio.app.workbench import Workbench
 from studio.core.capture import Capture
 from studio.core.contacts import ContactInterval, FootPoint
@@ -13,7 +15,7 @@ from studio.core.normalized.normalize import capture_contacts
 from studio.core.project import Clip, Motion, Project
 from studio.core.staging import side_by_side
 from studio.document.document import Document
-from studio.io.importing import ImportOptions, load_capture
+from studio.io.importing import ImportOptions
 
 UNCHANGED = "Your project was not changed."
 READ_SHARE = 0.7
@@ -27,14 +29,25 @@ class ReadMotion:
 
     capture: Capture
     contacts: Spans
+    read_as: ReadAs
 
 
-def read_motion(path: Path, options: ImportOptions, progress: Callable[[float, str], None]) -> ReadMotion:
-    """Read and look for contacts. Raises StudioError whose last sentence says that nothing was changed."""
+def read_motion(
+    path: Path,
+    options: ImportOptions,
+    progress: Callable[[float, str], None],
+    known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
+) -> ReadMotion:
+    """Read and look for contacts. Raises StudioError whose last sentence says that nothing was changed.
+
+    ``known`` are the corrections of earlier files, by kind.
+    """
     try:
-        capture = load_capture(path, options, lambda share, text: progress(READ_SHARE * share, text))
+        capture, read_as = read_as_corrected(
+            path, options, known, lambda share, text: progress(READ_SHARE * share, text)
+        )
         progress(READ_SHARE, "looking for contacts")
-        return ReadMotion(capture, capture_contacts(capture))
+        return ReadMotion(capture, capture_contacts(capture), read_as)
     except StudioError as error:
         raise StudioError(f"{error} {UNCHANGED}") from error
 
@@ -46,10 +59,13 @@ def import_motion(bench: Workbench, path: Path, options: ImportOptions | None = 
         put_motion(bench.document, motion, f"Import {path.name}")
         capture_id = list(bench.document.project.captures)[-1]
         bench.sources[capture_id] = path
+        bench.read_as[capture_id] = motion.read_as
         tell_repairs(bench, capture_id)
+        tell_corrections(bench, capture_id)
 
+    known = bench.settings.corrections
     task: int = bench.runner.run(
-        f"Opening {path.name}", lambda progress: read_motion(path, options or ImportOptions(), progress), done
+        f"Opening {path.name}", lambda progress: read_motion(path, options or ImportOptions(), progress, known), done
     )
     return task
 
@@ -84,19 +100,25 @@ def perform_capture(bench: Workbench, capture_id: str) -> None:
 
 def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
     """Read the file again as the user says; the answer takes the capture's place as one undo step."""
+    what, value = next(iter(option.items()))
     capture = bench.document.project.captures[capture_id]
+    text = f"Read {capture.name} with {what.replace('_', ' ')} {value}"
+    _read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id) | option), text)
+
+
+def _read_again(bench: Workbench, capture_id: str, options: ImportOptions, text: str) -> None:
     path = bench.sources.get(capture_id)
     if path is None:
-        raise StudioError(f"Where '{capture.source}' lies is not known any more. Import it again to read it otherwise.")
-    what, value = next(iter(option.items()))
-    text = f"Read {capture.name} with {what.replace('_', ' ')} {value}"
+        source = bench.document.project.captures[capture_id].source
+        raise StudioError(f"Where '{source}' lies is not known any more. Import it again to read it otherwise.")
 
     def done(read: ReadMotion) -> None:
         if capture_id in bench.document.project.captures:
+            if capture_id in bench.read_as:
+                bench.read_as[capture_id] = replace(bench.read_as[capture_id], options=options)
             _replace_motion(bench.document, capture_id, read, text)
             tell_repairs(bench, capture_id)
 
-    options = ImportOptions(**overruled(capture) | option)
     bench.runner.run(text, lambda progress: read_motion(path, options, progress), done)
 
 
@@ -116,16 +138,37 @@ def repair_words(capture: Capture) -> str:
     return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
 
 
-def overruled(capture: Capture) -> dict[str, Any]:
+def overruled(bench: Workbench, capture_id: str) -> dict[str, Any]:
     """Options that keep what the user has said about a capture: all that is not listed as a guess."""
-    guessed = {guess.subject for guess in capture.guesses}
-    values = {
-        "unit": capture.unit,
-        "up axis": capture.up_axis,
-        "frame rate": capture.frame_rate,
-        "body map": capture.body_map.to_json(capture.skeleton) if capture.body_map else None,
-    }
-    return {subject.replace(" ", "_"): value for subject, value in values.items() if subject not in guessed}
+    capture = bench.document.project.captures[capture_id]
+    guessed = {guess.subject.replace(" ", "_") for guess in capture.guesses}
+    said = {option: value for option, value in values_of(capture).items() if option not in guessed}
+    read_as = bench.read_as.get(capture_id)
+    return said | ({"reference": read_as.options.reference} if read_as and "reference_pose" not in guessed else {})
+
+
+def keep_corrections(bench: Workbench, collection: str, capture_id: str) -> None:
+    """Remember what the user corrects of a capture, for the next file of its kind; what is undone is forgotten."""
+    read_as = bench.read_as.get(capture_id) if collection == "captures" else None
+    capture = bench.document.project.captures.get(capture_id)
+    if read_as and capture:
+        bench.settings.correct(read_as.kind, read_as.corrections(capture))
+
+
+def tell_corrections(bench: Workbench, capture_id: str) -> None:
+    """That a file was read as others of its kind were corrected, with the way to have it guessed."""
+    read_as, capture = bench.read_as[capture_id], bench.document.project.captures[capture_id]
+    corrections = read_as.corrections(capture)
+    if not corrections:
+        return
+
+    def guess() -> None:
+        bench.settings.correct(read_as.kind, {})
+        if capture_id in bench.document.project.captures:
+            _read_again(bench, capture_id, ImportOptions(), f"Read {capture.name} as guessed")
+
+    sentence = f"{capture.source} was read as you corrected its kind of file before: {words(corrections)}."
+    bench.window.strip.say(sentence, ("Keep", bench.window.strip.clear), ("Guess again", guess))
 
 
 def show_motion(document: Document) -> None:

@@ -198,6 +198,7 @@ class MainWindow(QMainWindow):
         self.status.progress.told.connect(self._show_progress)
         self.library.wanted.connect(lambda capture: importing.perform_capture(bench, capture))
         self.inspector.reimport_wanted.connect(self._reimport)
+        document.entity_changed.connect(lambda collection, key: importing.keep_corrections(bench, collection, key))
 
     def _restore_layout(self) -> None:
         layout = self.bench.settings.layout()

@@ -1,11 +1,14 @@
 """What the studio remembers of the user between runs: windows and recent files. Never the work itself."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 import platformdirs
 from PySide6.QtCore import QByteArray, QSettings
 
 MOST_RECENT = 10
+MOST_CORRECTED = 100
 LAYOUT_VERSION = 1
 
 
@@ -37,6 +40,23 @@ class Settings:
     @folder.setter
     def folder(self, folder: Path) -> None:
         self._store.setValue("folder", str(folder))
+
+    @property
+    def corrections(self) -> dict[str, dict[str, Any]]:
+        """What the user corrected in import reports, by the kind of file."""
+        try:
+            stored = json.loads(str(self._store.value("corrections", "{}")))
+        except ValueError:
+            return {}  # a settings file that somebody has edited
+        return stored if isinstance(stored, dict) else {}
+
+    def correct(self, kind: str, options: dict[str, Any]) -> None:
+        """Read files of this kind with these options from now on; with none, as they are guessed."""
+        kept = {key: value for key, value in self.corrections.items() if key != kind}
+        if options:
+            kept[kind] = options
+        newest = dict(list(kept.items())[-MOST_CORRECTED:])
+        self._store.setValue("corrections", json.dumps(newest))
 
     def layout(self) -> tuple[QByteArray, QByteArray] | None:
         """Geometry and dock state of the window; None before the first close."""

@@ -5,6 +5,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
+from studio.app.corrections import ReadAs
 from studio.app.settings import Settings
 from studio.document.document import Document
 
@@ -26,6 +27,8 @@ class Workbench(QObject):
         """Where sessions are kept for recovery."""
         self.sources: dict[str, Path] = {}
         """Files that captures were read from in this run, by capture id."""
+        self.read_as: dict[str, ReadAs] = {}
+        """How they were read, to be corrected."""
         document.problem.connect(self.said)
         runner.failed.connect(lambda _, sentence: self.said.emit(sentence))
 

@@ -356,6 +356,42 @@ def test_read_with_another_unit_the_capture_is_replaced_as_one_undo_step(qtbot, 
     assert document.project.captures[capture_id].unit == "cm"
 
 
+def test_what_is_corrected_in_a_report_holds_for_the_next_file_of_its_kind(qtbot, window, walk):
+    document, settings = window.bench.document, window.bench.settings
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    capture_id = list(document.project.captures)[-1]
+    floor = document.project.captures[capture_id].floor
+    window.inspector.reimport_wanted.emit(capture_id, {"unit": "inch"})
+    wait_until_idle(qtbot, window)
+    document.replace("captures", capture_id, document.project.captures[capture_id].with_floor(0.25), "Set floor")
+    second = walk.with_name("second.bvh")
+    second.write_bytes(walk.read_bytes())
+    drop(window, second)
+    wait_until_idle(qtbot, window)
+    second_id = list(document.project.captures)[-1]
+    assert (document.project.captures[second_id].unit, document.project.captures[second_id].floor) == ("inch", 0.25)
+    assert window.strip.text.endswith("corrected its kind of file before: unit inch, floor 0.25.")
+    window.strip.press("Guess again")
+    wait_until_idle(qtbot, window)
+    assert (document.project.captures[second_id].unit, document.project.captures[second_id].floor) == ("cm", floor)
+    assert settings.corrections == {}
+
+
+def test_a_correction_that_is_undone_is_not_remembered(qtbot, window, walk):
+    document, settings = window.bench.document, window.bench.settings
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    capture_id = list(document.project.captures)[-1]
+    names = document.project.captures[capture_id].body_map.to_json(document.project.captures[capture_id].skeleton)
+    changed = document.project.captures[capture_id].with_body_map(names | {"left_toe": "LeftFoot"})
+    document.replace("captures", capture_id, changed, "Map left toe")
+    [corrected] = settings.corrections.values()
+    assert corrected["body_map"]["left_toe"] == "LeftFoot"
+    document.undo_stack.undo()
+    assert settings.corrections == {}
+
+
 def test_a_capture_whose_file_is_not_known_is_not_read_again_but_said_so(qtbot, window):
     window.inspector.reimport_wanted.emit("capture", {"unit": "cm"})
     assert "Import it again" in window.strip.text

@@ -1,0 +1,83 @@
+"""Corrections of the import report: kept for the kind of file, and used when the next one of its kind is read."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from studio.core.capture import Capture
+from studio.core.errors import StudioError
+from studio.io.importing import ImportOptions, load_capture
+from studio.io.registry import Progress
+
+Options = dict[str, Any]
+"""Fields of ImportOptions with their values, as JSON has them."""
+_LASTING_REFERENCES = ("zero", "0")
+"""Reference poses that mean the same in every file of a kind; other frames are this file's own."""
+_SUBJECTS = {"unit": "unit", "up_axis": "up axis", "frame_rate": "frame rate", "floor": "floor", "body_map": "body map"}
+
+
+@dataclass(frozen=True)
+class ReadAs:
+    """How a capture of this run was read, to tell what the user corrects from what the file and the guesses gave."""
+
+    kind: str
+    given: Options
+    options: ImportOptions
+
+    def corrections(self, capture: Capture) -> Options:
+        """What the user has said about ``capture``, as far as other files of its kind are meant by it."""
+        guessed = {guess.subject for guess in capture.guesses}
+        said = {
+            option: value
+            for option, value in values_of(capture).items()
+            if _SUBJECTS[option] not in guessed and value != self.given[option]
+        }
+        return said | ({"reference": self.options.reference} if self.options.reference in _LASTING_REFERENCES else {})
+
+
+def kind_of(capture: Capture) -> str:
+    """The same for files of one program and skeleton: suffix, names and order of joints, frame rate."""
+    head = [Path(capture.source).suffix.lower(), capture.skeleton.names, capture.skeleton.parents.tolist()]
+    return hashlib.sha256(json.dumps([*head, round(capture.frame_rate, 3)]).encode()).hexdigest()[:16]
+
+
+def values_of(capture: Capture) -> Options:
+    """Every option that a capture itself tells, guessed or not."""
+    return {
+        "unit": capture.unit,
+        "up_axis": capture.up_axis,
+        "frame_rate": capture.frame_rate,
+        "floor": capture.floor,
+        "body_map": capture.body_map.to_json(capture.skeleton) if capture.body_map else None,
+    }
+
+
+def read_as_corrected(
+    path: Path, options: ImportOptions, known: Mapping[str, Options], progress: Progress
+) -> tuple[Capture, ReadAs]:
+    """Read a file; where files of its kind were corrected (``known``, by kind), read it once more as they were.
+
+    Raises StudioError when it cannot be read; corrections that do not fit it are told among its repairs.
+    """
+    capture = load_capture(path, options, progress)
+    read_as = ReadAs(kind_of(capture), values_of(capture), options)
+    wanted = known.get(read_as.kind)
+    if not wanted or options != ImportOptions():
+        return capture, read_as
+    try:
+        corrected = ImportOptions(**wanted)
+        return load_capture(path, corrected, progress), replace(read_as, options=corrected)
+    except (StudioError, TypeError) as error:
+        sentence = f"{path.name}: the corrections of an earlier file of its kind do not fit it. {error}"
+        return replace(capture, repairs=(*capture.repairs, sentence)), read_as
+
+
+def words(corrections: Options) -> str:
+    """``unit inch, floor 0.1``."""
+    return ", ".join(
+        option.replace("_", " ") + ("" if isinstance(value, dict) else f" {value}")
+        for option, value in corrections.items()
+    )
