@@ -4,18 +4,19 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from studio.core.morphology import Morphology, Proportions
-from studio.core.skin import SkinnedMesh
+from studio.core.skin import Blending, SkinnedMesh
 
 
 @dataclass(frozen=True)
 class Character:
-    """A body that can perform. ``skin`` is bound to ``build`` in its rest pose; ``colour`` is ``#RRGGBB``."""
+    """A body that can perform. ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``."""
 
     name: str
     colour: str
     build: Morphology
     skin: SkinnedMesh
     proportions: Proportions = field(default_factory=Proportions)
+    blending: Blending = Blending.LINEAR
 
     @cached_property
     def morphology(self) -> Morphology:

@@ -17,6 +17,7 @@ from studio.core.rest_pose import FORWARD
 from studio.core.rotations import frame_along, from_matrix
 from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion
+from studio.core.standing import standing_points
 
 FloatArray = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ class _Joints:
 def character_skeleton(morphology: Morphology) -> Skeleton:
     """The joints and bones of a body, whose zero pose is a T-pose facing +X with the soles on z = 0."""
     joints = _joints(morphology.layout)
-    places = _t_pose_points(morphology)[list(joints.points)]
+    places = standing_points(morphology, t_pose_rotations(morphology))[list(joints.points)]
     offsets = places - places[np.maximum(joints.parents, 0)]
     offsets[0] = places[0]
     return Skeleton(joints.names, np.array(joints.parents), offsets, np.array(joints.segments) < 0)
@@ -87,43 +88,6 @@ def t_pose_rotations(morphology: Morphology) -> FloatArray:
         rotations[arm + 1 : arm + 4] = frame_along(bone, np.cross(bone, FORWARD))
         rotations[leg : leg + 2] = frame_along(_DOWN, np.array([0.0, 1.0, 0.0]))
     return rotations
-
-
-def _t_pose_points(morphology: Morphology) -> FloatArray:
-    """(P, 3) the canonical points in the T-pose, the longer leg's sole on z = 0."""
-    layout, rotations = morphology.layout, t_pose_rotations(morphology)
-    bones = np.einsum("sij,sj->si", rotations, _bone_vectors(morphology))
-    points = np.zeros((layout.point_count, 3))
-    points[1 : layout.neck_base + 1] = np.cumsum(morphology.spine, axis=0)
-    neck = layout.neck_base
-    points[neck + 1 : neck + 3] = points[neck] + np.cumsum(bones[neck : neck + 2], axis=0)
-    for side in range(2):
-        arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
-        for start, base, first in (
-            (layout.collar(side), points[neck] + morphology.collar_base[side], arm),
-            (layout.hip(side), morphology.hip_offset[side], leg),
-        ):
-            points[start] = base
-            points[start + 1 : start + 5] = base + np.cumsum(bones[first : first + 4], axis=0)
-    soles = [points[layout.ankle(side), 2] - morphology.ankle_height[side] for side in range(2)]
-    points[:, 2] -= min(soles)
-    return points
-
-
-def _bone_vectors(morphology: Morphology) -> FloatArray:
-    """(S, 3) from the near to the far point of each segment, in the segment's axes."""
-    lengths = {BodyPart.NECK: morphology.neck, BodyPart.HEAD: morphology.head}
-    vectors = np.zeros((morphology.layout.segment_count, 3))
-    vectors[: morphology.layout.spine_count] = morphology.spine
-    for part, length in lengths.items():
-        vectors[morphology.layout.segment(part), 2] = length
-    for side in range(2):
-        arm, leg = morphology.layout.spine_count + 2 + 4 * side, morphology.layout.spine_count + 10 + 4 * side
-        vectors[arm : arm + 3, 2] = morphology.clavicle[side], *morphology.arm[side]
-        vectors[arm + 3] = morphology.hand[side]
-        vectors[leg : leg + 2, 2] = morphology.leg[side]
-        vectors[leg + 2], vectors[leg + 3] = morphology.foot[side], morphology.toe[side]
-    return vectors
 
 
 def _joints(layout: BodyLayout) -> _Joints:

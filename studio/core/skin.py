@@ -1,16 +1,19 @@
 """A skin: a mesh bound to the segments of a body, fitted to other bodies and carried by their poses."""
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.appearance import Appearance
 from studio.core.canonical import BodyPart
-from studio.core.kernels import skinning
+from studio.core.kernels import dual_quaternions, skinning
 from studio.core.morphology import FloatArray, Morphology
 from studio.core.rest_pose import rest_pose
+from studio.core.standing import standing_points
 
 INFLUENCES = 4
 _COLUMNS: tuple[tuple[str, type, int], ...] = (
@@ -23,15 +26,24 @@ _COLUMNS: tuple[tuple[str, type, int], ...] = (
 )
 
 
+class Blending(StrEnum):
+    """How the motions of several segments become that of a vertex."""
+
+    LINEAR = "linear"
+    """A weighted mean of where each takes it: of the vertex itself, or of the centre that its mesh gives it."""
+    DUAL_QUATERNIONS = "dual_quaternions"
+    """One screw motion between them: wrists and shoulders keep their girth when they twist."""
+
+
 @dataclass(frozen=True, eq=False)
 class SkinnedMesh:
-    """A triangle mesh in the rest pose of its build, each vertex bound to up to four segments.
+    """A triangle mesh around its build, each vertex bound to up to four segments.
 
-    ``vertices`` (V, 3) in metres and unit ``normals`` (V, 3) stand in the world space of the rest pose;
-    ``triangles`` (T, 3) run counter-clockwise seen from outside; ``segments`` (V, 4) are indices in the
-    canonical layout; ``weights`` (V, 4) fall along each row, which sums to 1; ``centres`` (V, 3) are points
-    about which the blended rotation of each vertex turns. Raises ValueError naming a member whose shape or
-    index is wrong.
+    ``vertices`` (V, 3) in metres and unit ``normals`` (V, 3) stand in the world space of the pose in which they
+    were bound; ``triangles`` (T, 3) run counter-clockwise seen from outside; ``segments`` (V, 4) are indices in
+    the canonical layout; ``weights`` (V, 4) fall along each row, which sums to 1; ``centres`` (V, 3) are points
+    about which the blended rotation of each vertex turns, the vertices themselves for plain linear blending.
+    Raises ValueError naming a member whose shape or index is wrong.
     """
 
     vertices: NDArray[np.float32]
@@ -40,6 +52,11 @@ class SkinnedMesh:
     triangles: NDArray[np.int32]
     segments: NDArray[np.int32]
     weights: NDArray[np.float32]
+    stance: FloatArray | None = None
+    """(K+18, 3, 3) world rotations of the segments when bound, standing as ``standing_points`` has it; None stands
+    for the rest pose."""
+    appearance: Appearance | None = None
+    """None for one that is all of its character's colour."""
 
     def __post_init__(self) -> None:
         for name, kind, width in _COLUMNS:
@@ -59,6 +76,19 @@ class SkinnedMesh:
             raise ValueError("segments: an index is below zero.")
         if (np.diff(self.weights, axis=1) > 0).any() or not np.allclose(self.weights.sum(axis=1), 1, atol=1e-5):
             raise ValueError("weights: each row falls and sums to 1.")
+        if self.stance is not None:
+            self._check_stance(np.array(self.stance, dtype=np.float64))
+        look = self.appearance
+        if look and (len(look.coordinates), len(look.triangle_materials)) != (len(self.vertices), len(self.triangles)):
+            raise ValueError("appearance: does not fit the mesh.")
+
+    def _check_stance(self, stance: FloatArray) -> None:
+        if stance.ndim != 3 or stance.shape[1:] != (3, 3) or not np.isfinite(stance).all():
+            raise ValueError("stance: expected a rotation for every segment.")
+        if not np.allclose(stance @ np.swapaxes(stance, 1, 2), np.eye(3), atol=1e-4):
+            raise ValueError("stance: holds a matrix that is no rotation.")
+        stance.setflags(write=False)
+        object.__setattr__(self, "stance", stance)
 
 
 def skin_vertices(
@@ -69,6 +99,7 @@ def skin_vertices(
     rotations: FloatArray,
     out_vertices: NDArray[np.float32] | None = None,
     out_normals: NDArray[np.float32] | None = None,
+    blending: Blending = Blending.LINEAR,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """World vertices and normals (V, 3) of one frame, written in place where ``out_`` arrays are given.
 
@@ -76,28 +107,28 @@ def skin_vertices(
     ``build``. The mesh fitted to ``morphology`` is remembered, so only a moved slider pays for it.
     """
     fitted = fit_skin(mesh, build, morphology)
-    rest_positions, rest_rotations = _rest(morphology)
+    rest_positions, rest_rotations = bound_pose(mesh, morphology)
     proximal = list(morphology.layout.proximal_points())
     motions = np.empty((morphology.layout.segment_count, 16))
     skinning.segment_motions(rest_rotations, rest_positions[proximal], rotations, positions[proximal], motions)
     vertices = np.empty_like(mesh.vertices) if out_vertices is None else out_vertices
     normals = np.empty_like(mesh.normals) if out_normals is None else out_normals
-    skinning.skin(
-        fitted.vertices,
-        fitted.normals,
-        fitted.centres,
-        fitted.segments,
-        fitted.weights,
-        motions,
-        vertices,
-        normals,
-    )
+    bound = fitted.segments, fitted.weights, motions, vertices, normals
+    if blending is Blending.DUAL_QUATERNIONS:
+        dual_quaternions.skin(fitted.vertices, fitted.normals, *bound)
+    else:
+        skinning.skin(fitted.vertices, fitted.normals, fitted.centres, *bound)
     return vertices, normals
+
+
+def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    """Positions (K+23, 3) and rotations (K+18, 3, 3) in which ``mesh``, fitted to ``morphology``, is bound."""
+    return _rest(morphology) if mesh.stance is None else _standing(mesh, morphology)
 
 
 @lru_cache(maxsize=64)
 def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> SkinnedMesh:
-    """``mesh``, bound to ``build``, reshaped to stand in the rest pose of ``morphology``.
+    """``mesh``, bound to ``build``, reshaped to stand around ``morphology`` as it stood around ``build``.
 
     Each segment stretches with its bone and thickens with the body; a body scaled as a whole gives the mesh
     scaled as a whole. Raises ValueError when the two bodies have not the same number of spine segments.
@@ -106,8 +137,8 @@ def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> Sk
         raise ValueError("A skin fits bodies with the same number of spine segments only.")
     if build == morphology:
         return mesh
-    old_positions, old_rotations = rest_pose(build)
-    new_positions, new_rotations = rest_pose(morphology)
+    old_positions, old_rotations = bound_pose(mesh, build)
+    new_positions, new_rotations = bound_pose(mesh, morphology)
     scales = segment_scales(build, morphology)
     proximal = list(build.layout.proximal_points())
     forms = np.einsum("sij,sj,skj->sik", new_rotations, scales, old_rotations)
@@ -131,7 +162,7 @@ def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
     """
     layout, spine_count = build.layout, build.layout.spine_count
     lengths = np.stack([_bone_lengths(body) for body in (build, morphology)])
-    along = lengths[1] / lengths[0]
+    along = np.divide(lengths[1], lengths[0], out=np.ones(len(lengths[0])), where=lengths[0] > 1e-9)
     shared = float(np.median(along))
     girth = shared * (along / shared) ** 0.25
     scales = np.stack([girth, girth, along], axis=1)
@@ -162,3 +193,9 @@ def _trunk_widths(body: Morphology) -> FloatArray:
 @lru_cache(maxsize=64)
 def _rest(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     return rest_pose(morphology)
+
+
+@lru_cache(maxsize=64)
+def _standing(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    assert mesh.stance is not None
+    return standing_points(morphology, mesh.stance), mesh.stance

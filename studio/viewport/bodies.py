@@ -10,6 +10,7 @@ from studio.core.character import Character
 from studio.core.skin import skin_vertices
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
+from studio.viewport.materials import material_actors
 from studio.viewport.performance import Placement, Posed
 
 
@@ -35,7 +36,11 @@ class BodyVisual:
         self._character = character
         self._skin = LiveMesh(len(character.skin.vertices), character.skin.triangles)
         self._bones: BoneFigure | None = None
-        self.skin_actor = make_actor(self._skin, character.colour)
+        look = character.skin.appearance
+        if look is None:
+            self.skin_actors = [make_actor(self._skin, character.colour)]
+        else:
+            self.skin_actors = material_actors(self._skin, character.skin.triangles, look)
         self.bones_actor: Any = None
 
     def belongs_to(self, character: Character) -> bool:
@@ -43,15 +48,16 @@ class BodyVisual:
         return character.skin is self._character.skin and character.build is self._character.build
 
     def take(self, character: Character) -> None:
-        """Show another state of the same character."""
+        """Show another state of the same character; one with materials of its own keeps their colours."""
         if character.colour != self._character.colour:
-            for actor in self.actors:
+            plain = self.skin_actors if character.skin.appearance is None else []
+            for actor in (*plain, *([self.bones_actor] if self.bones_actor is not None else [])):
                 actor.prop.color = character.colour
         self._character = character
 
     @property
     def actors(self) -> list[Any]:
-        return [actor for actor in (self.skin_actor, self.bones_actor) if actor is not None]
+        return [*self.skin_actors, *([self.bones_actor] if self.bones_actor is not None else [])]
 
     def make_bones(self, layout: BodyLayout) -> Any:
         """The bones' actor, made when first asked for."""
@@ -62,7 +68,9 @@ class BodyVisual:
     def pose(self, posed: Posed, bones: bool) -> None:
         """Take a pose at its place of the stage."""
         motion, row = posed.motion, posed.row
-        self.skin_actor.SetVisibility(not bones)
+        for actor in self.skin_actors:
+            actor.SetVisibility(not bones)
+            place(actor, posed.placement)
         if self.bones_actor is not None:
             self.bones_actor.SetVisibility(bones)
         if bones and self._bones is not None:
@@ -72,12 +80,9 @@ class BodyVisual:
         if posed.resting and motion.morphology == self._character.build:
             # As it was bound: needs no kernel, which may not be compiled yet.
             self._skin.points[:], self._skin.normals[:] = self._character.skin.vertices, self._character.skin.normals
-            self._skin.touch()
-            place(self.skin_actor, posed.placement)
-            return
-        skin_vertices(
-            self._character.skin, self._character.build, motion.morphology,
-            motion.positions[row], motion.rotations[row], self._skin.points, self._skin.normals,
-        )  # fmt: skip
+        else:
+            skin_vertices(
+                self._character.skin, self._character.build, motion.morphology, motion.positions[row],
+                motion.rotations[row], self._skin.points, self._skin.normals, self._character.blending,
+            )  # fmt: skip
         self._skin.touch()
-        place(self.skin_actor, posed.placement)

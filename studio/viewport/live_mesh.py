@@ -21,21 +21,28 @@ class LiveMesh:
     def __init__(self, vertex_count: int, triangles: NDArray[np.integer[Any]]) -> None:
         self.points: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
         self.normals: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
-        self.polydata = pv.PolyData()
         self._vtk_points = vtkPoints()
         self._vtk_points.SetData(numpy_to_vtk(self.points, deep=False))
         self._vtk_normals = numpy_to_vtk(self.normals, deep=False)
-        self.polydata.SetPoints(self._vtk_points)
-        self.polydata.GetPointData().SetNormals(self._vtk_normals)
-        count = len(triangles)
-        self.polydata.faces = np.column_stack([np.full(count, 3), triangles]).ravel()
+        self._parts: list[pv.PolyData] = []
+        self.polydata = self.part(triangles)
+
+    def part(self, triangles: NDArray[np.integer[Any]]) -> pv.PolyData:
+        """Another polydata over the same points, of these triangles alone."""
+        polydata = pv.PolyData()
+        polydata.SetPoints(self._vtk_points)
+        polydata.GetPointData().SetNormals(self._vtk_normals)
+        polydata.faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+        self._parts.append(polydata)
+        return polydata
 
     def touch(self) -> None:
         """Tell VTK that the buffers hold new numbers."""
         self._vtk_points.GetData().Modified()
         self._vtk_normals.Modified()
         self._vtk_points.Modified()
-        self.polydata.Modified()
+        for polydata in self._parts:
+            polydata.Modified()
 
 
 class LiveLines:

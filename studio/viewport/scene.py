@@ -131,7 +131,8 @@ class StageScene:
         body = self._bodies.get(performer_id)
         if body is None:
             body = self._bodies[performer_id] = BodyVisual(character)
-            self._add_shaded(body.skin_actor)
+            for actor in body.skin_actors:
+                self._add_shaded(actor)
         body.take(character)
         return body
 

@@ -1,0 +1,64 @@
+"""Appearance: what a skin looks like: the colours and textures of its materials, and where on them it lies."""
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_COLOUR = re.compile(r"#[0-9A-Fa-f]{6}")
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """One kind of surface: ``colour`` is ``#RRGGBB`` and tints the texture where there is one.
+
+    Raises ValueError when the colour is none or the texture no row of bytes.
+    """
+
+    name: str
+    colour: str
+    texture: NDArray[np.uint8] | None = None
+    """(B,) bytes of a PNG or JPEG file, as they came."""
+    two_sided: bool = False
+
+    def __post_init__(self) -> None:
+        if not _COLOUR.fullmatch(self.colour):
+            raise ValueError(f"colour: expected #RRGGBB, got '{self.colour}'.")
+        if self.texture is not None:
+            texture = _frozen(self.texture, np.uint8)
+            if texture.ndim != 1 or not len(texture):
+                raise ValueError("texture: expected the bytes of a picture.")
+            object.__setattr__(self, "texture", texture)
+
+
+@dataclass(frozen=True, eq=False)
+class Appearance:
+    """The materials of a mesh of V vertices and T triangles.
+
+    Raises ValueError when a shape is wrong or a triangle's material is not there.
+    """
+
+    materials: tuple[Material, ...]
+    triangle_materials: NDArray[np.int32]
+    """(T,) index of each triangle's material."""
+    coordinates: NDArray[np.float32]
+    """(V, 2) place in the texture: 0 to 1 to the right and upwards, repeating beyond."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "triangle_materials", _frozen(self.triangle_materials, np.int32))
+        object.__setattr__(self, "coordinates", _frozen(self.coordinates, np.float32))
+        if self.triangle_materials.ndim != 1 or self.coordinates.ndim != 2 or self.coordinates.shape[1] != 2:
+            raise ValueError("appearance: expected a material for each triangle and two coordinates for each vertex.")
+        if not np.isfinite(self.coordinates).all():
+            raise ValueError("appearance: a texture coordinate is not finite.")
+        indices = self.triangle_materials
+        if len(indices) and (indices.min() < 0 or indices.max() >= len(self.materials)):
+            raise ValueError("appearance: a triangle names a material that is not there.")
+
+
+def _frozen(array: Any, kind: type) -> NDArray[Any]:
+    frozen: NDArray[Any] = np.array(array, dtype=kind)
+    frozen.setflags(write=False)
+    return frozen

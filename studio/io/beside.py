@@ -1,0 +1,60 @@
+"""Files that a file names: only those that lie in its own folder are ever opened."""
+
+import base64
+import binascii
+from pathlib import Path, PureWindowsPath
+from urllib.parse import unquote
+
+from studio.core.errors import StudioError
+
+LARGEST = 500_000_000
+"""Bytes of one file; more is refused unread."""
+
+
+def read_bytes(path: Path, largest: int = LARGEST) -> bytes:
+    """The content of an ordinary file. Raises StudioError when it is none, is too large or cannot be read."""
+    try:
+        if not path.is_file():
+            raise StudioError(f"{path.name} could not be read: there is no such file. Check the name and try again.")
+        size = path.stat().st_size
+        if size > largest:
+            raise StudioError(f"{path.name} has {size / 1e6:.0f} MB; the studio reads up to {largest / 1e6:.0f} MB.")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise StudioError(f"{path.name} could not be read: {reason}. Check the file and try again.") from error
+
+
+def content_of(uri: str, beside: Path, where: str) -> bytes:
+    """The bytes that ``uri`` says: inside itself (``data:``), or in a file of the folder of ``beside``.
+
+    Raises StudioError that begins with ``where`` when it leads out of the folder or holds nothing readable.
+    """
+    if uri.startswith("data:"):
+        head, _, body = uri.partition(",")
+        if not head.endswith(";base64"):
+            raise StudioError(f"{where}: its data are not in base64. Export the file again.")
+        try:
+            return base64.b64decode(body, validate=True)
+        except (binascii.Error, ValueError) as error:
+            raise StudioError(f"{where}: its base64 data are damaged. Export the file again.") from error
+    return read_bytes(path_beside(uri, beside, where))
+
+
+def path_beside(uri: str, beside: Path, where: str) -> Path:
+    """The file in the folder of ``beside``, or below it, that ``uri`` names; StudioError where it leads elsewhere."""
+    name = unquote(uri)
+    shown = name if len(name) < 80 else f"{name[:80]}…"
+    windows = PureWindowsPath(name)
+    if "://" in name or "\0" in name or windows.is_absolute() or windows.drive or name.startswith(("/", "\\")):
+        raise StudioError(
+            f"{where}: it names '{shown}', which does not lie in its folder. Put it there and name it so."
+        )
+    folder = beside.resolve().parent
+    try:
+        path = (folder / name.replace("\\", "/")).resolve()
+    except (OSError, RuntimeError) as error:
+        raise StudioError(f"{where}: '{shown}' is no name of a file.") from error
+    if folder not in path.parents:
+        raise StudioError(f"{where}: it names '{shown}', which leads out of its folder. Put it there and name it so.")
+    return path

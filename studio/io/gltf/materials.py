@@ -1,0 +1,78 @@
+"""Base colours and base colour textures of a glTF file."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.appearance import Material
+from studio.core.errors import StudioError
+from studio.io.beside import content_of
+from studio.io.gltf.accessors import Accessors
+from studio.io.gltf.container import GltfFile
+from studio.io.json_record import Record
+from studio.io.textures import checked_picture
+
+
+class Materials:
+    """The materials of one file by index; pictures that cannot be shown are told in ``repairs``."""
+
+    def __init__(self, file: GltfFile, accessors: Accessors) -> None:
+        self.repairs: list[str] = []
+        self._file, self._accessors = file, accessors
+        self._pictures: dict[int, NDArray[np.uint8] | None] = {}
+        self._images = file.root.records("images")
+        self._textures = file.root.records("textures")
+        self._materials = [self._material(record) for record in file.root.records("materials")]
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self._materials)
+
+    def __getitem__(self, index: int) -> tuple[Material, int]:
+        """A material, and which set of texture coordinates is its own."""
+        return self._materials[index]
+
+    def _material(self, record: Record) -> tuple[Material, int]:
+        surface = record.inner("pbrMetallicRoughness")
+        linear = np.clip(surface.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0))[:3], 0.0, 1.0)
+        slot = surface.inner("baseColorTexture")
+        texture, coordinates = None, 0
+        if "index" in slot:
+            texture = self._texture(slot)
+            coordinates = slot.whole("texCoord", 0)
+        return Material(
+            record.text("name"), hex_colour(shown(linear)), texture, record.flag("doubleSided")
+        ), coordinates
+
+    def _texture(self, slot: Record) -> NDArray[np.uint8] | None:
+        texture = slot.index("index", len(self._textures))
+        source = self._textures[texture or 0].index("source", len(self._images)) if self._textures else None
+        if source is None:
+            self.repairs.append(f"{slot.where}: its picture is of a kind the studio does not read; it was left out.")
+            return None
+        if source not in self._pictures:
+            self._pictures[source] = self._picture(self._images[source])
+        return self._pictures[source]
+
+    def _picture(self, image: Record) -> NDArray[np.uint8] | None:
+        try:
+            if "uri" in image:
+                content = content_of(image.text("uri"), self._file.path, image.where)
+            else:
+                content = self._accessors.view_bytes(image.whole("bufferView"))
+            return checked_picture(content)
+        except ValueError as error:
+            self.repairs.append(f"{image.where}: the picture was left out, {error}.")
+        except StudioError as error:
+            self.repairs.append(f"A picture was left out. {error}")
+        return None
+
+
+def shown(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Linear light as a screen wants it (IEC 61966-2-1, sRGB)."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def hex_colour(colour: NDArray[np.float64]) -> str:
+    """``#RRGGBB`` of three shares from 0 to 1."""
+    return "#" + "".join(f"{round(255 * float(share)):02X}" for share in np.clip(colour, 0.0, 1.0))

@@ -1,0 +1,85 @@
+"""The nodes of a glTF file: one forest, and where each node stands in it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.rotations import to_matrix
+from studio.io.json_record import Record
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """N nodes. ``order`` has every parent before its children; ``parents`` is -1 for roots."""
+
+    records: tuple[Record, ...]
+    parents: tuple[int, ...]
+    order: tuple[int, ...]
+    local: FloatArray
+    """(N, 4, 4) node to parent."""
+    world: FloatArray
+    """(N, 4, 4) node to the file's world."""
+
+    def names(self) -> tuple[str, ...]:
+        """A name for each that no other has."""
+        names: list[str] = []
+        taken: dict[str, int] = {}
+        for place, record in enumerate(self.records):
+            name = record.text("name") or f"node {place}"
+            taken[name] = taken.get(name, 0) + 1
+            if taken[name] > 1:
+                name = f"{name} ({place})"
+            names.append(name)
+        return tuple(names)
+
+    def nearest(self, node: int, among: set[int]) -> int | None:
+        """``node`` or the nearest above it that is one of ``among``."""
+        while node >= 0:
+            if node in among:
+                return node
+            node = self.parents[node]
+        return None
+
+
+def read_nodes(root: Record) -> Nodes:
+    """All nodes. Raises StudioError when they are no forest or a transformation is no number."""
+    records = root.records("nodes")
+    parents = [-1] * len(records)
+    children = [record.indices("children", len(records)) for record in records]
+    for node, below in enumerate(children):
+        for child in below:
+            if parents[child] >= 0 or child == node:
+                raise StudioError(f"{records[child].where}: it hangs from two nodes or itself. Export the file again.")
+            parents[child] = node
+    order = [node for node, parent in enumerate(parents) if parent < 0]
+    for node in order:
+        order += children[node]
+    if len(order) < len(records):
+        lost = min(set(range(len(records))) - set(order))
+        raise StudioError(f"{records[lost].where}: its parents form a ring. Export the file again.")
+    local = np.array([_local(record) for record in records]).reshape(-1, 4, 4)
+    world = local.copy()
+    for node in order:
+        if parents[node] >= 0:
+            world[node] = world[parents[node]] @ local[node]
+    if not np.isfinite(world).all():
+        raise StudioError(f"{root.where}: its nodes stand nowhere: their transformations are beyond all bounds.")
+    return Nodes(tuple(records), tuple(parents), tuple(order), local, world)
+
+
+def _local(record: Record) -> FloatArray:
+    if "matrix" in record:
+        identity = tuple(np.eye(4).ravel().tolist())
+        return np.array(record.numbers("matrix", identity)).reshape(4, 4).T
+    turn = np.array(record.numbers("rotation", (0.0, 0.0, 0.0, 1.0)))
+    length = float(np.linalg.norm(turn))
+    if length < 1e-6:
+        raise record.wrong("rotation", "a rotation, and not zero")
+    matrix = np.eye(4)
+    matrix[:3, :3] = to_matrix(turn / length) * np.array(record.numbers("scale", (1.0, 1.0, 1.0)))
+    matrix[:3, 3] = record.numbers("translation", (0.0, 0.0, 0.0))
+    return matrix

@@ -1,0 +1,100 @@
+"""Records out of foreign JSON: every value is asked for by kind, and what does not fit is told by its place."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from studio.core.errors import StudioError
+
+_AGAIN = "Export the file again."
+_ABSURD = 1e12
+
+
+@dataclass(frozen=True)
+class Record:
+    """A JSON object; ``where`` (``hero.glb, nodes[3]``) begins the sentence of every error."""
+
+    value: dict[str, Any]
+    where: str
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.value
+
+    def wrong(self, key: str, expected: str) -> StudioError:
+        """The sentence for a value that is not what it should be."""
+        return StudioError(f"{self.where}: '{key}' should be {expected}. {_AGAIN}")
+
+    def inner(self, key: str) -> "Record":
+        """The record under ``key``; an empty one where there is none."""
+        value = self.value.get(key, {})
+        if not isinstance(value, dict):
+            raise self.wrong(key, "a record")
+        return Record(value, f"{self.where}, {key}")
+
+    def records(self, key: str) -> list["Record"]:
+        """The list of records under ``key``; empty where there is none."""
+        return [self._record_in(key, place, item) for place, item in enumerate(self._list(key))]
+
+    def text(self, key: str, default: str = "") -> str:
+        """The words under ``key``."""
+        value = self.value.get(key, default)
+        if not isinstance(value, str):
+            raise self.wrong(key, "a text")
+        return value
+
+    def whole(self, key: str, default: int | None = None, least: int = 0) -> int:
+        """The whole number under ``key``, ``least`` or more."""
+        value = self.value.get(key, default)
+        if type(value) is not int or not least <= value < 2**53:
+            raise self.wrong(key, f"a whole number of {least} or more")
+        return value
+
+    def index(self, key: str, count: int) -> int | None:
+        """An index below ``count``; None where there is none."""
+        if key not in self.value:
+            return None
+        value = self.whole(key)
+        if value >= count:
+            raise StudioError(f"{self.where}: '{key}' names number {value}, and there are only {count}. {_AGAIN}")
+        return value
+
+    def indices(self, key: str, count: int) -> list[int]:
+        """A list of indices below ``count``."""
+        values = self._list(key)
+        if any(type(value) is not int or not 0 <= value < count for value in values):
+            raise self.wrong(key, f"a list of numbers below {count}")
+        return values
+
+    def numbers(self, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
+        """As many finite numbers as ``default`` has."""
+        values = self.value.get(key, default)
+        right = isinstance(values, list | tuple) and len(values) == len(default)
+        if not right or not all(_is_number(value) for value in values):
+            raise self.wrong(key, f"{len(default)} believable numbers")
+        return tuple(map(float, values))
+
+    def flag(self, key: str) -> bool:
+        """Whether ``key`` is true."""
+        return self.value.get(key) is True
+
+    def items(self) -> Iterator[tuple[str, "Record"]]:
+        """The records in this one, by key."""
+        for key in self.value:
+            yield key, self.inner(key)
+
+    def _list(self, key: str) -> list[Any]:
+        value = self.value.get(key, [])
+        if not isinstance(value, list):
+            raise self.wrong(key, "a list")
+        return value
+
+    def _record_in(self, key: str, place: int, item: Any) -> "Record":
+        if not isinstance(item, dict):
+            raise self.wrong(f"{key}[{place}]", "a record")
+        name = self.where.split(", ")[0]
+        return Record(item, f"{name}, {key}[{place}]")
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and math.isfinite(value) and abs(value) <= _ABSURD

@@ -1,0 +1,39 @@
+"""Pictures inside and beside character files: looked at before they are believed, kept as they came."""
+
+import warnings
+from io import BytesIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+LARGEST_SIDE = 8192
+_FORMATS = ("PNG", "JPEG")
+
+
+def checked_picture(content: bytes) -> NDArray[np.uint8]:
+    """The bytes of a PNG or JPEG that can be shown. Raises ValueError with the reason."""
+    decoded(content)
+    return np.frombuffer(content, np.uint8)
+
+
+def decoded(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:
+    """(height, width, 3) RGB of a PNG or JPEG, made smaller where a side is over ``largest``; ValueError if it is none.
+
+    The size that its header claims is checked before anything of that size is made.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(BytesIO(content), formats=_FORMATS) as picture:
+                if max(picture.size) > LARGEST_SIDE:
+                    raise ValueError(f"it claims {picture.width} x {picture.height} pixels, {LARGEST_SIDE} are allowed")
+                picture.draft("RGB", (largest, largest))
+                shown = picture.convert("RGB")
+                shown.thumbnail((largest, largest))
+                return np.asarray(shown)
+    except UnidentifiedImageError as error:
+        raise ValueError("it is neither PNG nor JPEG") from error
+    except (OSError, SyntaxError, ArithmeticError, LookupError, TypeError, MemoryError) as error:
+        raise ValueError("it is damaged") from error

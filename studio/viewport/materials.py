@@ -1,0 +1,51 @@
+"""The materials of a character: an actor for each, with its base colour and its texture."""
+
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from studio.core.appearance import Appearance, Material
+from studio.io.textures import decoded
+from studio.viewport.live_mesh import LiveMesh
+
+LARGEST_SIDE = 2048
+"""Pixels of a texture's side on the stage; larger pictures are shown smaller, and kept as they are."""
+
+
+def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearance) -> list[Any]:
+    """An actor for every material that some triangles of ``mesh`` have."""
+    pictures: dict[int, pv.Texture | None] = {}
+    actors = []
+    for index in np.unique(look.triangle_materials):
+        material = look.materials[index]
+        polydata = mesh.part(triangles[look.triangle_materials == index])
+        actor = pv.Actor(mapper=pv.DataSetMapper(polydata))
+        actor.mapper.scalar_visibility = False
+        actor.prop.color = material.colour
+        actor.prop.culling = "none" if material.two_sided else "back"
+        picture = _picture(material, pictures)
+        if picture is not None:
+            polydata.active_texture_coordinates = look.coordinates
+            actor.texture = picture
+        actors.append(actor)
+    return actors
+
+
+def _picture(material: Material, known: dict[int, pv.Texture | None]) -> pv.Texture | None:
+    if material.texture is None:
+        return None
+    key = id(material.texture)
+    if key not in known:
+        try:
+            pixels = decoded(material.texture.tobytes(), LARGEST_SIDE)
+        except ValueError:  # said when it was imported; the base colour stays
+            known[key] = None
+        else:
+            texture = pv.Texture(np.ascontiguousarray(pixels))
+            texture.repeat = True
+            texture.interpolate = True
+            texture.mipmap = True
+            known[key] = texture
+    return known[key]
