@@ -24,6 +24,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _LEAST_WEIGHT = 0.004
+_SHORTEST_HAND = 0.02
 
 
 def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatArray]:
@@ -32,7 +33,8 @@ def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatAr
     Also its stance: the rotations (S, 3, 3) of the canonical segments as it stands.
     """
     still = np.tile(IDENTITY, (skeleton.joint_count, 1))
-    standing = Capture("body", "", skeleton, rest_poses(skeleton, still), 1.0, body_map, still, 0.0, "m", "Z", 0, (), ())
+    poses = rest_poses(skeleton, still)
+    standing = Capture("body", "", skeleton, poses, 1.0, body_map, still, 0.0, "m", "Z", 0, (), ())
     marks = find_landmarks(standing, body_map)
     stance = marks.rotations[0] @ find_alignments(marks)
     contacts = {point: [(0, 0)] for point in FootPoint}
@@ -52,7 +54,7 @@ def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
 
 def segment_weights(joints: IntArray, weights: FloatArray, segments: IntArray, count: int) -> FloatArray:
     """(V, count) share of each segment in each vertex, out of joints (V, n) and their weights (V, n)."""
-    total = np.zeros((len(joints), count), dtype=np.float32)
+    total = np.zeros((len(joints), count))
     rows = np.arange(len(joints))
     for column in range(joints.shape[1]):
         np.add.at(total, (rows, segments[joints[:, column]]), weights[:, column])
@@ -101,38 +103,26 @@ def measured_by_mesh(
     ``points`` (P, 3) are the canonical points among the vertices; ``weights`` (V, S) say which vertex belongs where.
     """
     layout = body.layout
-
-    def owned(*segments: int) -> FloatArray:
-        return vertices[weights[:, list(segments)].sum(axis=1) > 0.5]
-
-    head = owned(layout.segment(BodyPart.HEAD))
-    crown = head[:, 2].max() - points[layout.head_joint, 2] if len(head) else 0.0
-    values = {name: np.array(getattr(body, name)) for name in _ENDS}
+    head = vertices[weights[:, layout.segment(BodyPart.HEAD)] > 0.5]
+    if len(head):
+        crown = float(head[:, 2].max() - points[layout.head_joint, 2])
+        body = replace(body, head=float(np.clip(crown, 0.5 * body.head, 1.5 * body.spine_length)))
+    hands, toes = body.hand.copy(), body.toe.copy()
+    ankle_height, toe_height, heel_length = body.ankle_height.copy(), body.toe_height.copy(), body.heel_length.copy()
     for side in range(2):
-        hand = layout.spine_count + 5 + 4 * side
-        fingers = (owned(hand) - points[layout.wrist(side)]) @ stance[hand]
-        if len(fingers) and fingers[:, 2].max() > 0.02:
-            values["hand"][side] = [0.0, 0.0, fingers[:, 2].max()]
-        _measure_foot(side, values, stance, points, owned, layout)
-    longest_head = 1.5 * body.spine_length
-    return replace(body, head=float(np.clip(crown, 0.5 * body.head, longest_head)) if len(head) else body.head, **values)
-
-
-_ENDS = ("hand", "toe", "ankle_height", "toe_height", "heel_length")
-
-
-def _measure_foot(
-    side: int, values: dict[str, FloatArray], stance: FloatArray, points: FloatArray, owned: object, layout: BodyLayout
-) -> None:
-    foot = layout.spine_count + 12 + 4 * side
-    sole = owned(foot, foot + 1)  # type: ignore[operator]
-    if not len(sole):
-        return
-    ankle, toe = points[layout.ankle(side)], points[layout.toe(side)]
-    along = (sole - ankle) @ stance[foot]
-    ground = sole[:, 2].min()
-    values["ankle_height"][side] = max(ankle[2] - ground, 0.005)
-    values["toe_height"][side] = max(toe[2] - ground, 0.0)
-    values["heel_length"][side] = max(-along[:, 0].min(), 0.005)
-    reach = ((sole - toe) @ stance[foot + 1])[:, 0].max()
-    values["toe"][side] = [max(reach, 0.01), 0.0, -0.5 * values["toe_height"][side]]
+        hand, foot = layout.spine_count + 5 + 4 * side, layout.spine_count + 12 + 4 * side
+        fingers = (vertices[weights[:, hand] > 0.5] - points[layout.wrist(side)]) @ stance[hand]
+        if len(fingers) and fingers[:, 2].max() > _SHORTEST_HAND:
+            hands[side] = [0.0, 0.0, fingers[:, 2].max()]
+        sole = vertices[weights[:, foot] + weights[:, foot + 1] > 0.5]
+        if not len(sole):
+            continue
+        ankle, toe = points[layout.ankle(side)], points[layout.toe(side)]
+        ankle_height[side] = max(ankle[2] - sole[:, 2].min(), 0.005)
+        toe_height[side] = max(toe[2] - sole[:, 2].min(), 0.0)
+        heel_length[side] = max(-((sole - ankle) @ stance[foot])[:, 0].min(), 0.005)
+        reach = ((sole - toe) @ stance[foot + 1])[:, 0].max()
+        toes[side] = [max(reach, 0.01), 0.0, -0.5 * toe_height[side]]
+    return replace(
+        body, hand=hands, toe=toes, ankle_height=ankle_height, toe_height=toe_height, heel_length=heel_length
+    )

@@ -131,7 +131,7 @@ def _upright(points: FloatArray, body_map: BodyMap) -> FloatArray:
         return points[body_map[BodyPart[f"LEFT_{part}"]]], points[body_map[BodyPart[f"RIGHT_{part}"]]]
 
     hips, shoulders = pair("THIGH"), pair("UPPER_ARM")
-    up = _snapped(sum(shoulders) - sum(hips), 30.0)
+    up = _snapped(shoulders[0] + shoulders[1] - hips[0] - hips[1], 30.0)
     left = hips[0] - hips[1]
     left = _snapped(left - left @ up * up, 8.0)
     left = left - left @ up * up
@@ -231,11 +231,13 @@ def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Sk
     leg = _leg(body.points, body.body_map)
     floor = float(soles[:, 2].min()) if len(soles) else min(ankle[2] for ankle in ankles) - 0.09 * leg
     points = body.points - [0.0, 0.0, floor]
+    children = body.skeleton.children
     names, parents, places = list(body.skeleton.names), body.skeleton.parents.tolist(), list(points)
     for side in ("LEFT", "RIGHT"):
         foot = body.body_map[BodyPart[f"{side}_FOOT"]]
         toe = body.body_map.get(BodyPart[f"{side}_TOE"])
-        if toe is None and not body.skeleton.children[foot]:
+        below = np.array([np.linalg.norm(body.points[child] - body.points[foot]) for child in children[foot]])
+        if toe is None and not (below > 0.05 * leg).any():
             own = soles[np.linalg.norm(soles - body.points[foot], axis=1) < leg] if len(soles) else soles
             reach = float(own[:, 0].max() - body.points[foot][0]) if len(own) else 0.25 * leg
             names.append(f"{side.lower()} toe base ({len(names)})")

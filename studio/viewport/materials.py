@@ -24,10 +24,10 @@ def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearan
         actor = pv.Actor(mapper=pv.DataSetMapper(polydata))
         actor.mapper.scalar_visibility = False
         actor.prop.color = material.colour
-        actor.prop.culling = "none" if material.two_sided else "back"
+        actor.prop.culling = "none"  # clothes and hair of single sheets are seen from both sides
         picture = _picture(material, pictures)
         if picture is not None:
-            polydata.active_texture_coordinates = look.coordinates
+            polydata.active_texture_coordinates = look.coordinates.astype(np.float64)
             actor.texture = picture
         actors.append(actor)
     return actors

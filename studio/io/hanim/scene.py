@@ -1,0 +1,111 @@
+"""SceneNode: a node of a VRML or X3D scene, whichever way it was written."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+
+FloatArray = NDArray[np.float64]
+
+DEEPEST = 200
+"""Levels of nesting; a body of H-Anim's finest level has some 60."""
+MOST_VISITS = 300_000
+"""Nodes shown in all, those that USE shows again counted again."""
+LARGEST = 60_000_000
+"""Bytes of one text file."""
+
+_ALLOWED = str.maketrans("", "", "0123456789+-.eE \t\r\n\f\v,")
+_STRING = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
+_ABSURD = 1e12
+
+
+@dataclass(eq=False)
+class SceneNode:
+    """A node with its fields: nodes, arrays of numbers, lists of texts, words, or the text of an XML attribute."""
+
+    kind: str
+    where: str
+    """``joe.x3d, line 12``."""
+    definition: str = ""
+    fields: dict[str, Any] = field(default_factory=dict)
+
+    def nodes(self, *names: str) -> list["SceneNode"]:
+        """The nodes in the fields of these names."""
+        found: list[SceneNode] = []
+        for name in names:
+            value = self.fields.get(name)
+            if isinstance(value, list):
+                found += [item for item in value if isinstance(item, SceneNode)]
+        return found
+
+    def node(self, name: str) -> "SceneNode | None":
+        """The node in a field, if it has one."""
+        found = self.nodes(name)
+        return found[0] if found else None
+
+    def numbers(self, name: str, width: int = 1) -> FloatArray:
+        """(n, width) finite numbers; none where the field is not given."""
+        value = self.fields.get(name)
+        if isinstance(value, str):
+            value = row_of(value, f"{self.where}, {name}")
+        if not isinstance(value, np.ndarray):
+            return np.empty((0, width))
+        if value.size % width:
+            raise StudioError(
+                f"{self.where}: '{name}' has {value.size} numbers, which is no multiple of {width}. Export it again."
+            )
+        return value.reshape(-1, width)
+
+    def vector(self, name: str, default: tuple[float, ...]) -> FloatArray:
+        """The one vector of a field."""
+        value = self.numbers(name, len(default))
+        return value[0] if len(value) else np.array(default)
+
+    def text(self, name: str) -> str:
+        """The text of a field; empty where it has none."""
+        value = self.fields.get(name, "")
+        if isinstance(value, list):
+            value = value[0] if value and isinstance(value[0], str) else ""
+        return value if isinstance(value, str) else ""
+
+    def texts(self, name: str) -> list[str]:
+        """All texts of a field."""
+        value = self.fields.get(name, [])
+        if isinstance(value, str):
+            return [re.sub(r"\\(.)", r"\1", text) for text in _STRING.findall(value)] or [value]
+        return [item for item in value if isinstance(item, str)] if isinstance(value, list) else []
+
+    def flag(self, name: str, default: bool) -> bool:
+        """Whether a field is true."""
+        value = self.fields.get(name)
+        return value.strip().upper() == "TRUE" if isinstance(value, str) else default
+
+
+def walk(roots: list[SceneNode]) -> Iterator[SceneNode]:
+    """Every node below ``roots``, each once."""
+    seen: set[int] = set()
+    waiting = list(reversed(roots))
+    while waiting:
+        node = waiting.pop()
+        if id(node) not in seen:
+            seen.add(id(node))
+            yield node
+            waiting += [inner for name in reversed(node.fields) for inner in reversed(node.nodes(name))]
+
+
+def row_of(text: str, where: str) -> FloatArray:
+    """All numbers of a text. Raises StudioError at what is no plain, believable number."""
+    if wrong := text.translate(_ALLOWED):
+        raise StudioError(f"{where}: '{wrong[:20]}' stands among its numbers. Export the file again.")
+    try:
+        row = np.array(text.replace(",", " ").split(), dtype=np.float64)
+    except ValueError as error:
+        raise StudioError(f"{where}: a number is not readable ({error}). Export the file again.") from error
+    if row.size and not (np.abs(row) <= _ABSURD).all():
+        raise StudioError(f"{where}: it holds a number that is not believable. Export the file again.")
+    return row

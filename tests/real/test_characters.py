@@ -1,0 +1,105 @@
+"""The nine shared characters: read, measured, posed; their feet on the ground and their skin in one piece."""
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.skin import Blending, bound_pose, skin_vertices
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.io.characters import load_character
+from studio.io.figure_body import ReadCharacter
+from tests.conftest import CAPTURES
+from tests.real.taken import contacts_of, named, taken
+
+FILES = tuple(sorted((CAPTURES / "characters").glob("*"))) if CAPTURES.is_dir() else ()
+HIPS_TO_SOLE = {
+    "cesium_man": 0.63,
+    "jin_hanim_loa4": 0.83,
+    "joe_hanim_kick": 0.92,
+    "kaykit_barbarian_stocky": 0.52,
+    "openhrp_sample1_humanoid": 0.72,
+    "vrm0_armature_transform": 1.2,
+    "vrm1_debug_robot": 1.17,
+}
+"""Metres, read off the files' own joints."""
+
+
+@lru_cache(maxsize=len(FILES) or None)
+def read(path: Path) -> ReadCharacter:
+    return load_character(path)
+
+
+@lru_cache(maxsize=2)
+def kicking(path: Path) -> AdaptedMotion:
+    capture, motion, _ = taken(named("accad_male2_G2_FrontKick"))
+    return adapt(AdaptRequest(motion, read(path).character.morphology, contacts_of(capture)))
+
+
+pytestmark = pytest.mark.skipif(not FILES, reason="the shared captures are not here")
+
+
+def test_there_are_nine():
+    assert len(FILES) == 9
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_it_is_read_with_legs_as_long_as_its_file_says(path: Path):
+    build = read(path).character.build
+    hips = build.leg.sum(axis=1) + build.ankle_height
+    assert hips == pytest.approx([HIPS_TO_SOLE[path.stem]] * 2, abs=0.06)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_its_skin_stands_on_the_ground_and_bound_it_is_as_it_was(path: Path):
+    character = read(path).character
+    assert character.skin.vertices[:, 2].min() == pytest.approx(0.0, abs=0.02)
+    for blending in Blending:
+        vertices, normals = skin_vertices(
+            character.skin,
+            character.build,
+            character.build,
+            *bound_pose(character.skin, character.build),
+            blending=blending,
+        )
+        assert vertices == pytest.approx(character.skin.vertices, abs=1e-5)
+        assert normals == pytest.approx(character.skin.normals, abs=1e-4)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_kicking_no_triangle_is_torn_and_no_foot_sinks_into_the_ground(path: Path):
+    character, motion = read(path).character, kicking(path)
+    skin = character.skin
+    usual = _longest_edge(skin.vertices, skin.triangles)
+    legs = skin.segments[:, 0] >= character.build.layout.spine_count + 10  # a stiff cape may
+    for row in range(0, motion.frame_count, 10):
+        vertices, _ = skin_vertices(
+            skin, character.build, character.build, motion.positions[row], motion.rotations[row]
+        )
+        assert vertices[legs, 2].min() > -0.08
+        assert _longest_edge(vertices, skin.triangles) < 2.5 * usual
+
+
+def test_both_encodings_of_a_body_give_the_same_measures():
+    for name in ("joe_hanim_kick", "jin_hanim_loa4"):
+        one, other = (read(path).character.build for path in FILES if path.stem == name)
+        assert one.packed == pytest.approx(other.packed, abs=1e-6)
+
+
+def test_textures_come_along_where_the_file_has_them():
+    for name in ("cesium_man", "kaykit_barbarian_stocky"):
+        [look] = {read(path).character.skin.appearance for path in FILES if path.stem == name}
+        assert look is not None
+        assert any(material.texture is not None for material in look.materials)
+
+
+def test_a_missing_texture_is_told():
+    [path] = (path for path in FILES if path.name == "jin_hanim_loa4.x3d")
+    assert any("Jin.png" in repair for repair in read(path).repairs)
+
+
+def _longest_edge(vertices: np.ndarray, triangles: np.ndarray) -> float:
+    corners = vertices[triangles]
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
