@@ -8,27 +8,24 @@ from typing import Any
 
 from studio.app.corrections import ReadAs, read_as_corrected, values_of, words
 from studio.app.workbench import Workbench
+from studio.core.annotations import Annotations
 from studio.core.capture import Capture
-from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import capture_contacts
 from studio.core.project import Clip, Motion, Project
 from studio.core.staging import side_by_side
 from studio.document.document import Document
-from studio.io.importing import ImportOptions
+from studio.io.importing import ImportOptions, load_annotations
 
 UNCHANGED = "Your project was not changed."
 READ_SHARE = 0.7
 
-Spans = dict[FootPoint, list[tuple[int, int]]]
-
 
 @dataclass(frozen=True)
 class ReadMotion:
-    """What the background hands back: a capture and when its feet stand."""
+    """What the background hands back: a capture, and what is known of its motion (of no id yet)."""
 
     capture: Capture
-    contacts: Spans
+    annotations: Annotations
     read_as: ReadAs
 
 
@@ -47,7 +44,7 @@ def read_motion(
             path, options, known, lambda share, text: progress(READ_SHARE * share, text)
         )
         progress(READ_SHARE, "looking for contacts")
-        return ReadMotion(capture, capture_contacts(capture), read_as)
+        return ReadMotion(capture, load_annotations(path, capture, ""), read_as)
     except StudioError as error:
         raise StudioError(f"{error} {UNCHANGED}") from error
 
@@ -79,7 +76,7 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
             document.add("performers", replace(performer, character_id=character_id), text)
         capture_id = document.add("captures", read.capture, text)
         motion_id = document.add("motions", Motion(read.capture.name, capture_id), text)
-        _add_contacts(document, motion_id, read.contacts, text)
+        _annotate(document, motion_id, read.annotations, text)
         _perform(document, motion_id, text)
     show_motion(document)
     return motion_id
@@ -181,11 +178,6 @@ def show_motion(document: Document) -> None:
         document.playhead.set_frame(capture.first_frame)
 
 
-def contacts_of(motion_id: str, spans: Spans) -> list[ContactInterval]:
-    """Detected spans as contacts of a motion."""
-    return [ContactInterval(motion_id, point, first, last) for point, many in spans.items() for first, last in many]
-
-
 def _replace_motion(document: Document, capture_id: str, read: ReadMotion, text: str) -> None:
     old = document.project.captures[capture_id]
     with document.group(text):
@@ -194,12 +186,16 @@ def _replace_motion(document: Document, capture_id: str, read: ReadMotion, text:
             if motion.capture_id == capture_id:
                 for key in document.project.contacts_of(motion_id):
                     document.remove("contacts", key, text)
-                _add_contacts(document, motion_id, read.contacts, text)
+                contacts = Annotations(read.annotations.contacts)  # the constraints are the user's by now
+                _annotate(document, motion_id, contacts, text)
 
 
-def _add_contacts(document: Document, motion_id: str, spans: Spans, text: str) -> None:
-    for contact in contacts_of(motion_id, spans):
+def _annotate(document: Document, motion_id: str, annotations: Annotations, text: str) -> None:
+    of_motion = annotations.of_motion(motion_id)
+    for contact in of_motion.contacts or ():
         document.add("contacts", contact, text)
+    for constraint in of_motion.constraints:
+        document.add("constraints", constraint, text)
 
 
 def _perform(document: Document, motion_id: str, text: str) -> None:

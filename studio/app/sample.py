@@ -28,7 +28,7 @@ def sample_file() -> Path | None:
 
 def sample_project(read: importing.ReadMotion) -> Project:
     """The bundled characters performing one motion."""
-    contacts = tuple(importing.contacts_of("sample", read.contacts))
+    contacts = read.annotations.of_motion("sample").contacts or ()
     return staged(read.capture, contacts, bundled_characters(), "sample")
 
 

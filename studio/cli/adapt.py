@@ -82,7 +82,7 @@ def asked_by(arguments: Namespace) -> Asked:
 def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
     """Adapt one capture to all characters asked for, write their files into ``folder``, and report."""
     ready = ready_capture(path, options, all_frames=asked.all_frames)
-    given = ConstraintFile((), None)
+    given = ConstraintFile(ready.annotations.constraints, None)
     if asked.constraints is not None:
         given = read_constraints(asked.constraints, MOTION_ID)
         check_frames(given, ready, asked.constraints)
@@ -108,7 +108,7 @@ def adapt_to(character: Character | None, key: str, ready: ReadyCapture, given: 
     request = AdaptRequest(ready.motion, body, contacts, constraints)
     adapted, record = character_report(request, ready.source, ready.capture.first_frame)
     if character is None:
-        take = take_of_actor(adapted, ready.actor, request)
+        take = take_of_actor(adapted, ready.actor, ready.capture, request)
     else:
         take = take_of_adapted(character.name, adapted, character, request)
     write_take(take, path)

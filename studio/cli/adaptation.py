@@ -5,17 +5,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.character import Character
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
 from studio.io.character_file import bundled_characters
-from studio.io.importing import ImportOptions, load_capture, load_character
+from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
 from studio.io.registry import known_formats
 
 MOTION_ID = "motion"
@@ -23,12 +24,17 @@ MOTION_ID = "motion"
 
 @dataclass(frozen=True, eq=False)
 class ReadyCapture:
-    """A capture with its motion, its actor and its contacts."""
+    """A capture with its motion, its actor, and what came with it."""
 
     capture: Capture
     motion: NormalizedMotion
     actor: Actor
-    contacts: tuple[ContactInterval, ...]
+    annotations: Annotations
+
+    @property
+    def contacts(self) -> tuple[ContactInterval, ...]:
+        """Those that came with the file, else those detected."""
+        return self.annotations.contacts or ()
 
     @cached_property
     def source(self) -> AdaptedMotion:
@@ -50,22 +56,14 @@ def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = Fals
     if capture.body_map is None:
         reason = next((guess.reason for guess in capture.guesses if guess.subject == "body map"), "")
         raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
-    return made_ready(capture.with_first_frame(0) if all_frames else capture)
+    capture = capture.with_first_frame(0) if all_frames else capture
+    return made_ready(capture, load_annotations(path, capture, MOTION_ID))
 
 
-def made_ready(capture: Capture) -> ReadyCapture:
-    """Normalise a capture and find its contacts."""
-    motion, actor = normalize(capture)
-    return ReadyCapture(capture, motion, actor, contacts_of(capture))
-
-
-def contacts_of(capture: Capture) -> tuple[ContactInterval, ...]:
-    """The contacts that are detected in a capture."""
-    return tuple(
-        ContactInterval(MOTION_ID, point, first, last)
-        for point, spans in capture_contacts(capture).items()
-        for first, last in spans
-    )
+def made_ready(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:
+    """Normalise a capture; without ``annotations`` its contacts are detected."""
+    annotations = annotations or Annotations(detected_contacts(capture, MOTION_ID))
+    return ReadyCapture(capture, *normalize(capture), annotations)
 
 
 def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[int]]]:

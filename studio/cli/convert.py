@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
+from studio.cli.adaptation import MOTION_ID
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
-from studio.io.export import format_for, write_capture
-from studio.io.importing import load_capture
+from studio.io.export import format_for, take_of_capture, write_take
+from studio.io.importing import load_annotations, load_capture
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -23,7 +24,8 @@ def run(arguments: Namespace) -> int:
     """Read, write, and say what had to be guessed or repaired on the way."""
     format_for(arguments.target)
     capture = load_capture(arguments.source, import_options(arguments))
-    written = write_capture(capture, arguments.target)
+    annotations = load_annotations(arguments.source, capture, MOTION_ID)
+    written = write_take(take_of_capture(capture, annotations), arguments.target)
     joints = int(np.count_nonzero(~capture.skeleton.end_sites))
     guesses = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in capture.guesses]
     if arguments.json:
@@ -42,7 +44,7 @@ def run(arguments: Namespace) -> int:
         )
         return 0
     print(f"{arguments.target}: {written.name}, {capture.frame_count} frames of {joints} joints", end=" ")
-    print(f"at {capture.frame_rate:g} Hz, Y up, centimetres.")
+    print(f"at {capture.frame_rate:g} Hz.")
     for kind, sentences in (("guessed", guesses), ("repaired", capture.repairs)):
         for sentence in sentences:
             print(f"  {kind:<9} {sentence}")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from studio.cli.adaptation import contacts_of, spans_by_foot
+from studio.cli.adaptation import MOTION_ID, spans_by_foot
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
 from studio.core.capture import Capture, Guess
@@ -18,7 +18,7 @@ from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
-from studio.io.importing import ImportOptions, load_capture, load_character
+from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
 from studio.io.project_file import read_project
 from studio.io.registry import format_of
 
@@ -77,6 +77,7 @@ def _describer(path: Path) -> Callable[[Path, ImportOptions], Record]:
 
 def _capture(path: Path, options: ImportOptions) -> Record:
     capture = load_capture(path, options)
+    annotations = load_annotations(path, capture, MOTION_ID)
     return {
         "kind": "skeleton",
         "frames": capture.frame_count,
@@ -85,7 +86,7 @@ def _capture(path: Path, options: ImportOptions) -> Record:
         "unit": capture.unit,
         "up_axis": capture.up_axis,
         "body_map": capture.body_map.to_json(capture.skeleton) if capture.body_map else {},
-        "contacts": spans_by_foot(contacts_of(capture)) if capture.body_map else {},
+        "contacts": spans_by_foot(annotations.contacts or ()) if capture.body_map else {},
         "round_trip": _round_trip(capture),
         "assumptions": _sentences(capture.guesses),
         "repairs": list(capture.repairs),

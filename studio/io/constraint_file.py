@@ -22,7 +22,7 @@ from typing import Any
 from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.errors import StudioError
-from studio.io.entity_json import CONSTRAINT_KINDS, entity_of
+from studio.io.entity_json import CONSTRAINT_KINDS, entity_of, entity_record
 from studio.io.value_json import Json, unknown_fields
 
 _MEMBERS = ("constraints", "contacts")
@@ -50,11 +50,11 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
     if strange := sorted(record.keys() - set(_MEMBERS)):
         raise StudioError(f"{path}: '{strange[0]}' is not known here. Members are {', '.join(_MEMBERS)}.")
     constraints = [
-        _constraint(item, motion_id, f"{path}, constraints[{place}]")
+        constraint_of(item, motion_id, f"{path}, constraints[{place}]")
         for place, item in enumerate(record.get("constraints", []))
     ]
     constraints.sort(key=lambda constraint: constraint.priority)
-    contacts = _contacts(record["contacts"], motion_id, str(path)) if "contacts" in record else None
+    contacts = contacts_of(record["contacts"], motion_id, str(path)) if "contacts" in record else None
     return ConstraintFile(tuple(constraints), contacts)
 
 
@@ -67,7 +67,14 @@ def _parsed(path: Path) -> Json:
         raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
 
 
-def _constraint(record: Json, motion_id: str, where: str) -> Constraint:
+def constraint_record(constraint: Constraint) -> Json:
+    """A constraint as such a file has it: the opposite of ``constraint_of``."""
+    record = entity_record("constraints", "", constraint, {})
+    return {key: item for key, item in record.items() if key == "kind" or key not in _IDS}
+
+
+def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:
+    """The constraint that ``record`` describes; raises StudioError beginning with ``where``."""
     if not isinstance(record, dict):
         raise StudioError(f"{where}: expected a record, not {str(record)[:40]!r}.")
     name = record.get("name")
@@ -110,7 +117,8 @@ def _too_large(record: Json) -> str:
     return ""
 
 
-def _contacts(record: Json, motion_id: str, where: str) -> tuple[ContactInterval, ...]:
+def contacts_of(record: Json, motion_id: str, where: str) -> tuple[ContactInterval, ...]:
+    """The contacts that ``record`` lists by foot; raises StudioError beginning with ``where``."""
     if not isinstance(record, dict):
         raise StudioError(f"{where}, contacts: expected a record of lists by foot.")
     contacts = []

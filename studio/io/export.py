@@ -1,15 +1,19 @@
 """Motions out to files: adapted ones on a character's own skeleton, captures on theirs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.character import Character
-from studio.core.character_skeleton import character_poses, character_skeleton
+from studio.core.character_skeleton import character_body_map, character_poses, character_skeleton
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
 from studio.core.pose import PoseSequence
+from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.registry import Format, Progress, known_formats
@@ -19,22 +23,40 @@ from studio.io.registry import Format, Progress, known_formats
 class Take:
     """A motion on its way out: joints and poses for every format, and what more is known for those that hold it."""
 
-    name: str
-    skeleton: Skeleton
-    poses: PoseSequence
-    frame_rate: float
-    capture: Capture | None = None
-    """What is written as it was recorded."""
+    capture: Capture
+    """What is written, as if it had been captured: joints, poses, which joint plays which part, the ground."""
+    annotations: Annotations = Annotations()
+    """Contacts, constraints and labels to be written beside it."""
     character: Character | None = None
-    """Who performs ``adapted``, with the skin; ``skeleton`` is then its ``character_skeleton``."""
+    """Who performs ``adapted``, with the skin; the joints are then those of its ``character_skeleton``."""
     adapted: AdaptedMotion | None = None
     request: AdaptRequest | None = None
     """What ``adapted`` answers: the normalised motion, contacts, constraints."""
 
+    @property
+    def name(self) -> str:
+        """Of the motion, or of who performs it."""
+        return self.capture.name
 
-def take_of_capture(capture: Capture) -> Take:
+    @property
+    def skeleton(self) -> Skeleton:
+        """The joints that are written."""
+        return self.capture.skeleton
+
+    @property
+    def poses(self) -> PoseSequence:
+        """How the joints stand, metres, Z up."""
+        return self.capture.poses
+
+    @property
+    def frame_rate(self) -> float:
+        """Hz."""
+        return self.capture.frame_rate
+
+
+def take_of_capture(capture: Capture, annotations: Annotations | None = None) -> Take:
     """A capture with its own joints, poses and frame rate."""
-    return Take(capture.name, capture.skeleton, capture.poses, capture.frame_rate, capture=capture)
+    return Take(capture, annotations or Annotations())
 
 
 def take_of_adapted(
@@ -46,19 +68,47 @@ def take_of_adapted(
     except StudioError as error:
         raise StudioError(f"The motion of {name} cannot be exported: {error}") from error
     skeleton = character_skeleton(adapted.morphology)
-    return Take(name, skeleton, poses, adapted.frame_rate, character=character, adapted=adapted, request=request)
+    capture = Capture(
+        name=name,
+        source="",
+        skeleton=skeleton,
+        poses=poses,
+        frame_rate=adapted.frame_rate,
+        body_map=character_body_map(adapted.morphology.layout),
+        reference_rotations=np.tile(IDENTITY, (skeleton.joint_count, 1)),
+        floor=request.ground.height if request else 0.0,
+        unit="m",
+        up_axis="Z",
+        first_frame=0,
+        guesses=(),
+        repairs=(),
+    )
+    return Take(capture, _met(request, adapted), character, adapted, request)
 
 
-def take_of_actor(adapted: AdaptedMotion, actor: Actor, request: AdaptRequest | None = None) -> Take:
+def take_of_actor(adapted: AdaptedMotion, actor: Actor, capture: Capture, request: AdaptRequest | None = None) -> Take:
     """A motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all others
     that play no part of the body move as they were captured.
     """
-    name = request.motion.name if request else "the actor"
     try:
         poses = own_poses(actor, adapted.positions, adapted.rotations, adapted.first_frame)
     except StudioError as error:
-        raise StudioError(f"The motion of {name} cannot be exported: {error}") from error
-    return Take(name, actor.skeleton, poses, adapted.frame_rate, adapted=adapted, request=request)
+        raise StudioError(f"The motion of {capture.name} cannot be exported: {error}") from error
+    return Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
+
+
+def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:
+    """Contacts as they stand in the frames that are written; the constraints are in the poses already."""
+    if request is None:
+        return Annotations()
+    start, last = adapted.first_frame, adapted.frame_count - 1
+    return Annotations(
+        tuple(
+            replace(each, first=max(each.first - start, 0), last=min(each.last - start, last))
+            for each in request.contacts
+            if start <= each.last and each.first - start <= last
+        )
+    )
 
 
 def format_for(path: Path, job: str = "motion_writer") -> Format:

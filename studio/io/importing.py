@@ -1,10 +1,12 @@
 """From a file to a capture or a character, whatever its format, with what the user knows better."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from studio.core.annotations import Annotations
 from studio.core.capture import Capture
+from studio.core.normalized.normalize import detected_contacts
 from studio.io.registry import Progress, ReadCharacter, format_of
 
 
@@ -36,6 +38,13 @@ def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
     """
     path = Path(path)
     return format_of(path, "capture_reader").read_capture(path, options, progress or _unheard)
+
+
+def load_annotations(path: Path | str, capture: Capture, motion_id: str) -> Annotations:
+    """What the file at ``path`` says of the motion of its ``capture``; contacts it says nothing about are detected."""
+    path = Path(path)
+    read = format_of(path, "capture_reader").read_annotations(path, motion_id) or Annotations()
+    return read if read.contacts is not None else replace(read, contacts=detected_contacts(capture, motion_id))
 
 
 def load_character(

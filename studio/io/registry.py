@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from studio.core.errors import StudioError
 
 if TYPE_CHECKING:
+    from studio.core.annotations import Annotations
     from studio.core.capture import Capture, Guess
     from studio.core.character import Character
     from studio.io.export import Take
@@ -51,6 +52,8 @@ class Format:
     """``(head: bytes) -> bool``: whether a file that begins with these bytes is one; for a module light to import."""
     capture_reader: str = ""
     """``(path, options: ImportOptions, progress: Progress) -> Capture``."""
+    annotation_reader: str = ""
+    """``(path, motion_id: str) -> Annotations``: what a file that holds a capture says of its motion besides."""
     character_reader: str = ""
     """``(path, options: ImportOptions, progress: Progress) -> ReadCharacter``."""
     motion_writer: str = ""
@@ -66,6 +69,13 @@ class Format:
         """The capture in the file at ``path``, in world axes and metres; raises StudioError."""
         capture: Capture = self._function("capture_reader")(path, options, progress)
         return capture
+
+    def read_annotations(self, path: Path, motion_id: str) -> "Annotations | None":
+        """Contacts, constraints and labels of the motion; None for a kind of file that holds none."""
+        if not self.annotation_reader:
+            return None
+        annotations: Annotations = self._function("annotation_reader")(path, motion_id)
+        return annotations
 
     def read_character(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCharacter:
         """The character in the file at ``path``; raises StudioError."""
@@ -98,6 +108,14 @@ OWN_FORMATS = (
         sniff="studio.io.bvh_format:is_bvh",
         capture_reader="studio.io.bvh_capture:load_bvh",
         motion_writer="studio.io.bvh_format:write_take",
+    ),
+    Format(
+        name="S4D",
+        suffixes=(".s4d",),
+        sniff="studio.io.s4d_format:is_s4d",
+        capture_reader="studio.io.s4d_format:load_s4d",
+        annotation_reader="studio.io.s4d_format:load_annotations",
+        motion_writer="studio.io.s4d_format:write_take",
     ),
     Format(
         name="Morpho Studio character",

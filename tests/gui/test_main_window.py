@@ -15,13 +15,15 @@ from studio.app import recovery
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.problems import ProblemHooks
 from studio.app.settings import Settings
+from studio.core.annotations import Annotations
 from studio.document.document import Document
 from studio.document.journal import StateHash
 from studio.document.recovery import Session
 from studio.io.bvh_writer import write_bvh
+from studio.io.export import take_of_capture, write_take
 from studio.io.importing import load_capture
 from studio.timeline.timeline import Timeline
-from tests.builders import make_capture, make_project
+from tests.builders import make_capture, make_constraint, make_contact, make_project
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -79,6 +81,22 @@ def test_a_dropped_bvh_is_shown_on_the_visible_characters_as_one_undo_step(qtbot
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {new_motion}
     assert len(document.project.captures) == len(before.captures) + 1
     assert window.bench.live.wait(300.0)
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    assert same(document.project, before)
+
+
+def test_a_dropped_s4d_brings_its_own_contacts_and_constraints_and_is_one_undo_step(qtbot, window, tmp_path):
+    document = window.bench.document
+    before = document.project
+    notes = Annotations((make_contact(first=4, last=9),), (make_constraint(name="Bell"),))
+    write_take(take_of_capture(make_capture(), notes), tmp_path / "walk.s4d")
+    drop(window, tmp_path / "walk.s4d")
+    wait_until_idle(qtbot, window)
+    assert window.strip.text == ""
+    new_motion = list(document.project.motions)[-1]
+    assert [each.name for each in document.project.constraints_of(new_motion).values()] == ["Bell"]
+    assert [(each.first, each.last) for each in document.project.contacts_of(new_motion).values()] == [(4, 9)]
+    assert {p.clips[0].motion_id for p in document.project.performers.values()} == {new_motion}
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     assert same(document.project, before)
 

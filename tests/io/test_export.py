@@ -94,7 +94,7 @@ def test_the_actors_own_joints_carry_fingers_untouched_and_wrists_to_where_they_
     motion, actor = normalize(capture)
     request = AdaptRequest(motion, actor.morphology, (), ())
     adapted = adapt(request, capture.first_frame)
-    write_take(take_of_actor(adapted, actor, request), tmp_path / "out.bvh")
+    write_take(take_of_actor(adapted, actor, capture, request), tmp_path / "out.bvh")
     back = load_capture(tmp_path / "out.bvh")
     assert back.skeleton.names == capture.skeleton.names
     assert capture.body_map is not None

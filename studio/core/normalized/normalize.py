@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from studio.core.capture import Capture
-from studio.core.contacts import FootPoint, contact_mask, detect_contacts
+from studio.core.contacts import ContactInterval, FootPoint, contact_mask, detect_contacts
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
@@ -53,6 +53,12 @@ def capture_contacts(capture: Capture) -> Contacts:
     if capture.body_map is None:
         return {point: [] for point in FootPoint}
     return _contacts_of(find_landmarks(capture, capture.body_map), capture)
+
+
+def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
+    """``capture_contacts`` as those of a motion."""
+    found = capture_contacts(capture).items()
+    return tuple(ContactInterval(motion_id, point, first, last) for point, spans in found for first, last in spans)
 
 
 def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
