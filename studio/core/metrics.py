@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.ground import Ground
-from studio.core.solver.chains import segment_masses
 from studio.core.solver.footprints import planes_under, soles_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.support import mass_path
 
 FloatArray = NDArray[np.float64]
 
@@ -46,10 +46,7 @@ def foot_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], gr
 
 def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
     """(F, 3) metres, in the motion's space: where the body's centre of mass is (de Leva 1996; METHOD 7)."""
-    layout, points = adapted.morphology.layout, adapted.positions
-    shares, along = segment_masses(layout).T
-    begin, end = points[:, list(layout.proximal_points())], points[:, list(layout.distal_points())]
-    return np.asarray(shares @ (begin + along[:, None] * (end - begin)))
+    return mass_path(adapted.positions, adapted.morphology)
 
 
 def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Ground) -> tuple[float, FloatArray]:

@@ -59,7 +59,7 @@ class StandingSolver:
             while len(self._kept) >= KEPT_STANDING:
                 self._kept.pop(next(iter(self._kept)), None)
             kept = self._kept[key] = (ground, stand(request.motion, request.morphology, *ground))
-        return hold(kept[1], request.constraints, first, last)
+        return hold(kept[1], request.constraints, first, last, request.tracks)
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:

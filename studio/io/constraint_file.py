@@ -28,6 +28,7 @@ from studio.io.value_json import Json, unknown_fields
 _MEMBERS = ("constraints", "contacts")
 _LARGEST = 1e6
 _IDS = {"id", "schema", "kind", "motion_id"}
+_RECORDS = ("point", "chain", "activation", "target", "other", "distance", "place", "centre", "heading")
 _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
 
@@ -101,7 +102,7 @@ def _paths(unknown: Mapping[str, Any]) -> list[str]:
     """``{"chain": {"arm": 1}}`` as ``["chain.arm"]``."""
     paths = []
     for key, item in unknown.items():
-        paths += [f"{key}.{inner}" for inner in _paths(item)] if key in ("point", "chain", "activation") else [key]
+        paths += [f"{key}.{inner}" for inner in _paths(item)] if key in _RECORDS else [key]
     return paths
 
 

@@ -88,9 +88,7 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
         return name
 
     record = to_json(entity, MemberCodec(store, _no_member))
-    kind = {"kind": entity.kind} if hasattr(entity, "kind") else {}
-    header = {"id": entity_id, "schema": ENTITY_SCHEMAS[collection]}
-    return {**record, **kind, **header}
+    return {**record, "id": entity_id, "schema": ENTITY_SCHEMAS[collection]}
 
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:

@@ -27,7 +27,10 @@ class MemberCodec:
 
 
 def to_json(value: Any, members: MemberCodec) -> Json:
-    """Plain JSON of a value made of dataclasses, enumerations, sequences, mappings, numbers and arrays."""
+    """Plain JSON of a value made of dataclasses, enumerations, sequences, mappings, numbers and arrays.
+
+    A dataclass that is one of several kinds says which under ``kind``.
+    """
     match value:
         case np.ndarray():
             inline = 0 < value.size <= INLINE_NUMBERS and bool(np.isfinite(value).all())
@@ -44,7 +47,9 @@ def to_json(value: Any, members: MemberCodec) -> Json:
             return [to_json(item, members) for item in value]
     if not is_dataclass(value):
         raise TypeError(f"A {type(value).__name__} cannot be stored.")
-    return {field.name: to_json(getattr(value, field.name), members) for field in fields(value)}
+    record = {field.name: to_json(getattr(value, field.name), members) for field in fields(value)}
+    kind = getattr(type(value), "kind", None)
+    return record if kind is None else {"kind": kind, **record}
 
 
 def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
@@ -79,13 +84,17 @@ def unknown_fields(record: Json, hint: Any) -> dict[str, Json]:
     if not is_dataclass(hint) or not isinstance(record, dict):
         return {}
     hints: dict[str, Any] = field_hints(hint)  # type: ignore[arg-type]
-    unknown = {key: item for key, item in record.items() if key not in hints}
+    known = (*hints, "kind") if hasattr(hint, "kind") else hints
+    unknown = {key: item for key, item in record.items() if key not in known}
     inner = {key: _unknown_within(record[key], hints[key]) for key in record if key in hints}
     return unknown | {key: item for key, item in inner.items() if item}
 
 
 def _unknown_within(record: Json, hint: Any) -> dict[str, Json] | list[dict[str, Json]]:
     inner = get_args(hint)
+    if get_origin(hint) in (Union, types.UnionType):
+        fitting = _of_kind(record, inner)
+        return unknown_fields(record, fitting[0]) if fitting else {}
     if get_origin(hint) is tuple and inner[1:] == (Ellipsis,) and isinstance(record, list):
         items = [unknown_fields(item, inner[0]) for item in record]
         return items if any(items) else []
@@ -141,14 +150,25 @@ def _array(record: Json, hint: Any, members: MemberCodec) -> Array:
 def _union(record: Json, choices: tuple[Any, ...], members: MemberCodec) -> Any:
     if record is None and type(None) in choices:
         return None
+    plain = tuple(choice for choice in choices if not is_dataclass(choice) and choice is not type(None))
+    records = _of_kind(record, choices)
+    if isinstance(record, dict) and "kind" in record and not records:
+        kinds = [kind for choice in choices if (kind := getattr(choice, "kind", ""))]
+        raise ValueError(f"kind: one of {', '.join(kinds)} expected, not {str(record['kind'])[:40]!r}.")
     failure = ValueError("no value.")
-    for choice in choices:
-        if choice is not type(None):
-            try:
-                return from_json(record, choice, members)
-            except ValueError as error:
-                failure = error
+    for choice in records or plain or choices:
+        try:
+            return from_json(record, choice, members)
+        except ValueError as error:
+            failure = error
     raise failure
+
+
+def _of_kind(record: Json, choices: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Those dataclasses that a record may be: of its ``kind``, or of no kind where it states none."""
+    if not isinstance(record, dict):
+        return ()
+    return tuple(each for each in choices if is_dataclass(each) and getattr(each, "kind", None) == record.get("kind"))
 
 
 def _tuple(record: Json, hints: tuple[Any, ...], members: MemberCodec) -> tuple[Any, ...]:

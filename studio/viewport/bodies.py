@@ -7,11 +7,12 @@ import pyvista as pv
 
 from studio.core.canonical import BodyLayout
 from studio.core.character import Character
+from studio.core.placement import Placement
 from studio.core.skin import skin_vertices
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
-from studio.viewport.performance import Placement, Posed
+from studio.viewport.performance import Posed
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> Any:

@@ -6,11 +6,11 @@ from typing import Protocol
 import numpy as np
 
 from studio.core.constraints.base import Constraint
+from studio.core.placement import Placement
 from studio.core.project import Prop
 from studio.document.document import Document
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_place, is_flat, with_handle_place
-from studio.viewport.performance import Placement
 
 
 class Movable(Protocol):

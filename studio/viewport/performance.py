@@ -1,13 +1,13 @@
 """What a performer does at a moment of the stage: its clip's frame, its pose, its place."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from studio.core.placement import Placement
 from studio.core.project import Clip, Performer, Project
 from studio.core.rest_pose import rest_pose
 from studio.core.solver.request import AdaptedMotion
@@ -15,33 +15,6 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 Results = Callable[[str], AdaptedMotion | None]
 """The newest adapted motion by id, or None while there is none."""
-
-
-@dataclass(frozen=True)
-class Placement:
-    """Where motion space stands on the stage: turned by ``heading`` about Z, then moved by ``position``."""
-
-    position: tuple[float, float] = (0.0, 0.0)
-    heading: float = 0.0
-
-    @classmethod
-    def of(cls, performer: Performer) -> "Placement":
-        """The place of a performer."""
-        return cls(performer.position, performer.heading)
-
-    @property
-    def rotation(self) -> FloatArray:
-        """(3, 3) motion space to stage."""
-        c, s = math.cos(self.heading), math.sin(self.heading)
-        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-    def to_stage(self, points: ArrayLike) -> FloatArray:
-        """Stage points of motion space ``points`` (..., 3)."""
-        return np.asarray(points, dtype=np.float64) @ self.rotation.T + np.array([*self.position, 0.0])
-
-    def to_motion(self, points: ArrayLike) -> FloatArray:
-        """Motion space points of stage ``points`` (..., 3)."""
-        return (np.asarray(points, dtype=np.float64) - np.array([*self.position, 0.0])) @ self.rotation
 
 
 def motion_time(clip: Clip, frame_rate: float, time: float) -> float:

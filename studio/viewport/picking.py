@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from studio.core.placement import Placement
 from studio.core.project import Project
 from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.figure import bone_pairs
-from studio.viewport.performance import Placement, Posed
+from studio.viewport.performance import Posed
 
 JOINT_REACH = 14.0
 """A joint is hit within so many pixels."""

@@ -11,6 +11,7 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheel
 from PySide6.QtWidgets import QWidget
 
 from studio.core.constraints.base import BodyPoint
+from studio.core.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
@@ -29,7 +30,7 @@ from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.paths import StagePath, contact_marks, selection_rings, trails
-from studio.viewport.performance import Placement, Posed, pose_of, posed_performers, resting_performers
+from studio.viewport.performance import Posed, pose_of, posed_performers, resting_performers
 from studio.viewport.picking import PickedJoint
 from studio.viewport.problem import Problem, worst_problem
 

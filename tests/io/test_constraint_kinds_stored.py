@@ -1,5 +1,7 @@
 """Every kind of constraint comes back from a project file as it went in."""
 
+import json
+import re
 from pathlib import Path
 
 import pytest
@@ -7,13 +9,18 @@ import pytest
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
-from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.io.entity_json import CONSTRAINT_KINDS
+from studio.core.errors import StudioError
+from studio.core.project import Prop
+from studio.io.constraint_file import read_constraints
+from studio.io.entity_json import CONSTRAINT_KINDS, entity_record, project_json, project_of
 from studio.io.project_file import read_project, write_project
 from tests.builders import make_project
 
@@ -43,3 +50,64 @@ def test_a_constraint_comes_back_as_it_went_in(constraint: Constraint, tmp_path:
     opened = read_project(path)
     assert opened.problems == ()
     assert opened.project.constraints["asked"] == constraint
+
+
+KEYED = KeyedPlace((0.1, 0.5), ((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)))
+HAND = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.1, 0.0))
+TARGETS: tuple[Constraint, ...] = (
+    PositionConstraint("motion", "Keyed", WRIST, *COMMON, target=KEYED),
+    PositionConstraint("motion", "Own", WRIST, *COMMON, target=FollowBody(HAND)),
+    PositionConstraint("motion", "Other", WRIST, *COMMON, target=FollowPerformer("performer 1", HAND)),
+    LookAtConstraint("motion", "Prop", EYES, *COMMON, target=FollowProp("box", (0.0, 0.1, 0.2))),
+    LookAtConstraint("motion", "Tracked", EYES, *COMMON, target=FollowTracked("LeftHand")),
+    OrientationConstraint(
+        "motion", "Turns", HAND, *COMMON, target=KeyedTurn((0.0, 1.0), ((0.0, 0.0, 0.0, 1.0), (0.6, 0.0, 0.8, 0.0)))
+    ),
+    OrientationConstraint("motion", "As prop", HAND, *COMMON, target=FollowProp("box", turn=(0.6, 0.0, 0.8, 0.0))),
+    DistanceConstraint("motion", "Rope", WRIST, *COMMON, other=KEYED, distance=KeyedNumber((0.0, 1.0), (0.1, 0.2))),
+    DistanceConstraint("motion", "Lead", WRIST, *COMMON, other=FollowProp("box"), distance=0.4),
+    BalanceConstraint("motion", "Path", HAND, *COMMON, place=KEYED, vertical=True),
+    BalanceConstraint("motion", "Support", HAND, *COMMON, place=Support(0.01)),
+    AreaConstraint("motion", "Tray", WRIST, *COMMON, centre=FollowProp("box"), heading=KeyedNumber((0.0,), (0.5,))),
+)
+
+
+@pytest.mark.parametrize("constraint", TARGETS, ids=lambda constraint: constraint.name)
+def test_every_kind_of_target_comes_back_as_it_went_in(constraint: Constraint, tmp_path: Path) -> None:
+    path = tmp_path / "targets.studio"
+    project = make_project().with_entity("props", "box", Prop("Box")).with_entity("constraints", "asked", constraint)
+    write_project(path, project, "document")
+    opened = read_project(path)
+    assert opened.problems == ()
+    assert opened.project.constraints["asked"] == constraint
+
+
+def test_a_target_in_a_constraint_file_is_written_as_in_a_project_and_misspelt_members_are_named(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "asked.json"
+    record = entity_record("constraints", "", TARGETS[2], {})
+    path.write_text(json.dumps({"constraints": [record]}))
+    assert read_constraints(path, "motion").constraints == (TARGETS[2],)
+    for change, sentence in (
+        ({"kind": "follow_wind"}, "target: kind: one of keyed, follow_body"),
+        ({"performer": "x"}, "'target.performer' is not known here"),
+        ({"point": {"part": "tail"}}, "target: point: part"),
+    ):
+        path.write_text(json.dumps({"constraints": [{**record, "target": {**record["target"], **change}}]}))
+        with pytest.raises(StudioError, match=re.escape(sentence)):
+            read_constraints(path, "motion")
+
+
+def test_what_a_newer_version_wrote_into_a_target_is_kept(tmp_path: Path) -> None:
+    record = entity_record("constraints", "asked", TARGETS[0], {})
+    record["target"]["tension"] = 0.5
+    record["point"]["stickiness"] = 2
+    root = json.loads(project_json(make_project(), {}))
+    root["constraints"].append(record)
+    arrays: dict = {}
+    project_json(make_project(), arrays)
+    read = project_of(root, arrays.__getitem__)
+    assert read.losses == []
+    again = json.loads(project_json(read.project, {}))
+    assert again["constraints"][-1] == record

@@ -1,23 +1,49 @@
-"""Balance: the centre of mass is to be over a place of the ground."""
+"""Balance: the centre of mass is to be over a place of the ground, or over what the feet stand on."""
 
 import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.target import Place, checked_place
+
+
+@dataclass(frozen=True)
+class Support:
+    """Over the soles that stand: wherever the motion has it there, and ``margin`` metres within their outline.
+
+    Half the breadth of a sole is the most that is kept: nobody stands more surely than over the middle line of a foot.
+    """
+
+    kind: ClassVar[str] = "support"
+    margin: float = 0.02
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.margin) and self.margin >= 0.0):
+            raise ValueError(f"The margin of a support is zero or more metres, got {self.margin}.")
 
 
 @dataclass(frozen=True)
 class BalanceConstraint(Constraint):
-    """The centre of mass stays over ``place`` (metres, motion space), or over where the motion itself has it.
+    """The centre of mass stays over ``place``, or (None) over where the motion itself has it.
 
-    ``point`` is not used: the whole body is meant. The miss is the horizontal distance.
+    ``place`` is two numbers in metres, a place, a path or something followed, all in the motion's space, or the
+    support. With ``vertical`` its height is asked as well: that of the place, or the motion's own where the place has
+    none. ``point`` is not used: the whole body is meant. The miss is the distance, the horizontal one unless vertical.
     """
 
     kind: ClassVar[str] = "balance"
-    place: tuple[float, float] | None = None
+    place: tuple[float, float] | Place | Support | None = None
+    vertical: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.place is not None and not all(math.isfinite(number) for number in self.place):
-            raise ValueError(f"'{self.name}': a place on the ground is two finite numbers in metres.")
+        place = self.place
+        if place is None or isinstance(place, Support):
+            return
+        if isinstance(place, tuple | list) and len(place) == 2:
+            object.__setattr__(self, "place", tuple(float(number) for number in place))
+            if not all(math.isfinite(number) for number in place):
+                raise ValueError(f"'{self.name}': a place on the ground is two finite numbers in metres.")
+        else:
+            object.__setattr__(self, "place", checked_place(place, self, "the place of a balance"))

@@ -4,26 +4,34 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import BodyPoint, Constraint, Vector, finite_vector
+from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.follow import FollowBody
+from studio.core.constraints.keyed import KeyedNumber
+from studio.core.constraints.target import Place, checked_place
 
 
 @dataclass(frozen=True)
 class DistanceConstraint(Constraint):
-    """``point`` is to be ``distance`` metres from ``other``, a point of the same body or, as three numbers, a place.
+    """``point`` is to be ``distance`` metres from ``other``, a point of the same body or a place outside (fixed,
+    keyed, followed).
 
     Zero makes them touch: a clap, both hands on a box of any size, a hand on the own thigh. Raises ValueError for a
     distance below zero or a point with itself.
     """
 
     kind: ClassVar[str] = "distance"
-    other: BodyPoint | Vector = (0.0, 0.0, 0.0)
-    distance: float = 0.0
+    other: BodyPoint | Place = (0.0, 0.0, 0.0)
+    distance: float | KeyedNumber = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if isinstance(self.other, FollowBody):
+            object.__setattr__(self, "other", self.other.point)
         if not isinstance(self.other, BodyPoint):
-            object.__setattr__(self, "other", finite_vector(self.other, f"'{self.name}': the place outside"))
+            object.__setattr__(self, "other", checked_place(self.other, self, "the place outside"))
         elif self.other == self.point:
             raise ValueError(f"'{self.name}': a point has no distance from itself. Choose another point.")
-        if not (math.isfinite(self.distance) and self.distance >= 0.0):
-            raise ValueError(f"'{self.name}': a distance is zero or more metres, got {self.distance}.")
+        distances = self.distance.values if isinstance(self.distance, KeyedNumber) else (self.distance,)
+        for distance in distances:
+            if not (math.isfinite(distance) and distance >= 0.0):
+                raise ValueError(f"'{self.name}': a distance is zero or more metres, got {distance}.")

@@ -4,23 +4,24 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from studio.core.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint, Constraint, Vector, finite_vector
+from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.target import Place, checked_place
 
 
 @dataclass(frozen=True)
 class LookAtConstraint(Constraint):
-    """The x axis of the segment of ``point``, begun at the point, is to go through ``target``: metres, motion space.
+    """The x axis of the segment of ``point``, begun at the point, is to go through ``target``, as of a position.
 
     The usual point lies between the eyes. The miss is an angle.
     """
 
     kind: ClassVar[str] = "look_at"
     unit: ClassVar[str] = "rad"
-    target: Vector = (1.0, 0.0, 1.5)
+    target: Place = (1.0, 0.0, 1.5)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "target", finite_vector(self.target, f"'{self.name}': a target"))
+        object.__setattr__(self, "target", checked_place(self.target, self, "a target"))
 
 
 EYES = BodyPoint(BodyPart.HEAD, (0.08, 0.0, 0.09))

@@ -3,16 +3,17 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint, Vector, finite_vector
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.target import Place, checked_place
 
 
 @dataclass(frozen=True)
 class PositionConstraint(Constraint):
-    """``point`` is to be at ``target``: metres, in the space of the motion (before a performer's placement)."""
+    """``point`` is to be at ``target``: a place in the space of the motion, keyed places, or something it follows."""
 
     kind: ClassVar[str] = "position"
-    target: Vector = (0.0, 0.0, 0.0)
+    target: Place = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "target", finite_vector(self.target, f"'{self.name}': a target"))
+        object.__setattr__(self, "target", checked_place(self.target, self, "a target"))

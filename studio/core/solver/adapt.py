@@ -2,26 +2,36 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.follow import Follow, FollowBody
+from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval
+from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames, solve_frames
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.following import point_track
 from studio.core.solver.footing import Footing, find_footing, freedom
-from studio.core.solver.packing import limb_of, pack, point_indices
+from studio.core.solver.packing import is_pair, limb_of, pack, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.support import mass_path, support_path
+from studio.core.solver.tracks import Targets, Track, Tracks
 
 FloatArray = NDArray[np.float64]
 
 LEASH = 0.3
 """Part of its length by which a leg's leash has run out when its foot becomes free."""
+PASSES = 3
+"""Times a motion is solved whose constraints follow points of its own body: each to where the last one had them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +51,7 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
     Every frame is solved from its own pose alone, so any window gives the same poses as the whole clip.
     """
     standing = stand(request.motion, request.morphology, request.contacts, request.ground)
-    return hold(standing, request.constraints, first, last)
+    return hold(standing, request.constraints, first, last, request.tracks)
 
 
 def stand(
@@ -58,27 +68,76 @@ def stand(
 
 
 def hold(
-    standing: Standing, constraints: Sequence[Constraint], first: int = 0, last: int | None = None
+    standing: Standing,
+    constraints: Sequence[Constraint],
+    first: int = 0,
+    last: int | None = None,
+    tracks: Tracks = MappingProxyType({}),
 ) -> AdaptedMotion:
-    """Solve ``constraints`` on a standing motion, frames ``first`` to ``last`` (both included) (K05 section 9)."""
-    motion, body = standing.motion, standing.morphology
-    window = slice(first, motion.frame_count if last is None else last + 1)
+    """Solve ``constraints`` on a standing motion, frames ``first`` to ``last`` (both included) (K05 section 9).
+
+    ``tracks`` over the whole motion for all that they follow beyond the body itself; StudioError where one is missing.
+    """
+    window = slice(first, standing.motion.frame_count if last is None else last + 1)
     positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
     residuals = np.full((len(constraints), len(positions)), np.nan)
     if constraints:
-        activations = constraint_activations(constraints, standing.footing, motion.frame_rate)[:, window]
-        joints = free_joints([constraint.chain for constraint in constraints], body.layout)
-        solve_frames(
-            *pack(constraints, joints, body.layout),
-            np.ascontiguousarray(activations),
-            np.ascontiguousarray(leashes(standing.footing, motion.frame_rate)[:, window]),
-            (motion.channels[window], *_legs(standing.footing, window)),
-            (body.packed[None], segment_masses(body.layout), joints.limits),
-            residuals,
-            positions,
-            rotations,
-        )
-    return AdaptedMotion(body, motion.frame_rate, first, positions, rotations, residuals)
+        known = _known_tracks(standing, constraints, window, tracks)
+        followed = {follow for each in constraints if not is_pair(each) for follow in follows_of(each)}
+        own = [follow for follow in followed if isinstance(follow, FollowBody)]
+        for _ in range(PASSES if own else 1):
+            for follow in own:
+                known[follow] = point_track(follow.point, follow.turn, positions, rotations, standing.morphology)
+            positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
+            _solve(standing, constraints, window, known, residuals, positions, rotations)
+    return AdaptedMotion(standing.morphology, standing.motion.frame_rate, first, positions, rotations, residuals)
+
+
+def _known_tracks(
+    standing: Standing, constraints: Sequence[Constraint], window: slice, tracks: Tracks
+) -> dict[Follow | Support, Track]:
+    """What is followed and known before anything is solved, in the frames of ``window``."""
+    known: dict[Follow | Support, Track] = {}
+    for constraint in constraints:
+        for follow in follows_of(constraint):
+            if follow in tracks:
+                known[follow] = tracks[follow].within(window)
+            elif not isinstance(follow, FollowBody):
+                raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
+        place = getattr(constraint, "place", None)
+        if isinstance(place, Support):
+            path = support_path(
+                standing.positions, standing.rotations, standing.footing.states, standing.morphology,
+                standing.motion.frame_rate, place.margin, window,
+            )  # fmt: skip
+            known[place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))
+    return known
+
+
+def _solve(
+    standing: Standing,
+    constraints: Sequence[Constraint],
+    window: slice,
+    tracks: Tracks,
+    residuals: FloatArray,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """One run of the kernel over ``window``, in place."""
+    motion, body = standing.motion, standing.morphology
+    times = np.arange(motion.frame_count)[window] / motion.frame_rate
+    activations = constraint_activations(constraints, standing.footing, motion.frame_rate)[:, window]
+    joints = free_joints([constraint.chain for constraint in constraints], body.layout)
+    solve_frames(
+        *pack(constraints, joints, body.layout, Targets(times, tracks, lambda: mass_path(positions, body))),
+        np.ascontiguousarray(activations),
+        np.ascontiguousarray(leashes(standing.footing, motion.frame_rate)[:, window]),
+        (motion.channels[window], *_legs(standing.footing, window)),
+        (body.packed[None], segment_masses(body.layout), joints.limits),
+        residuals,
+        positions,
+        rotations,
+    )
 
 
 def leashes(footing: Footing, frame_rate: float) -> FloatArray:

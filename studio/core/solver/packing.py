@@ -12,13 +12,15 @@ from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.target import is_moving
 from studio.core.kernels import goals
-from studio.core.rotations import to_matrix
 from studio.core.solver.areas import area_row
 from studio.core.solver.chains import FreeJoints
+from studio.core.solver.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 
@@ -28,6 +30,7 @@ class Rows:
     """The arrays of C constraints while they are being written; ``kernels.constraints`` says what each holds."""
 
     layout: BodyLayout
+    targets: Targets
     kinds: NDArray[np.int64]
     ranks: NDArray[np.int64]
     ends: NDArray[np.int64]
@@ -48,21 +51,26 @@ class Rows:
 
 
 def pack(
-    constraints: Sequence[Constraint], joints: FreeJoints, layout: BodyLayout
+    constraints: Sequence[Constraint], joints: FreeJoints, layout: BodyLayout, targets: Targets
 ) -> tuple[tuple[NDArray[Any], ...], tuple[FloatArray, ...]]:
-    """``asked`` and ``wishes`` of the kernels. Raises TypeError for a kind that the solver does not know."""
+    """``asked`` and ``wishes`` of the kernels; the latter have a row a frame where anything moves.
+
+    Raises TypeError for a kind that the solver does not know.
+    """
     count = len(constraints)
+    frames = len(targets.times) if any(map(is_moving, constraints)) else 1
     levels = sorted({constraint.priority for constraint in constraints})
     rows = Rows(
         layout,
+        targets,
         kinds=np.empty(count, dtype=np.int64),
         ranks=np.array([levels.index(constraint.priority) for constraint in constraints]),
         ends=np.full((count, 2, 3), -1, dtype=np.int64),
         offsets=np.zeros((count, 2, 3)),
         freedoms=np.zeros((count, 2, 2)),
-        places=np.full((count, 1, 3), np.nan),
-        turns=np.zeros((count, 1, 3, 3)),
-        distances=np.zeros((count, 1)),
+        places=np.full((count, frames, 3), np.nan),
+        turns=np.zeros((count, frames, 3, 3)),
+        distances=np.zeros((count, frames)),
         shares=np.zeros((count, 2)),
         areas=np.zeros((count, 10)),
     )
@@ -77,23 +85,41 @@ def pack(
 
 
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
-    rows.kinds[c], rows.places[c, 0] = goals.POSITION, constraint.target
     rows.put_end(c, 0, constraint.point, constraint)
+    target = constraint.target
+    if isinstance(target, FollowBody) and is_pair(constraint):
+        # Nought metres from where the other point comes to be, by moving this one alone.
+        rows.kinds[c], rows.distances[c], rows.shares[c, 0] = goals.DISTANCE, 0.0, 1.0
+        rows.put_end(c, 1, target.point, constraint)
+        rows.freedoms[c, 1] = 0.0
+    else:
+        rows.kinds[c], rows.places[c] = goals.POSITION, rows.targets.places(target)
+
+
+def is_pair(constraint: Constraint) -> bool:
+    """Whether a position follows a point of its own body that another limb, or none, carries.
+
+    Then the kernel itself sees to it that it is where the other point comes to be.
+    """
+    if not isinstance(constraint, PositionConstraint) or not isinstance(constraint.target, FollowBody):
+        return False
+    limb = limb_of(constraint.point.part)
+    return limb >= 0 and constraint.chain.limb > 0.0 and limb_of(constraint.target.point.part) != limb
 
 
 def _orientation(rows: Rows, c: int, constraint: OrientationConstraint) -> None:
-    rows.kinds[c], rows.turns[c, 0] = goals.ORIENTATION, to_matrix(np.array(constraint.target))
+    rows.kinds[c], rows.turns[c] = goals.ORIENTATION, rows.targets.turns(constraint.target)
     rows.put_end(c, 0, constraint.point, constraint)
 
 
 def _look_at(rows: Rows, c: int, constraint: LookAtConstraint) -> None:
-    rows.kinds[c], rows.places[c, 0] = goals.LOOK_AT, constraint.target
+    rows.kinds[c], rows.places[c] = goals.LOOK_AT, rows.targets.places(constraint.target)
     rows.put_end(c, 0, constraint.point, constraint)
     rows.ends[c, 0, 2] = -1
 
 
 def _distance(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
-    rows.kinds[c], rows.distances[c, 0] = goals.DISTANCE, constraint.distance
+    rows.kinds[c], rows.distances[c] = goals.DISTANCE, rows.targets.numbers(constraint.distance)
     rows.put_end(c, 0, constraint.point, constraint)
     if isinstance(constraint.other, BodyPoint):
         rows.put_end(c, 1, constraint.other, constraint)
@@ -101,20 +127,26 @@ def _distance(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
         if rows.ends[c, 0, 2] < 2 <= rows.ends[c, 1, 2]:
             rows.freedoms[c, 1] = 0.0
     else:
-        rows.places[c, 0] = constraint.other
+        rows.places[c] = rows.targets.places(constraint.other)
     free = np.array([rows.ends[c, end, 2] >= 0 and rows.freedoms[c, end, 0] > 0.0 for end in range(2)], dtype=float)
     rows.shares[c] = free / max(free.sum(), 1.0)
 
 
 def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
-    rows.kinds[c] = goals.BALANCE
-    if constraint.place is not None:
-        rows.places[c, 0] = *constraint.place, 0.0
+    """A place of NaN is the motion's own; a distance of 1 asks for its height too, 0 for what lies on the ground."""
+    rows.kinds[c], rows.distances[c] = goals.BALANCE, float(constraint.vertical)
+    place = constraint.place
+    if isinstance(place, tuple) and len(place) == 2:
+        rows.places[c, :, :2], rows.places[c, :, 2] = place, rows.targets.masses()[: rows.places.shape[1], 2]
+    elif place is not None:
+        rows.places[c] = rows.targets.places(place)
 
 
 def _area(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.kinds[c] = goals.AREA
     rows.put_end(c, 0, constraint.point, constraint)
+    rows.places[c] = rows.targets.places(constraint.centre)
+    rows.turns[c] = rows.targets.headings(constraint.heading, constraint.centre)
     rows.areas[c] = area_row(constraint)
 
 

@@ -1,6 +1,6 @@
 """What is asked of the solver and what it answers: values that any thread may hold."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.solver.tracks import Tracks
 
 FloatArray = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ class AdaptRequest:
     contacts: tuple[ContactInterval, ...] = ()
     constraints: tuple[Constraint, ...] = ()
     ground: Ground = Ground()
+    tracks: Tracks = field(default_factory=dict)
+    """What constraints follow beyond the body itself, over all frames of the motion."""
 
 
 @dataclass(frozen=True, eq=False)

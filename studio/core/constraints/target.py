@@ -1,0 +1,45 @@
+"""Where a constraint's target may be: fixed (plain numbers), keyed over time, or following something that moves."""
+
+from dataclasses import fields
+
+from studio.core.constraints.base import Constraint, Vector, finite_vector
+from studio.core.constraints.follow import FOLLOWS, Follow, FollowBody
+from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
+
+Place = Vector | KeyedPlace | Follow
+"""Metres in the motion's space (before a performer's placement)."""
+Turn = Quaternion | KeyedTurn | Follow
+"""A rotation in the motion's space."""
+
+
+def checked_place(place: object, constraint: Constraint, what: str) -> Place:
+    """``place`` as a value that cannot be wrong; ValueError naming the constraint and ``what`` otherwise."""
+    if isinstance(place, KeyedPlace | Follow):
+        if isinstance(place, FollowBody) and place.point == constraint.point:
+            raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another one to follow.")
+        return place
+    return finite_vector(place, f"'{constraint.name}': {what}")
+
+
+def checked_turn(turn: object, constraint: Constraint) -> Turn:
+    """As ``checked_place``, for a rotation."""
+    if isinstance(turn, KeyedTurn | Follow):
+        if isinstance(turn, FollowBody) and turn.point.part == constraint.point.part:
+            raise ValueError(f"'{constraint.name}': a segment cannot follow itself. Choose another one to follow.")
+        return turn
+    try:
+        return unit_quaternion(turn)  # type: ignore[arg-type]
+    except ValueError as error:
+        raise ValueError(f"'{constraint.name}': the target is no rotation: {error}") from error
+
+
+def follows_of(constraint: Constraint) -> tuple[Follow, ...]:
+    """All that a constraint follows."""
+    values = (getattr(constraint, field.name) for field in fields(constraint))
+    return tuple(value for value in values if isinstance(value, FOLLOWS))
+
+
+def is_moving(constraint: Constraint) -> bool:
+    """Whether what it asks differs from frame to frame."""
+    own_height = getattr(constraint, "vertical", False)
+    return own_height or any(hasattr(getattr(constraint, field.name), "kind") for field in fields(constraint))

@@ -1,0 +1,38 @@
+"""Where a performer's motion stands on the stage."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.project import Performer
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where motion space stands on the stage: turned by ``heading`` about Z, then moved by ``position``."""
+
+    position: tuple[float, float] = (0.0, 0.0)
+    heading: float = 0.0
+
+    @classmethod
+    def of(cls, performer: Performer) -> "Placement":
+        """The place of a performer."""
+        return cls(performer.position, performer.heading)
+
+    @property
+    def rotation(self) -> FloatArray:
+        """(3, 3) motion space to stage."""
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def to_stage(self, points: ArrayLike) -> FloatArray:
+        """Stage points of motion space ``points`` (..., 3)."""
+        return np.asarray(np.asarray(points, dtype=np.float64) @ self.rotation.T + [*self.position, 0.0])
+
+    def to_motion(self, points: ArrayLike) -> FloatArray:
+        """Motion space points of stage ``points`` (..., 3)."""
+        return np.asarray((np.asarray(points, dtype=np.float64) - [*self.position, 0.0]) @ self.rotation)

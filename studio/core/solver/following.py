@@ -1,0 +1,69 @@
+"""Where followed things are: the place and the rotation of each at every frame of a motion, in that motion's space."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.capture import Capture
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import FollowProp, FollowTracked
+from studio.core.constraints.keyed import Quaternion
+from studio.core.kinematics import joint_world
+from studio.core.morphology import Morphology
+from studio.core.placement import Placement
+from studio.core.project import Prop
+from studio.core.rotations import to_matrix
+from studio.core.solver.packing import point_indices
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.tracks import Track
+
+FloatArray = NDArray[np.float64]
+
+
+def point_track(
+    point: BodyPoint, turn: Quaternion, positions: FloatArray, rotations: FloatArray, body: Morphology
+) -> Track:
+    """A point of a body that is posed by ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3)."""
+    origin, segment = point_indices(point, body.layout)
+    axes = rotations[:, segment]
+    return Track(positions[:, origin] + axes @ np.array(point.offset), axes @ to_matrix(np.array(turn)))
+
+
+def performer_track(
+    point: BodyPoint,
+    turn: Quaternion,
+    adapted: AdaptedMotion,
+    rows: ArrayLike,
+    placement: Placement,
+    own: Placement,
+) -> Track:
+    """A point of another performer, standing at ``placement``, as who stands at ``own`` sees it.
+
+    ``adapted`` is the other's whole motion, ``rows`` (F,) which of its frames plays at each of ours, not rounded.
+    """
+    track = point_track(point, turn, adapted.positions, adapted.rotations, adapted.morphology)
+    t = np.clip(np.asarray(rows, dtype=np.float64), 0.0, adapted.frame_count - 1.0)
+    before = np.minimum(t.astype(np.int64), max(adapted.frame_count - 2, 0))
+    after, share = np.minimum(before + 1, adapted.frame_count - 1), (t - before)[:, None]
+    places = track.places[before] + share * (track.places[after] - track.places[before])
+    begin, end = Rotation.from_matrix(track.rotations[before]), Rotation.from_matrix(track.rotations[after])
+    axes = (begin * Rotation.from_rotvec(share * (begin.inv() * end).as_rotvec())).as_matrix()
+    return Track(own.to_motion(placement.to_stage(places)), own.rotation.T @ placement.rotation @ axes)
+
+
+def prop_track(follow: FollowProp, prop: Prop, own: Placement) -> Track:
+    """A place fixed to a prop of the stage, as who stands at ``own`` sees it: one frame for all."""
+    stands = Placement((prop.position[0], prop.position[1]), prop.heading)
+    place = stands.to_stage(np.array(follow.offset) + np.array([0.0, 0.0, prop.position[2]]))
+    axes = own.rotation.T @ stands.rotation @ to_matrix(np.array(follow.turn))
+    return Track(own.to_motion(place)[None], axes[None])
+
+
+def tracked_track(follow: FollowTracked, capture: Capture) -> Track:
+    """A joint as it was recorded, in the space of the capture's motion. Raises StudioError when there is none."""
+    joint = capture.skeleton.index(follow.joint)
+    places, rotations = joint_world(capture.skeleton, capture.poses)
+    root = 0 if capture.body_map is None else capture.body_map.spine[0]
+    origin = np.array([*places[capture.first_frame, root, :2], capture.floor])
+    axes = rotations[:, joint]
+    return Track(places[:, joint] + axes @ np.array(follow.offset) - origin, axes @ to_matrix(np.array(follow.turn)))

@@ -1,0 +1,128 @@
+"""What a body stands on: the outline of its standing soles, and where the centre of mass is to be over it.
+
+An outline is its support function h (N,) for N directions n over the ground: it holds the points p with n . p <= h for
+all of them. So outlines are averaged over time (Minkowski), shrunk and measured by simple arithmetic.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.kernels.feet import HEEL, TOE
+from studio.core.morphology import Morphology
+from studio.core.solver.chains import segment_masses
+
+FloatArray = NDArray[np.float64]
+
+DIRECTIONS = 48
+SMOOTHING = 0.3
+"""Seconds before and after over which an outline is averaged, so that it changes smoothly with every step."""
+BALL, REAR, TIP = 0.19, 0.13, 0.10
+"""Radii of a sole at ball, heel and tip, as parts of its length (breadth of an adult's foot 0.38 of its length)."""
+_ANGLES = np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
+_NORMALS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
+_SIDEWAYS = np.stack([-np.sin(_ANGLES), np.cos(_ANGLES)], axis=1)
+_COSINE, _SINE = np.cos(_ANGLES[1]), np.sin(_ANGLES[1])
+
+
+def mass_path(positions: FloatArray, body: Morphology) -> FloatArray:
+    """(F, 3) metres: where the centre of mass of posed bodies (F, P, 3) is (de Leva 1996; METHOD 7)."""
+    layout = body.layout
+    shares, along = segment_masses(layout).T
+    begin, end = positions[:, list(layout.proximal_points())], positions[:, list(layout.distal_points())]
+    return np.asarray(shares @ (begin + along[:, None] * (end - begin)))
+
+
+def outlines(
+    positions: FloatArray, rotations: FloatArray, states: NDArray[np.int64], body: Morphology, margin: float = 0.0
+) -> FloatArray:
+    """(F, N) the outline of the standing soles, ``margin`` metres shrunk; NaN where nothing stands.
+
+    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``states`` (2, F) as of ``Footing``. It shrinks to the middle
+    line of the soles at most.
+    """
+    found = np.full((len(positions), DIRECTIONS), -np.inf)
+    for side in range(2):
+        centres, radii = _sole(positions, rotations, body, side)
+        for place, bit in enumerate((HEEL, TOE, TOE)):
+            reach = centres[:, place] @ _NORMALS.T + max(radii[place] - margin, 0.0)
+            stands = (states[side] & bit) != 0
+            found[stands] = np.maximum(found[stands], reach[stands])
+    return np.where(np.isfinite(found), found, np.nan)
+
+
+def smoothed(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
+    """Outlines (F, N) averaged over time, and (F,) in [0, 1] how much there is to stand on around each frame."""
+    half = max(1, round(SMOOTHING * frame_rate))
+    window = np.hanning(2 * half + 3)[1:-1]
+    stands = np.isfinite(areas[:, 0]).astype(np.float64)
+
+    def around(values: FloatArray) -> FloatArray:
+        return np.convolve(np.pad(values, half), window, mode="valid")
+
+    weight = around(stands)
+    totals = np.stack([around(column) for column in np.nan_to_num(areas).T], axis=1)
+    mean = totals / np.where(weight > 0.0, weight, np.nan)[:, None]
+    return mean, weight / around(np.ones(len(areas)))
+
+
+def support_path(
+    positions: FloatArray,
+    rotations: FloatArray,
+    states: NDArray[np.int64],
+    body: Morphology,
+    frame_rate: float,
+    margin: float,
+    window: slice,
+) -> FloatArray:
+    """(F, 3) where the centre of mass of a standing motion is to be in the frames of ``window``: over its support.
+
+    It is the nearest place of the smoothed outline; in flight, the motion's own.
+    """
+    half = max(1, round(SMOOTHING * frame_rate))
+    first, stop, _ = window.indices(len(positions))
+    wide = slice(max(first - 2 * half, 0), min(stop + 2 * half, len(positions)))
+    areas, presence = smoothed(outlines(positions[wide], rotations[wide], states[:, wide], body, margin), frame_rate)
+    rows = slice(first - wide.start, stop - wide.start)
+    masses = mass_path(positions[window], body)
+    places = nearest_within(areas[rows], masses[:, :2])
+    masses[:, :2] += presence[rows, None] * np.nan_to_num(places - masses[:, :2])
+    return masses
+
+
+def nearest_within(areas: FloatArray, points: FloatArray) -> FloatArray:
+    """(F, 2) the places of outlines (F, N) that are nearest to ``points`` (F, 2)."""
+    ahead = np.roll(areas, -1, axis=1)
+    ends = areas[..., None] * _NORMALS + ((ahead - areas * _COSINE) / _SINE)[..., None] * _SIDEWAYS
+    begins = np.roll(ends, 1, axis=1)
+    edges, away = ends - begins, points[:, None] - begins
+    along = np.sum(away * edges, axis=2) / np.maximum(np.sum(edges * edges, axis=2), 1e-12)
+    places = begins + np.clip(along, 0.0, 1.0)[..., None] * edges
+    distances = np.linalg.norm(points[:, None] - places, axis=2)
+    nearest = np.argmin(np.nan_to_num(distances, nan=np.inf), axis=1)
+    outside = _beyond(areas, points) > 0.0
+    return np.where(outside[:, None], places[np.arange(len(points)), nearest], points)
+
+
+def support_margins(areas: FloatArray, points: FloatArray) -> FloatArray:
+    """(F,) metres from ``points`` (F, 2) to the edge of outlines (F, N): negative outside, NaN where nothing stands."""
+    beyond = _beyond(areas, points)
+    distance = np.linalg.norm(points - nearest_within(areas, points), axis=1)
+    return np.where(beyond > 0.0, -distance, -beyond)
+
+
+def _beyond(areas: FloatArray, points: FloatArray) -> FloatArray:
+    """(F,) metres beyond the line that is passed furthest; negative inside, NaN for no outline."""
+    return np.asarray(np.max(points @ _NORMALS.T - areas, axis=1))
+
+
+def _sole(positions: FloatArray, rotations: FloatArray, body: Morphology, side: int) -> tuple[FloatArray, FloatArray]:
+    """Circles in which a sole lies: centres (F, 3, 2) at heel, ball and tip, radii (3,)."""
+    layout = body.layout
+    ankle, ball, tip = (positions[:, layout.ankle(side) + step] for step in range(3))
+    foot = rotations[:, layout.spine_count + 12 + 4 * side]
+    rear = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
+    line = ball[:, :2] - rear[:, :2]
+    ahead = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
+    length = body.heel_length[side] + np.hypot(*body.foot[side, :2]) + np.hypot(*body.toe[side, :2])
+    radii = length * np.array([REAR, BALL, TIP])
+    return np.stack([rear[:, :2] + radii[0] * ahead, ball[:, :2], tip[:, :2] - radii[2] * ahead], axis=1), radii

@@ -1,0 +1,74 @@
+"""Targets as arrays over time: fixed ones, keyed ones, and the paths of what is followed."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.balance import Support
+from studio.core.constraints.follow import FOLLOWS, Follow
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.constraints.target import Place, Turn
+from studio.core.rotations import to_matrix
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Where a followed thing is: ``places`` (F, 3) metres and ``rotations`` (F, 3, 3), or one frame for all."""
+
+    places: FloatArray
+    rotations: FloatArray
+
+    def within(self, window: slice) -> "Track":
+        """The frames of ``window``."""
+        return self if len(self.places) == 1 else Track(self.places[window], self.rotations[window])
+
+
+Tracks = Mapping[Follow | Support, Track]
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """What gives a target its numbers: ``times`` (F,) seconds, the ``tracks`` of what is followed over them, and
+    ``masses()`` (F, 3) where the motion itself has its centre of mass. Every answer has F frames, or one for all.
+    """
+
+    times: FloatArray
+    tracks: Tracks
+    masses: Callable[[], FloatArray]
+
+    def places(self, target: Place | Support) -> FloatArray:
+        """(F or 1, 3) metres."""
+        if isinstance(target, KeyedPlace):
+            return target.at(self.times)
+        if isinstance(target, (*FOLLOWS, Support)):
+            return self.tracks[target].places
+        return np.array(target, dtype=np.float64)[None]
+
+    def turns(self, target: Turn) -> FloatArray:
+        """(F or 1, 3, 3)."""
+        if isinstance(target, KeyedTurn):
+            return target.at(self.times)
+        if isinstance(target, FOLLOWS):
+            return self.tracks[target].rotations
+        return to_matrix(np.array(target))[None]
+
+    def numbers(self, value: float | KeyedNumber) -> FloatArray:
+        """(F or 1,)."""
+        return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
+
+    def headings(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
+        """(F or 1, 3, 3) turns about Z: ``heading`` (radians), added to that of what ``centre`` follows."""
+        angles = self.numbers(heading)
+        if isinstance(centre, FOLLOWS):
+            axes = self.tracks[centre].rotations
+            angles = angles + np.arctan2(axes[:, 1, 0] - axes[:, 0, 1], axes[:, 0, 0] + axes[:, 1, 1])
+        turns = np.zeros((len(angles), 3, 3))
+        turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
+        turns[:, 1, 0] = np.sin(angles)
+        turns[:, 0, 1] = -turns[:, 1, 0]
+        turns[:, 2, 2] = 1.0
+        return turns

@@ -1,0 +1,261 @@
+"""Targets that are keyed or follow something: on every body they are what the same fixed targets would be."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.balance import BalanceConstraint, Support
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.errors import StudioError
+from studio.core.ground import Ground
+from studio.core.metrics import centre_of_mass, foot_quality
+from studio.core.morphology import Morphology
+from studio.core.normalized.normalize import normalize
+from studio.core.placement import Placement
+from studio.core.project import Prop
+from studio.core.rotations import angle_between, from_matrix, to_matrix
+from studio.core.solver.adapt import adapt, hold, place_of, stand
+from studio.core.solver.following import performer_track, prop_track, tracked_track
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.support import outlines, smoothed, support_margins
+from studio.io.character_file import bundled_characters
+from tests.core.motions import RATE, swaying, walk
+from tests.core.test_constraint_kinds import ALL, HEAD, LEFT, MET, RIGHT, ask
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+WALK, CONTACTS = walk(90)
+every_body = pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+TURN = (0.1, 0.2, 0.1, 0.9)
+
+
+def solved(
+    body: Morphology, *constraints: Constraint, tracks: Mapping[Any, Any] = {}, frames: Any = ()
+) -> AdaptedMotion:
+    return adapt(AdaptRequest(WALK, body, CONTACTS, constraints, tracks=tracks), *frames)
+
+
+def same(first: AdaptedMotion, second: AdaptedMotion) -> None:
+    assert first.positions == pytest.approx(second.positions, abs=1e-9)
+    assert first.rotations == pytest.approx(second.rotations, abs=1e-9)
+    assert first.residuals == pytest.approx(second.residuals, abs=1e-9, nan_ok=True)
+
+
+def within_reach(body: Morphology, *further: float) -> np.ndarray:
+    near = place_of(RIGHT, solved(body))[30] + [0.05, 0.02, 0.08]
+    return np.add(near, further or 0.0)
+
+
+@every_body
+def test_equal_keys_are_a_fixed_target(body: Morphology) -> None:
+    place, times = tuple(within_reach(body)), (0.2, 0.7)
+    pairs = [
+        (PositionConstraint, RIGHT, ALL, {"target": place}, {"target": KeyedPlace(times, (place, place))}),
+        (LookAtConstraint, EYES, HEAD, {"target": place}, {"target": KeyedPlace(times, (place, place))}),
+        (
+            OrientationConstraint,
+            BodyPoint(BodyPart.RIGHT_HAND),
+            HEAD,
+            {"target": TURN},
+            {"target": KeyedTurn(times, (TURN, TURN))},
+        ),
+        (
+            DistanceConstraint,
+            RIGHT,
+            ALL,
+            {"other": place, "distance": 0.1},
+            {"other": KeyedPlace(times, (place, place)), "distance": KeyedNumber(times, (0.1, 0.1))},
+        ),
+        (
+            AreaConstraint,
+            RIGHT,
+            ALL,
+            {"centre": place, "size": (0.3, 0.4, 0.2), "shape": "box", "heading": 0.4},
+            {
+                "centre": KeyedPlace(times, (place, place)),
+                "heading": KeyedNumber(times, (0.4, 0.4)),
+                "size": (0.3, 0.4, 0.2),
+                "shape": "box",
+            },
+        ),
+        (
+            BalanceConstraint,
+            BodyPoint(BodyPart.PELVIS),
+            ALL,
+            {"place": (0.5, 0.1)},
+            {"place": KeyedPlace(times, ((0.5, 0.1, 1.0),) * 2)},
+        ),
+    ]
+    for kind, point, chain, fixed, keyed in pairs:
+        same(
+            solved(body, ask(kind, point, chain, **fixed), frames=(20, 50)),
+            solved(body, ask(kind, point, chain, **keyed), frames=(20, 50)),
+        )
+
+
+@every_body
+def test_a_keyed_target_is_met_at_its_keys_and_between(body: Morphology) -> None:
+    frames = (20, 35, 60)
+    path = place_of(RIGHT, solved(body))
+    keyed = KeyedPlace(tuple(f / RATE for f in frames), tuple(tuple(path[f] + [0.03, 0.0, 0.05]) for f in frames))
+    adapted = solved(body, ask(PositionConstraint, RIGHT, ALL, target=keyed), frames=(20, 60))
+    reached = place_of(RIGHT, adapted)
+    assert reached[[0, 15, 40]] == pytest.approx(np.array(keyed.values), abs=MET)
+    assert np.nanmax(adapted.residuals) < MET
+    assert foot_quality(adapted, CONTACTS, Ground()).slide < 1e-3
+
+
+@every_body
+def test_following_an_unmoved_prop_is_a_fixed_target(body: Morphology) -> None:
+    own = Placement((1.0, -2.0), 0.7)
+    place = within_reach(body)
+    stage = own.to_stage(place)
+    prop = Prop("Box", position=tuple(stage - [0.0, 0.0, 0.1]), heading=0.3)
+    follow = FollowProp("box", (0.0, 0.0, 0.1))
+    tracks = {follow: prop_track(follow, prop, own)}
+    same(
+        solved(body, ask(PositionConstraint, RIGHT, ALL, target=follow), tracks=tracks, frames=(25, 40)),
+        solved(body, ask(PositionConstraint, RIGHT, ALL, target=tuple(place)), frames=(25, 40)),
+    )
+    area = {"size": (0.3, 0.2, 0.4), "shape": "box"}
+    same(
+        solved(body, ask(AreaConstraint, RIGHT, ALL, centre=follow, **area), tracks=tracks, frames=(25, 40)),
+        solved(body, ask(AreaConstraint, RIGHT, ALL, centre=tuple(place), heading=-0.4, **area), frames=(25, 40)),
+    )
+
+
+@every_body
+def test_a_hand_follows_where_the_other_hand_is_brought(body: Morphology) -> None:
+    goal = tuple(within_reach(body, 0.1, 0.15, 0.05))
+    leader = ask(PositionConstraint, RIGHT, ALL, target=goal)
+    follower = ask(
+        PositionConstraint, LEFT, ALL, 1, target=FollowBody(BodyPoint(BodyPart.RIGHT_HAND, (0.05, 0.0, 0.0)))
+    )
+    adapted = solved(body, leader, follower, frames=(25, 40))
+    gap = place_of(LEFT, adapted) - place_of(BodyPoint(BodyPart.RIGHT_HAND, (0.05, 0.0, 0.0)), adapted)
+    assert np.linalg.norm(gap, axis=1) == pytest.approx(adapted.residuals[1], abs=1e-9)
+    assert adapted.residuals[0].max() < MET
+    assert np.linalg.norm(gap, axis=1).max() < MET
+
+
+@every_body
+def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology) -> None:
+    goal = tuple(within_reach(body, 0.1, 0.1, 0.2))
+    hand = ask(PositionConstraint, RIGHT, ALL, target=goal)
+    look = ask(LookAtConstraint, EYES, HEAD, 1, target=FollowBody(RIGHT))
+    palm = ask(
+        OrientationConstraint,
+        BodyPoint(BodyPart.LEFT_HAND),
+        Chain(1.0, 1.0, 1.0),
+        2,
+        target=FollowBody(BodyPoint(BodyPart.RIGHT_HAND), TURN),
+    )
+    adapted = solved(body, hand, look, palm, frames=(25, 40))
+    line = place_of(RIGHT, adapted) - place_of(EYES, adapted)
+    gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
+    cosine = np.sum(gaze * line, axis=1) / np.linalg.norm(line, axis=1)
+    miss = np.arccos(np.clip(cosine, -1.0, 1.0))
+    assert miss == pytest.approx(adapted.residuals[1], abs=np.radians(0.1))
+    left, right = (adapted.rotations[:, body.layout.segment(BodyPart(f"{side}_hand"))] for side in ("left", "right"))
+    wanted = right @ to_matrix(np.array(TURN) / np.linalg.norm(TURN))
+    assert angle_between(from_matrix(left), from_matrix(wanted)) == pytest.approx(0.0, abs=np.radians(0.1))
+
+
+def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion() -> None:
+    capture = swaying(3)
+    motion, actor = normalize(capture)
+    track = tracked_track(FollowTracked("LeftHand"), capture)
+    own = adapt(AdaptRequest(motion, actor.morphology))
+    assert track.places.shape == (capture.frame_count, 3)
+    source = hold(stand(motion, actor.morphology, (), Ground()), ())
+    wrist = source.positions[:, actor.morphology.layout.wrist(0)]
+    assert track.places == pytest.approx(wrist, abs=0.02)  # the body is set on the ground, the capture is not
+    assert own.frame_count == len(track.rotations)
+    with pytest.raises(StudioError, match="No joint is called 'Ball'"):
+        tracked_track(FollowTracked("Ball"), capture)
+
+
+@every_body
+def test_another_performer_is_followed_as_the_stage_has_it(body: Morphology) -> None:
+    other, leader, own = (
+        solved(BODIES["giant"]),
+        Placement((3.0, 1.0), 2.0),
+        Placement((0.5, -1.0), 0.4),
+    )
+    rows = np.arange(WALK.frame_count) * 0.5
+    follow = FollowPerformer("giant", LEFT)
+    track = performer_track(follow.point, follow.turn, other, rows, leader, own)
+    stage = leader.to_stage(place_of(LEFT, other))
+    assert own.to_stage(track.places)[::2] == pytest.approx(stage[: len(rows[::2])], abs=1e-9)
+    assert own.to_stage(track.places)[1] == pytest.approx((stage[0] + stage[1]) / 2, abs=1e-9)
+    adapted = solved(body, ask(LookAtConstraint, EYES, HEAD, target=follow), tracks={follow: track}, frames=(10, 20))
+    fixed = ask(LookAtConstraint, EYES, HEAD, target=tuple(track.places[15]))
+    assert adapted.rotations[5] == pytest.approx(solved(body, fixed, frames=(15, 15)).rotations[0], abs=1e-9)
+
+
+def test_what_is_followed_and_not_there_is_told_by_the_constraint() -> None:
+    with pytest.raises(StudioError, match="'PositionConstraint' follows something that is not there"):
+        solved(BODIES["child"], ask(PositionConstraint, RIGHT, target=FollowProp("gone")))
+
+
+@every_body
+def test_one_frame_alone_is_as_in_the_whole_clip(body: Morphology) -> None:
+    path = place_of(RIGHT, solved(body))
+    keyed = KeyedPlace((0.2, 0.6, 1.2), tuple(tuple(path[f] + [0.03, 0.0, 0.05]) for f in (12, 36, 72)))
+    constraints = (
+        ask(PositionConstraint, RIGHT, ALL, target=keyed),
+        ask(LookAtConstraint, EYES, HEAD, 1, target=FollowBody(RIGHT)),
+        ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), 2, place=Support()),
+    )
+    whole = solved(body, *constraints)
+    for frame in (0, 33, 89):
+        alone = solved(body, *constraints, frames=(frame, frame))
+        assert alone.positions[0] == pytest.approx(whole.positions[frame], abs=1e-9)
+
+
+@every_body
+def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body: Morphology) -> None:
+    margin = 0.01
+    asked = ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), place=Support(margin))
+    standing = stand(WALK, body, CONTACTS, Ground())
+    before, adapted = hold(standing, ()), hold(standing, (asked,))
+    states = standing.footing.states
+    areas, presence = smoothed(outlines(before.positions, before.rotations, states, body), RATE)
+    held = (presence > 1.0 - 1e-9) & (adapted.residuals[0] < 1e-3)
+    margins = [support_margins(areas, centre_of_mass(each)[:, :2]) for each in (before, adapted)]
+    assert held.sum() > 30
+    assert margins[1][held].min() > -1e-3
+    assert margins[0].min() < margins[1].min()
+    plain = outlines(before.positions, before.rotations, states, body)
+    assert np.nanmin(support_margins(plain, plain_centre(plain))) > 0.0
+
+
+def plain_centre(areas: np.ndarray) -> np.ndarray:
+    """(F, 2) the middle of outlines, from their support functions."""
+    angles = np.arange(areas.shape[1]) * 2 * np.pi / areas.shape[1]
+    return 2.0 / areas.shape[1] * areas @ np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+@pytest.mark.parametrize(
+    ("kind", "more", "sentence"),
+    [
+        (PositionConstraint, {"target": FollowBody(LEFT)}, "a point cannot follow itself"),
+        (OrientationConstraint, {"target": FollowBody(LEFT)}, "a segment cannot follow itself"),
+        (DistanceConstraint, {"other": FollowBody(LEFT)}, "no distance from itself"),
+        (DistanceConstraint, {"distance": KeyedNumber((0.0, 1.0), (0.1, -0.1))}, "zero or more"),
+        (PositionConstraint, {"target": (0.0, np.nan, 0.0)}, "finite"),
+        (BalanceConstraint, {"place": (0.0, np.nan, 0.0)}, "finite"),
+    ],
+)
+def test_targets_that_make_no_sense_are_refused_by_name(kind: Any, more: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(ValueError, match=rf"'{kind.__name__}'.*{sentence}"):
+        ask(kind, LEFT, **more)
