@@ -96,5 +96,5 @@ class GizmoDrag:
 
     def cancel(self) -> None:
         """The thing goes back, and the edit vanishes from the history."""
-        self._movable.move(self._begin, self._number)
+        self._movable.put_back(self._number)
         self._live.interactive = False

@@ -52,18 +52,26 @@ class Figure:
 
 
 def figure_of(constraint: Constraint, pose: Posed, floor: float) -> Figure:
-    """How ``constraint`` looks on a body at a moment, over a ground ``floor`` metres high."""
+    """How ``constraint``, as it is at a moment, looks on a body then, over a ground ``floor`` metres high."""
     draw = _FIGURES.get(type(constraint))
     return draw(constraint, pose, floor) if draw else Figure()
 
 
+def with_outline(figure: Figure, outline: FloatArray | None, floor: float) -> Figure:
+    """The figure with the outline (N, 2) of what the body stands on."""
+    if outline is None:
+        return figure
+    closed = np.column_stack([np.concatenate([outline, outline[:1]]), np.full(len(outline) + 1, floor)])
+    return replace(figure, lines=(*figure.lines, closed))
+
+
 def _position(constraint: PositionConstraint, pose: Posed, floor: float) -> Figure:
-    link = np.stack([_point(pose, constraint.point), constraint.target])
+    link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     return Figure(link=link, missed=_length(link) > REACHED)
 
 
 def _look_at(constraint: LookAtConstraint, pose: Posed, floor: float) -> Figure:
-    link = np.stack([_point(pose, constraint.point), constraint.target])
+    link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     gaze, way = _turn(pose, constraint.point)[:, 0], link[1] - link[0]
     angle = float(np.arctan2(np.linalg.norm(np.cross(gaze, way)), gaze @ way))
     return Figure(link=link, link_always=True, missed=angle > measure_of(constraint).held_below)
@@ -73,7 +81,8 @@ def _distance(constraint: DistanceConstraint, pose: Posed, floor: float) -> Figu
     other = constraint.other
     end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
     link = np.stack([_point(pose, constraint.point), end])
-    return Figure(link=link, link_always=True, missed=abs(_length(link) - constraint.distance) > REACHED)
+    distance = float(np.array(constraint.distance))
+    return Figure(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED)
 
 
 def _orientation(constraint: OrientationConstraint, pose: Posed, floor: float) -> Figure:
@@ -89,16 +98,16 @@ def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> Figure
     x, y, _ = _mass(pose)
     below = np.array([x, y, floor])
     disc = below + DISC * _CIRCLE
-    if constraint.place is None:
+    if not isinstance(constraint.place, tuple):
         return Figure(lines=(disc, below + RING * _CIRCLE), faces=(disc,))
-    asked = np.array([*constraint.place, floor])
+    asked = np.array([*constraint.place[:2], floor])
     link = np.stack([below, asked])
     return Figure((disc, asked + RING * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
 
 
 def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> Figure:
     lines, faces = _SHAPES[constraint.shape](np.array(constraint.size))
-    turn = Placement(heading=constraint.heading).rotation
+    turn = Placement(heading=float(np.array(constraint.heading))).rotation
     if constraint.shape is AreaShape.HALF_SPACE:
         turn = np.eye(3)
     centre = np.array(constraint.centre)

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from studio.core.constraints.balance import Support
 from studio.core.project import Project
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_figures import Figure, figure_of
+from studio.viewport.handle_figures import Figure, figure_of, with_outline
 from studio.viewport.handle_places import handle_place
+from studio.viewport.moments import Moment
 from studio.viewport.performance import Posed
 
 
@@ -43,15 +45,20 @@ def constraint_handles(project: Project, posed: Mapping[str, Posed], active: str
     handles = []
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
         for constraint_id, constraint in project.constraints_of(pose.motion_id or "").items():
-            if not constraint.enabled:
+            moment = Moment(project, posed, pose)
+            now = moment.fixed(constraint) if constraint.enabled else None
+            if now is None:
                 continue
             floor = floor_under(project, pose)
-            place = handle_place(constraint, floor)
+            place = handle_place(now, floor)
+            figure = figure_of(now, pose, floor)
+            if isinstance(getattr(constraint, "place", None), Support):
+                figure = with_outline(figure, moment.outline(), floor)
             handles.append(
                 Handle(
                     constraint_id, performer_id, constraint.kind,
                     None if place is None else pose.placement.to_stage(place),
-                    figure_of(constraint, pose, floor).placed(pose.placement),
+                    figure.placed(pose.placement),
                     float(constraint.activation.at(pose.seconds)), performer_id == active,
                 )
             )  # fmt: skip

@@ -6,11 +6,13 @@ from typing import Protocol
 import numpy as np
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.keyed import KeyedPlace
 from studio.core.placement import Placement
 from studio.core.project import Prop
 from studio.document.document import Document
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_places import handle_place, is_flat, with_handle_place
+from studio.viewport.handle_places import HELD_BY, handle_place, is_flat
+from studio.viewport.moments import Moment
 
 
 class Movable(Protocol):
@@ -29,12 +31,16 @@ class Movable(Protocol):
     def move(self, place: FloatArray, gesture: int) -> None:
         """Put it at ``place`` (3,), as a part of a gesture."""
 
+    def put_back(self, gesture: int) -> None:
+        """Put it as it was when this was made."""
+
 
 class Target:
-    """The place by which a constraint is held, as the performer at ``placement`` on a ``floor`` sees it."""
+    """The place by which a constraint is held, as a performer on a ``floor`` sees it at a moment."""
 
-    def __init__(self, document: Document, constraint_id: str, placement: Placement, floor: float) -> None:
-        self._document, self._id, self.placement, self._floor = document, constraint_id, placement, floor
+    def __init__(self, document: Document, constraint_id: str, moment: Moment, floor: float) -> None:
+        self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
+        self.placement, self._begin = moment.pose.placement, self._constraint
 
     @property
     def _constraint(self) -> Constraint:
@@ -48,14 +54,19 @@ class Target:
     @property
     def place(self) -> FloatArray:
         """(3,) in the space of the motion."""
-        return np.array(handle_place(self._constraint, self._floor))
+        now = self._moment.fixed(self._constraint)
+        return np.array(handle_place(now, self._floor) if now else None)
 
     def move(self, place: FloatArray, gesture: int) -> None:
         """Put it at ``place``."""
         old = self._constraint
         x, y, z = place.tolist()
-        new = with_handle_place(old, (x, y, z))
-        self._document.replace("constraints", self._id, new, f"Move target of {old.name}", gesture)
+        text = f"{'Key' if is_keyed(old) else 'Move'} target of {old.name}"
+        self._document.replace("constraints", self._id, self._moment.moved(self._begin, (x, y, z)), text, gesture)
+
+    def put_back(self, gesture: int) -> None:
+        """As it was: without the key that a drag has set."""
+        self._document.replace("constraints", self._id, self._begin, f"Move target of {self._begin.name}", gesture)
 
 
 class PlacedProp:
@@ -65,7 +76,7 @@ class PlacedProp:
 
     def __init__(self, document: Document, prop_id: str) -> None:
         self._document, self._id = document, prop_id
-        self.placement = Placement()
+        self.placement, self._begin = Placement(), self._prop
 
     @property
     def _prop(self) -> Prop:
@@ -81,13 +92,23 @@ class PlacedProp:
         new = replace(self._prop, position=tuple(place.tolist()))
         self._document.replace("props", self._id, new, f"Move {self._prop.name}", gesture)
 
+    def put_back(self, gesture: int) -> None:
+        """Where it was."""
+        self._document.replace("props", self._id, self._begin, f"Move {self._begin.name}", gesture)
 
-def selected_movable(document: Document, placement: Placement, floor: float) -> Movable | None:
+
+def selected_movable(document: Document, moment: Moment | None, floor: float) -> Movable | None:
     """What the gizmo stands on: the current selection, if it can be moved."""
     collection, entity_id = document.selection.current or ("", "")
     if collection == "props" and entity_id in document.project.props:
         return PlacedProp(document, entity_id)
     constraint = document.project.constraints.get(entity_id) if collection == "constraints" else None
-    if constraint is None or handle_place(constraint) is None:
+    now = moment.fixed(constraint) if constraint and moment else None
+    if moment is None or now is None or handle_place(now) is None:
         return None
-    return Target(document, entity_id, placement, floor)
+    return Target(document, entity_id, moment, floor)
+
+
+def is_keyed(constraint: Constraint) -> bool:
+    """Whether the place by which it is held is keyed, so that a drag sets a key."""
+    return isinstance(getattr(constraint, HELD_BY.get(constraint.kind, ""), None), KeyedPlace)

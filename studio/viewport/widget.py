@@ -11,7 +11,6 @@ from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheel
 from PySide6.QtWidgets import QWidget
 
 from studio.core.constraints.base import BodyPoint
-from studio.core.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
@@ -26,6 +25,7 @@ from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles, floor_under
+from studio.viewport.moments import Moment
 from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
@@ -227,7 +227,8 @@ class Viewport(Canvas):
         """What the gizmo moves."""
         pose = self.posed.get(self._document.active_performer_id or "")
         floor = floor_under(self._document.project, pose) if pose else 0.0
-        return selected_movable(self._document, pose.placement if pose else Placement(), floor)
+        moment = Moment(self._document.project, self.posed, pose) if pose else None
+        return selected_movable(self._document, moment, floor)
 
     def handles(self) -> list[Handle]:
         """The constraint handles on show."""

@@ -11,6 +11,7 @@ from studio.core.constraints.keyed import Quaternion
 from studio.core.kinematics import joint_world
 from studio.core.morphology import Morphology
 from studio.core.placement import Placement
+from studio.core.pose import PoseSequence
 from studio.core.project import Prop
 from studio.core.rotations import to_matrix
 from studio.core.solver.packing import point_indices
@@ -59,11 +60,17 @@ def prop_track(follow: FollowProp, prop: Prop, own: Placement) -> Track:
     return Track(own.to_motion(place)[None], axes[None])
 
 
-def tracked_track(follow: FollowTracked, capture: Capture) -> Track:
-    """A joint as it was recorded, in the space of the capture's motion. Raises StudioError when there is none."""
+def tracked_track(follow: FollowTracked, capture: Capture, frame: int | None = None) -> Track:
+    """A joint as it was recorded, in the space of the capture's motion; in one ``frame``, or in all.
+
+    Raises StudioError when there is no such joint.
+    """
     joint = capture.skeleton.index(follow.joint)
-    places, rotations = joint_world(capture.skeleton, capture.poses)
+    frames = np.arange(capture.frame_count) if frame is None else np.array([frame])
+    rows = np.append(frames, capture.first_frame)
+    poses = PoseSequence(capture.poses.local_rotations[rows], capture.poses.local_translations[rows])
+    places, rotations = joint_world(capture.skeleton, poses)
     root = 0 if capture.body_map is None else capture.body_map.spine[0]
-    origin = np.array([*places[capture.first_frame, root, :2], capture.floor])
-    axes = rotations[:, joint]
+    origin = np.array([*places[-1, root, :2], capture.floor])
+    places, axes = places[:-1], rotations[:-1, joint]
     return Track(places[:, joint] + axes @ np.array(follow.offset) - origin, axes @ to_matrix(np.array(follow.turn)))

@@ -89,10 +89,15 @@ def support_path(
     return masses
 
 
+def corners(areas: FloatArray) -> FloatArray:
+    """(F, N, 2) the corners of outlines (F, N), anticlockwise."""
+    ahead = np.roll(areas, -1, axis=1)
+    return np.asarray(areas[..., None] * _NORMALS + ((ahead - areas * _COSINE) / _SINE)[..., None] * _SIDEWAYS)
+
+
 def nearest_within(areas: FloatArray, points: FloatArray) -> FloatArray:
     """(F, 2) the places of outlines (F, N) that are nearest to ``points`` (F, 2)."""
-    ahead = np.roll(areas, -1, axis=1)
-    ends = areas[..., None] * _NORMALS + ((ahead - areas * _COSINE) / _SINE)[..., None] * _SIDEWAYS
+    ends = corners(areas)
     begins = np.roll(ends, 1, axis=1)
     edges, away = ends - begins, points[:, None] - begins
     along = np.sum(away * edges, axis=2) / np.maximum(np.sum(edges * edges, axis=2), 1e-12)

@@ -1,16 +1,18 @@
 """Targets as arrays over time: fixed ones, keyed ones, and the paths of what is followed."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.balance import Support
-from studio.core.constraints.follow import FOLLOWS, Follow
+from studio.core.constraints.base import Constraint, Vector
+from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.target import Place, Turn
-from studio.core.rotations import to_matrix
+from studio.core.rotations import from_matrix, to_matrix
 
 FloatArray = NDArray[np.float64]
 
@@ -72,3 +74,41 @@ class Targets:
         turns[:, 0, 1] = -turns[:, 1, 0]
         turns[:, 2, 2] = 1.0
         return turns
+
+
+def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
+    """The constraint as it is at the first time of ``targets``: what is keyed or followed becomes plain numbers."""
+    changes: dict[str, Any] = {}
+    for name in (field.name for field in fields(constraint)):
+        value = getattr(constraint, name)
+        if isinstance(value, KeyedTurn) or (isinstance(value, FOLLOWS) and constraint.kind == "orientation"):
+            changes[name] = tuple(from_matrix(targets.turns(value)[0]).tolist())
+        elif isinstance(value, (KeyedPlace, *FOLLOWS)):
+            changes[name] = tuple(targets.places(value)[0].tolist())
+        elif isinstance(value, KeyedNumber):
+            changes[name] = float(targets.numbers(value)[0])
+    if "centre" in changes and hasattr(constraint, "heading"):
+        turn = targets.headings(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
+        changes["heading"] = float(np.arctan2(turn[1, 0], turn[0, 0]))
+    return replace(constraint, **changes) if changes else constraint
+
+
+def moved_target(target: Place, place: Vector, seconds: float, track: Track | None) -> Place:
+    """``target`` so that it is at ``place`` at ``seconds``: a key is set there; what is followed gets another offset.
+
+    ``track`` is where what is followed is at that moment, in its first frame.
+    """
+    if isinstance(target, KeyedPlace):
+        return target.with_key(seconds, place)
+    if not isinstance(target, FOLLOWS) or track is None:
+        return place
+    axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
+    further = axes.T @ (np.array(place) - track.places[0])
+    if isinstance(target, FollowProp | FollowTracked):
+        return replace(target, offset=_sum(target.offset, further))
+    return replace(target, point=replace(target.point, offset=_sum(target.point.offset, further)))
+
+
+def _sum(offset: Vector, further: FloatArray) -> Vector:
+    x, y, z = (np.array(offset) + further).tolist()
+    return x, y, z
