@@ -9,10 +9,10 @@ from studio.core.canonical import BodyLayout
 from studio.core.character import Character
 from studio.core.placement import Placement
 from studio.core.skin import skin_vertices
+from studio.engine.performance import Posed
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
-from studio.viewport.performance import Posed
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> Any:

@@ -18,9 +18,9 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Project
 from studio.core.rotations import from_matrix
+from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
-from studio.viewport.performance import Posed
 
 HOLD, RAMP = 0.1, 0.3
 """Seconds held on either side of the playhead, and eased beyond."""

@@ -16,9 +16,9 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.placement import Placement
 from studio.core.rotations import to_matrix
 from studio.engine.measures import measure_of
+from studio.engine.performance import Posed
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
-from studio.viewport.performance import Posed
 
 REACHED = 0.003
 """Metres; nearer than this the point counts as on its target."""

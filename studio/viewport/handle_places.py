@@ -1,9 +1,7 @@
 """The place by which a constraint is held and dragged, by its kind."""
 
 from studio.core.constraints.base import Constraint, Vector
-
-HELD_BY = {"position": "target", "look_at": "target", "distance": "other", "area": "centre", "balance": "place"}
-"""The value that is the handle's place; other kinds have no place."""
+from studio.engine.moments import HELD_BY
 
 
 def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:

@@ -7,11 +7,11 @@ import numpy as np
 
 from studio.core.constraints.balance import Support
 from studio.core.project import Project
+from studio.engine.moments import Moment
+from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_figures import Figure, figure_of, with_outline
 from studio.viewport.handle_places import handle_place
-from studio.viewport.moments import Moment
-from studio.viewport.performance import Posed
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ from studio.core.constraints.keyed import KeyedPlace
 from studio.core.placement import Placement
 from studio.core.project import Prop
 from studio.document.document import Document
+from studio.engine.moments import HELD_BY, Moment
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_places import HELD_BY, handle_place, is_flat
-from studio.viewport.moments import Moment
+from studio.viewport.handle_places import handle_place, is_flat
 
 
 class Movable(Protocol):

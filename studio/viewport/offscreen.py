@@ -5,10 +5,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.performance import posed_performers
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import opening_camera
 from studio.viewport.paths import trails
-from studio.viewport.performance import posed_performers
 from studio.viewport.scene import Pixels, StageScene
 from studio.viewport.stills import SAMPLES, Still
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.performance import Posed
 
 AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, 52, -40, 40, -30, 30))
 """From where the bodies face; an earlier one is the more pleasant if both show the bodies equally well."""

@@ -11,8 +11,8 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.contacts import ContactInterval
 from studio.core.project import Project
 from studio.document import colours
+from studio.engine.performance import FloatArray, Posed
 from studio.viewport.body_points import point_path
-from studio.viewport.performance import FloatArray, Posed
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
 RING_RADIUS, MARK_RADIUS = 0.20, 0.045

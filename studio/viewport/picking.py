@@ -7,10 +7,10 @@ import numpy as np
 
 from studio.core.placement import Placement
 from studio.core.project import Project
+from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.figure import bone_pairs
-from studio.viewport.performance import Posed
 
 JOINT_REACH = 14.0
 """A joint is hit within so many pixels."""

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from studio.core.project import Project
+from studio.engine.performance import Results, stage_time
 from studio.engine.residuals import Residual, worst_residual
-from studio.viewport.performance import Results, stage_time
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from studio.core.character import Character
 from studio.core.ground import Ground
 from studio.core.project import Project
+from studio.engine.performance import Posed
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
 from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
@@ -20,7 +21,6 @@ from studio.viewport.ground_visual import GroundVisual
 from studio.viewport.live_mesh import LiveLines, flat_actor
 from studio.viewport.material import SkyShading, light_like_a_studio
 from studio.viewport.paths import StagePath
-from studio.viewport.performance import Posed
 
 Pixels = NDArray[np.uint8]
 PROP_COLOUR = "#8a8f96"

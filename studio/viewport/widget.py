@@ -15,6 +15,8 @@ from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
+from studio.engine.moments import Moment
+from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
 from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
@@ -25,12 +27,10 @@ from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles, floor_under
-from studio.viewport.moments import Moment
 from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.paths import StagePath, contact_marks, selection_rings, trails
-from studio.viewport.performance import Posed, pose_of, posed_performers, resting_performers
 from studio.viewport.picking import PickedJoint
 from studio.viewport.problem import Problem, worst_problem
 

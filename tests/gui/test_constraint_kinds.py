@@ -1,6 +1,5 @@
 """Every kind of constraint from the menu to the inspector and the gizmo, as a person would."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,16 +10,13 @@ from PySide6.QtWidgets import QAbstractButton, QApplication, QComboBox
 from studio.core.canonical import BodyPart
 from studio.core.constraints.area import AreaShape
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.keyed import KeyedPlace
 from studio.core.metrics import centre_of_mass
-from studio.core.project import Prop
 from studio.document.document import Document
+from studio.engine.moments import Moment
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.gizmo import AXES
-from studio.viewport.handle_places import HELD_BY, handle_place
-from studio.viewport.moments import Moment
+from studio.viewport.handle_places import handle_place
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.gui.test_viewport import drag, joint_pixel, settle
@@ -240,51 +236,3 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
         else:
             assert handle_place(moved, floor=0.3) == (0.1, 0.2, 0.3)
         document.undo_stack.undo()
-
-
-def keyed(studio, kind="position"):
-    """A constraint whose place has a key at 0.1 s, before the playhead at 0.2 s."""
-    viewport, document, _ = studio
-    constraint = add(studio, kind)
-    name = HELD_BY[kind]
-    place = getattr(constraint, name)
-    new = replace(constraint, **{name: KeyedPlace((0.1,), (place,))})
-    document.replace("constraints", document.selection.current[1], new, "Key")
-    viewport.frame_selection()
-    settle(viewport)
-    return new
-
-
-@pytest.mark.parametrize("kind", ["position", "look_at", "area"])
-def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_back(studio, kind):
-    viewport, document, _ = studio
-    before = keyed(studio, kind)
-    gizmo = viewport.gizmo()
-    tip = gizmo.tips[AXES.index("z")]
-    begin, end = (QPoint(*np.rint(gizmo.centre + share * (tip - gizmo.centre)).astype(int)) for share in (0.7, 1.5))
-    QTest.mousePress(viewport, LEFT, Qt.KeyboardModifier.NoModifier, begin)
-    QTest.mouseMove(viewport, (begin + end) / 2)
-    QTest.mouseMove(viewport, end)
-    QTest.keyClick(viewport, Qt.Key.Key_Escape)
-    QTest.mouseRelease(viewport, LEFT, Qt.KeyboardModifier.NoModifier, end)
-    assert current(document) == before
-    drag(viewport, begin, end)
-    target = getattr(current(document), HELD_BY[kind])
-    assert target.times == (0.1, 0.2)
-    assert target.values[0] == getattr(before, HELD_BY[kind]).values[0]
-    assert target.values[1][2] > target.values[0][2] + 0.02
-    assert document.undo_stack.undoText() == f"Key target of {before.name}"
-
-
-def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag_offsets_it(studio):
-    viewport, document, _ = studio
-    prop_id = document.add("props", Prop("Box", position=(0.4, 0.3, 0.9), heading=0.5), "Add box")
-    constraint = add(studio, "position")
-    new = replace(constraint, target=FollowProp(prop_id))
-    document.replace("constraints", document.selection.current[1], new, "Follow")
-    settle(viewport)
-    [handle] = [one for one in viewport.handles() if one.main]
-    assert handle.target == pytest.approx([0.4, 0.3, 0.9])
-    pose = viewport.posed["performer 0"]
-    moved = Moment(document.project, viewport.posed, pose).moved(new, tuple(pose.placement.to_motion([0.5, 0.3, 1.0])))
-    assert moved.target.offset == pytest.approx((0.1 * np.cos(0.5), -0.1 * np.sin(0.5), 0.1))

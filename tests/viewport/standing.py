@@ -29,7 +29,7 @@ def standing(project: Project, performer_id: str) -> AdaptedMotion:
 
 def _misses(motion: AdaptedMotion, constraint: Constraint) -> Any:
     """(FRAMES,) metres from a target; what other kinds ask, the standing bodies do."""
-    if not isinstance(constraint, PositionConstraint):
+    if not isinstance(constraint, PositionConstraint) or not isinstance(constraint.target, tuple):
         return np.zeros(FRAMES)
     return np.linalg.norm(point_path(motion, constraint.point) - constraint.target, axis=1)
 

@@ -3,9 +3,9 @@ import pytest
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.engine.performance import posed_performers
 from studio.viewport.opening import opening_camera
 from studio.viewport.paths import contact_marks, selection_rings, trails
-from studio.viewport.performance import posed_performers
 from tests.builders import make_contact, make_project
 from tests.viewport.standing import RATE, results_of
 

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from studio.core.project import Prop
+from studio.engine.performance import posed_performers
 from studio.viewport.body_points import body_joints, point_path
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.performance import posed_performers
 from studio.viewport.picking import body_at, joint_at, prop_at
 from tests.builders import make_project
 from tests.viewport.standing import results_of

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
@@ -13,9 +14,12 @@ from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.target import follows_of
 from studio.core.project import Project
 from studio.core.solver.tracks import Targets, Track, fixed_at, moved_target
-from studio.viewport.camera import FloatArray
-from studio.viewport.handle_places import HELD_BY
-from studio.viewport.performance import Posed
+from studio.engine.performance import Posed
+
+FloatArray = NDArray[np.float64]
+
+HELD_BY = {"position": "target", "look_at": "target", "distance": "other", "area": "centre", "balance": "place"}
+"""The value of a kind that is the place by which it is held; other kinds have none."""
 
 
 @dataclass(frozen=True, eq=False)

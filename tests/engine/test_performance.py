@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.placement import Placement
 from studio.core.project import Clip
-from studio.viewport.performance import motion_time, posed_performers, row_at, stage_time
+from studio.engine.performance import motion_time, posed_performers, row_at, stage_time
 from tests.builders import make_project
 from tests.viewport.standing import FRAMES, RATE, results_of
 
