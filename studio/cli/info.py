@@ -110,18 +110,21 @@ def _round_trip(capture: Capture) -> Record | None:
 def _character(path: Path, options: ImportOptions) -> Record:
     read = load_character(path, options)
     character = read.character
+    look = character.skin.appearance
     skeleton = character_skeleton(character.morphology)
     return {
         "kind": "character",
         "joints": int(np.count_nonzero(~skeleton.end_sites)),
         "unit": "m",
         "up_axis": "Z",
-        "body_map": character_body_map(character.morphology.layout).to_json(skeleton),
+        "body_map": dict(read.joints) or character_body_map(character.morphology.layout).to_json(skeleton),
         "assumptions": _sentences(read.guesses),
         "repairs": list(read.repairs),
         "name": character.name,
         "stature": character.morphology.stature,
         "vertices": len(character.skin.vertices),
+        "materials": len(look.materials) if look else 0,
+        "textures": sum(material.texture is not None for material in look.materials) if look else 0,
     }
 
 
@@ -140,7 +143,20 @@ def lines_of(record: Record) -> list[str]:
 
 
 _SHOWN = (
-    *("name", "stature", "frames", "frame_rate", "joints", "unit", "up_axis", "first_frame", "floor"),
+    *(
+        "name",
+        "stature",
+        "vertices",
+        "materials",
+        "textures",
+        "frames",
+        "frame_rate",
+        "joints",
+        "unit",
+        "up_axis",
+        "first_frame",
+        "floor",
+    ),
     *("body_map", "contacts", "round_trip", "contents"),
 )
 

@@ -9,7 +9,10 @@ from studio.core.skin import Blending, SkinnedMesh
 
 @dataclass(frozen=True)
 class Character:
-    """A body that can perform. ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``."""
+    """A body that can perform. ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``.
+
+    Raises ValueError when the skin does not fit the build.
+    """
 
     name: str
     colour: str
@@ -17,6 +20,10 @@ class Character:
     skin: SkinnedMesh
     proportions: Proportions = field(default_factory=Proportions)
     blending: Blending = Blending.LINEAR
+
+    def __post_init__(self) -> None:
+        if not self.skin.fits(self.build.layout.segment_count):
+            raise ValueError("skin: it is bound to segments that the build has not.")
 
     @cached_property
     def morphology(self) -> Morphology:

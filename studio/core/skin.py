@@ -82,6 +82,10 @@ class SkinnedMesh:
         if look and (len(look.coordinates), len(look.triangle_materials)) != (len(self.vertices), len(self.triangles)):
             raise ValueError("appearance: does not fit the mesh.")
 
+    def fits(self, segment_count: int) -> bool:
+        """Whether a body of so many segments can carry it."""
+        return int(self.segments.max()) < segment_count and (self.stance is None or len(self.stance) == segment_count)
+
     def _check_stance(self, stance: FloatArray) -> None:
         if stance.ndim != 3 or stance.shape[1:] != (3, 3) or not np.isfinite(stance).all():
             raise ValueError("stance: expected a rotation for every segment.")

@@ -6,7 +6,7 @@ import re
 import struct
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import lru_cache
 from io import BytesIO
@@ -14,24 +14,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from studio.core.appearance import Appearance, Material
 from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.morphology import Morphology, Proportions
-from studio.core.skin import SkinnedMesh
+from studio.core.skin import Blending, SkinnedMesh
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.replacing import replacing_all
+from studio.io.textures import checked_picture
 from studio.resources_folder import resources_folder
 
 FORMAT = "morpho-studio character"
 VERSION = 1
-_LIMIT = 50_000_000
+_LIMIT = 200_000_000
 _DAMAGE = (  # what zipfile and numpy raise over bytes that are no mesh
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError),
     *(KeyError, ValueError, TypeError, SyntaxError, NotImplementedError, RuntimeError, MemoryError),
 )
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
+_LOOK = ("triangle_materials", "coordinates")
 
 
 def is_character(head: bytes) -> bool:
@@ -63,6 +67,8 @@ def write_character(character: Character, path: Path) -> None:
         "mesh": mesh_path.name,
         "sha256": hashlib.sha256(mesh).hexdigest(),
         "proportions": asdict(character.proportions),
+        "blending": character.blending.value,
+        "materials": _material_records(character.skin.appearance),
         "build": character.build.to_json(),
     }
     with replacing_all(mesh_path, path) as (mesh_part, part):
@@ -86,12 +92,13 @@ def read_character(path: Path) -> Character:
     try:
         build = Morphology.from_json(_member(record, "build", dict, path))
         proportions = Proportions(**record.get("proportions", {}))
+        blending = Blending(record.get("blending", Blending.LINEAR))
     except (ValueError, TypeError) as error:
         raise StudioError(f"{path}: the measures are damaged. {error}") from error
-    skin = read_mesh(content, str(mesh_path))
-    if skin.segments.max() >= build.layout.segment_count:
+    skin = read_mesh(content, str(mesh_path), record.get("materials", []))
+    if not skin.fits(build.layout.segment_count):
         raise StudioError(f"{mesh_path}: 'segments' names a segment that this body has not.")
-    return Character(_member(record, "name", str, path), colour, build, skin, proportions)
+    return Character(_member(record, "name", str, path), colour, build, skin, proportions, blending)
 
 
 @lru_cache(maxsize=1)
@@ -105,6 +112,11 @@ def bundled_characters() -> Mapping[str, Character]:
 def mesh_bytes(mesh: SkinnedMesh) -> bytes:
     """A skinned mesh as the bytes of an .npz file; the same mesh always gives the same bytes."""
     arrays = {name: getattr(mesh, name) for name in _MEMBERS}
+    if mesh.stance is not None:
+        arrays["stance"] = mesh.stance
+    if mesh.appearance is not None:
+        arrays |= {name: getattr(mesh.appearance, name) for name in _LOOK}
+        arrays |= {f"texture_{place}": picture for place, picture in enumerate(_pictures(mesh.appearance))}
     for name in ("triangles", "segments"):
         arrays[name] = arrays[name].astype(np.min_scalar_type(int(arrays[name].max())))
     buffer = BytesIO()
@@ -116,16 +128,53 @@ def mesh_bytes(mesh: SkinnedMesh) -> bytes:
     return buffer.getvalue()
 
 
-def read_mesh(content: bytes, source: str) -> SkinnedMesh:
-    """Inverse of ``mesh_bytes``. Raises StudioError that names ``source`` and the damaged member."""
+def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> SkinnedMesh:
+    """Inverse of ``mesh_bytes``; ``materials`` are the records that the JSON file has of them.
+
+    Raises StudioError that names ``source`` and the damaged member.
+    """
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
             if sum(entry.file_size for entry in archive.infolist()) > _LIMIT:
                 raise StudioError(f"{source}: the mesh would unpack to more than {_LIMIT // 1_000_000} MB.")
         with np.load(BytesIO(content), allow_pickle=False) as file:
-            return SkinnedMesh(**{name: file[name] for name in _MEMBERS})
+            look = _appearance(file, materials) if len(materials) else None
+            stance = file.get("stance")
+            return SkinnedMesh(**{name: file[name] for name in _MEMBERS}, stance=stance, appearance=look)
     except _DAMAGE as error:
         raise StudioError(f"{source}: the mesh is damaged. {error}") from error
+
+
+def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:
+    """The textures of a look, each once."""
+    return list({id(each.texture): each.texture for each in look.materials if each.texture is not None}.values())
+
+
+def _material_records(look: Appearance | None) -> list[dict[str, Any]]:
+    if look is None:
+        return []
+    places = {id(picture): place for place, picture in enumerate(_pictures(look))}
+    return [
+        {
+            "name": each.name,
+            "colour": each.colour,
+            "texture": None if each.texture is None else places[id(each.texture)],
+            "two_sided": each.two_sided,
+        }
+        for each in look.materials
+    ]
+
+
+def _appearance(file: Mapping[str, Any], records: Sequence[Any]) -> Appearance:
+    pictures: dict[int, NDArray[np.uint8]] = {}
+    materials = []
+    for record in records:
+        place = record["texture"]
+        if place is not None and place not in pictures:
+            pictures[place] = checked_picture(file[f"texture_{int(place)}"].astype(np.uint8).tobytes())
+        texture = None if place is None else pictures[place]
+        materials.append(Material(str(record["name"]), str(record["colour"]), texture, bool(record["two_sided"])))
+    return Appearance(tuple(materials), *(file[name] for name in _LOOK))
 
 
 def _read_record(path: Path) -> dict[str, Any]:

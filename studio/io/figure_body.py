@@ -19,8 +19,10 @@ from studio.core.skeleton import Skeleton
 from studio.core.standing import standing_points
 from studio.io.body_maps import find_body, similar_joints
 from studio.io.figure import Figure, Piece
-from studio.io.guessing import AXES, guess_unit
+from studio.io.guessing import AXES, guess_unit, unit_called
+from studio.io.importing import ImportOptions
 from studio.io.mesh_shapes import unit
+from studio.io.registry import ReadCharacter
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -28,17 +30,6 @@ IntArray = NDArray[np.int64]
 PLAIN = "#B4BEC8"
 _LEGS_IN_METRES = (0.15, 3.0)
 _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
-
-
-@dataclass(frozen=True, eq=False)
-class ReadCharacter:
-    """A character out of a file, with all that was assumed and mended."""
-
-    character: Character
-    skeleton: Skeleton
-    body_map: BodyMap
-    guesses: tuple[Guess, ...] = ()
-    repairs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +49,12 @@ class _Body:
         return float(faults(self.points[None], self.body_map).max())
 
 
-def character_of(figures: Sequence[Figure]) -> ReadCharacter:
+def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadCharacter:
     """The character of a file whose bind pose is one of ``figures``: the one that stands most like a human at ease.
 
-    Raises StudioError when there is no human body in it.
+    Of ``options`` body map, unit and up axis are heard. Raises StudioError when there is no human body in it.
     """
-    bodies = [_body(figure) for figure in figures]
+    bodies = [_body(figure, options) for figure in figures]
     body = min(bodies, key=lambda body: body.fault)
     guesses = list(body.guesses)
     if len(bodies) > 1 and body is not bodies[0]:
@@ -71,7 +62,7 @@ def character_of(figures: Sequence[Figure]) -> ReadCharacter:
     return _embodied(body, guesses)
 
 
-def _body(figure: Figure) -> _Body:
+def _body(figure: Figure, options: ImportOptions) -> _Body:
     figure = _rooted(figure)
     parents = np.array(figure.parents)
     if not np.isfinite(figure.positions).all() or np.abs(figure.positions).max() > 1e9:
@@ -79,10 +70,10 @@ def _body(figure: Figure) -> _Body:
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
-    body_map, guess = _find(figure, skeleton)
-    to_world = _upright(figure.positions, body_map)
+    body_map, guess = _find(figure, skeleton, options)
+    to_world = _upright(figure, body_map, options.up_axis)
     leg = _leg(figure.positions, body_map)
-    scale, unit_guess = _scale(figure, leg)
+    scale, unit_guess = _scale(figure, leg, options.unit)
     guesses = [each for each in (guess, unit_guess) if each is not None]
     return _Body(figure, skeleton, body_map, scale * figure.positions @ to_world.T, scale * to_world, tuple(guesses))
 
@@ -104,10 +95,10 @@ def _rooted(figure: Figure) -> Figure:
     )
 
 
-def _find(figure: Figure, skeleton: Skeleton) -> tuple[BodyMap, Guess | None]:
-    if figure.parts:
+def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[BodyMap, Guess | None]:
+    if figure.parts and not options.body_map:
         return BodyMap.from_json(skeleton, figure.parts), None
-    found = find_body(skeleton, figure.positions[None])
+    found = find_body(skeleton, figure.positions[None], options.body_map)
     if found.body_map is not None:
         parts = len(found.body_map.parts)
         reason = f"Names as in {found.family}; topology and symmetry agree."
@@ -124,19 +115,29 @@ def _find(figure: Figure, skeleton: Skeleton) -> tuple[BodyMap, Guess | None]:
     )
 
 
-def _upright(points: FloatArray, body_map: BodyMap) -> FloatArray:
+def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArray:
     """(3, 3) turn from the file's axes so that trunk and left side lie along +Z and +Y; tilts below 30 degrees stay."""
+    points = figure.positions
 
     def pair(part: str) -> tuple[FloatArray, FloatArray]:
         return points[body_map[BodyPart[f"LEFT_{part}"]]], points[body_map[BodyPart[f"RIGHT_{part}"]]]
 
     hips, shoulders = pair("THIGH"), pair("UPPER_ARM")
-    up = _snapped(shoulders[0] + shoulders[1] - hips[0] - hips[1], 30.0)
+    trunk = shoulders[0] + shoulders[1] - hips[0] - hips[1]
+    up = _snapped(trunk, 30.0)
+    if up_axis is not None:
+        axis = AXES.get(up_axis.upper())
+        if axis is None:
+            raise StudioError(f"'{up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+        up = axis[2]
     left = hips[0] - hips[1]
     left = _snapped(left - left @ up * up, 8.0)
     left = left - left @ up * up
     if np.linalg.norm(up) < 0.5 or np.linalg.norm(left) < 1e-6:
-        raise StudioError("The body of this file has no width or no height: its hips or shoulders lie at one place.")
+        raise StudioError(
+            f"{figure.source}: its body has no width or no height, for hips or shoulders lie at one place. Export it"
+            " with its skeleton standing."
+        )
     left = left / np.linalg.norm(left)
     return np.stack([np.cross(left, up), left, up])
 
@@ -163,9 +164,11 @@ def _leg(points: FloatArray, body_map: BodyMap) -> float:
     return total / 2
 
 
-def _scale(figure: Figure, leg: float) -> tuple[float, Guess | None]:
+def _scale(figure: Figure, leg: float, unit_name: str | None) -> tuple[float, Guess | None]:
     if not np.isfinite(leg) or leg < 1e-9:
         raise StudioError(f"{figure.source}: its legs have no length. Export it with its skeleton standing.")
+    if unit_name is not None:
+        return unit_called(unit_name, leg).metres, None
     if _LEGS_IN_METRES[0] <= leg <= _LEGS_IN_METRES[1]:
         return 1.0, None
     scale, guess = guess_unit(leg)
@@ -197,7 +200,7 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     appearance = _appearance(pieces)
     skin = bound_mesh(measures, stance, root, vertices, normals, triangles, shares, appearance)
     character = Character(figure.name, _colour(appearance), measures, skin)
-    return ReadCharacter(character, skeleton, body.body_map, tuple(guesses), tuple(repairs))
+    return ReadCharacter(character, tuple(guesses), tuple(repairs), body.body_map.to_json(body.skeleton))
 
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[Piece]:

@@ -4,8 +4,8 @@ A format is one file: functions to ``sniff``, ``read`` or ``write``, named by th
 or by an entry point of the group ``morpho_studio.formats`` for anybody else's (``examples/trace_format.py`` is one).
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -35,6 +35,8 @@ class ReadCharacter:
     character: "Character"
     guesses: tuple["Guess", ...] = ()
     repairs: tuple[str, ...] = ()
+    joints: Mapping[str, str] = field(default_factory=dict)
+    """The file's own joints by part, where it has joints of its own."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,24 @@ OWN_FORMATS = (
         capture_reader="studio.io.s4d_format:load_s4d",
         annotation_reader="studio.io.s4d_format:load_annotations",
         motion_writer="studio.io.s4d_format:write_take",
+    ),
+    Format(
+        name="glTF",
+        suffixes=(".glb", ".gltf", ".vrm"),
+        sniff="studio.io.gltf.container:is_gltf",
+        character_reader="studio.io.gltf.character:load_character",
+    ),
+    Format(
+        name="X3D",
+        suffixes=(".x3d",),
+        sniff="studio.io.hanim:is_x3d",
+        character_reader="studio.io.hanim.character:load_x3d",
+    ),
+    Format(
+        name="VRML",
+        suffixes=(".wrl", ".x3dv", ".vrml"),
+        sniff="studio.io.hanim:is_vrml",
+        character_reader="studio.io.hanim.character:load_vrml",
     ),
     Format(
         name="Morpho Studio character",

@@ -9,8 +9,8 @@ import pytest
 from studio.core.skin import Blending, bound_pose, skin_vertices
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.io.characters import load_character
-from studio.io.figure_body import ReadCharacter
+from studio.io.importing import load_character
+from studio.io.registry import ReadCharacter
 from tests.conftest import CAPTURES
 from tests.real.taken import contacts_of, named, taken
 

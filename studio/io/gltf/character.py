@@ -2,10 +2,15 @@
 
 from pathlib import Path
 
-from studio.io.figure_body import ReadCharacter, character_of
+from studio.io.figure_body import character_of
 from studio.io.gltf.figure import read_figure
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress, ReadCharacter
 
 
-def read_gltf_character(path: Path) -> ReadCharacter:
+def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
     """Read joints, meshes and materials, and find the body. Raises StudioError."""
-    return character_of(read_figure(path))
+    progress(0.0, f"Reading {path.name}")
+    figures = read_figure(path)
+    progress(0.5, f"Finding the body in {path.name}")
+    return character_of(figures, options)

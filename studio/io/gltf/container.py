@@ -33,6 +33,11 @@ class GltfFile:
         return sum(map(len, self.buffers))
 
 
+def is_gltf(head: bytes) -> bool:
+    """Whether a file that begins with ``head`` is one."""
+    return head[:4] == MAGIC or (head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{" and b'"asset"' in head)
+
+
 def read_gltf(path: Path) -> GltfFile:
     """Read a .gltf, .glb or .vrm file. Raises StudioError saying what is damaged."""
     content = read_bytes(path)
