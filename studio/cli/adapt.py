@@ -27,9 +27,14 @@ FILE.json is told in docs/headless.md.
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Capture, characters, constraints, where to write."""
+    parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a motion of a human body")
+    add_shared_arguments(parser)
+
+
+def add_shared_arguments(parser: ArgumentParser) -> None:
+    """What holds for one capture as for many: characters, constraints, where to write, how to read."""
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.epilog = SPACE
-    parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a motion of a human body")
     parser.add_argument(
         "--character",
         nargs="+",

@@ -16,6 +16,7 @@ VERBS = {
     "info": "say what was read from a file, what was guessed, and how well it round-trips",
     "convert": "write a motion in another file format",
     "adapt": "adapt a capture to characters and report what was reached",
+    "batch": "adapt every capture of a folder, by many processes",
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
 }

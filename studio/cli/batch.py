@@ -1,0 +1,89 @@
+"""``batch``: every capture of a folder on characters, by many processes; what is done and unchanged is skipped."""
+
+import signal
+import sys
+import threading
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from studio.cli import adapt
+from studio.cli.adaptation import make_folder
+from studio.cli.batch_cluster import cluster, run_jobs
+from studio.cli.batch_jobs import Job, Record, done_before, find_jobs
+from studio.cli.batch_summary import rows_of, write_summary
+from studio.cli.printing import print_json
+from studio.core.errors import StudioError
+
+_OWN = ("folder", "out", "json", "scheduler", "workers", "run", "capture")
+"""Arguments on which no result depends."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Those of ``adapt``, with a folder for the capture, and where to work."""
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="captures, in folders below it too")
+    adapt.add_shared_arguments(parser)
+    parser.add_argument("--workers", type=int, metavar="N", help="processes on this machine; as many as it has cores")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="a running Dask cluster instead, such as tcp://host:8786"
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Adapt what is not done yet, one line on standard error a file; then the summary. 1 when any file failed."""
+    adapt.asked_by(arguments)
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    asked = {key: value for key, value in vars(arguments).items() if key not in _OWN}
+    make_folder(arguments.out)
+    jobs = find_jobs(arguments.folder, arguments.out, _absolute(asked))
+    records = {job.name: record for job in jobs if (record := done_before(job)) is not None}
+    unchanged = len(records)
+    for number, name in enumerate(records, 1):
+        _tell(number, len(jobs), name, "unchanged")
+    waiting = [job for job in jobs if job.name not in records]
+    try:
+        if waiting:
+            with cluster(arguments.scheduler, arguments.workers) as client:
+                for record in run_jobs(client, waiting):
+                    records[record["name"]] = record
+                    _tell(len(records), len(jobs), record["name"], record.get("error") or "done")
+    except KeyboardInterrupt:
+        sentence = f"Stopped after {len(records)} of {len(jobs)} files; the same command goes on from there."
+        raise StudioError(sentence) from None
+    finally:
+        ordered = [records[job.name] for job in jobs if job.name in records]
+        write_summary(arguments.out, ordered)
+    return _conclude(arguments, jobs, ordered, unchanged)
+
+
+def _absolute(asked: dict[str, object]) -> dict[str, object]:
+    """A worker may have another working folder."""
+    asked["character"] = [str(Path(name).resolve()) if Path(name).is_file() else name for name in asked["character"]]  # type: ignore[attr-defined]
+    for key in ("constraints", "body_map"):
+        asked[key] = Path(str(asked[key])).resolve() if asked[key] else None
+    return asked
+
+
+def _tell(number: int, count: int, name: str, words: str) -> None:
+    print(f"[{number}/{count}] {name}: {words}", file=sys.stderr, flush=True)
+
+
+def _conclude(arguments: Namespace, jobs: Sequence[Job], records: Sequence[Record], unchanged: int) -> int:
+    failed = [record for record in records if "error" in record]
+    if arguments.json:
+        print_json(
+            {
+                "ok": not failed,
+                "files": len(jobs),
+                "unchanged": unchanged,
+                "failed": len(failed),
+                "summary": str(arguments.out / "summary.csv"),
+                "page": str(arguments.out / "summary.html"),
+                "rows": rows_of(records),
+            }
+        )
+    else:
+        print(f"{len(jobs)} files: {len(jobs) - unchanged - len(failed)} adapted, {unchanged} unchanged", end=", ")
+        print(f"{len(failed)} failed. Summary: {arguments.out / 'summary.csv'}, {arguments.out / 'summary.html'}")
+    return 1 if failed else 0

@@ -1,0 +1,118 @@
+"""The jobs of a batch: one capture each, known by the content of all that its result depends on."""
+
+import hashlib
+import json
+from argparse import Namespace
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from studio import __version__
+from studio.cli.process import prepare_process
+from studio.core.errors import StudioError
+from studio.io.registry import known_formats
+
+Record = dict[str, Any]
+FILES_ASKED_FOR = ("constraints", "body_map")
+
+
+@dataclass(frozen=True)
+class Job:
+    """A capture to be adapted; plain values, so that any process on any machine can take it."""
+
+    name: str
+    """The capture's path from the folder of the batch, with slashes."""
+    capture: Path
+    folder: Path
+    """Where the adapted files go."""
+    report: Path
+    """A JSON file that tells what was done; it is written last."""
+    digest: str
+    """Of capture, characters, constraints and options: the same digest means the same result."""
+    arguments: Mapping[str, Any]
+    """Those of ``adapt``."""
+
+
+def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Job]:
+    """A job for every capture in ``source`` and below, those already under ``out`` aside. Raises StudioError."""
+    if not source.is_dir():
+        raise StudioError(f"'{source}' is no folder. Name the folder that holds the captures.")
+    suffixes, own = known_formats().suffixes("capture_reader"), out.resolve()
+    found = (path for path in sorted(source.rglob("*")) if path.suffix.lower() in suffixes and path.is_file())
+    captures = [path for path in found if own not in path.resolve().parents]
+    if not captures:
+        raise StudioError(f"'{source}' holds no captures. The studio reads {', '.join(suffixes)}.")
+    asked = _digest_of_asked(arguments)
+    stems = Counter(path.with_suffix("") for path in captures)
+    jobs = []
+    for path in captures:
+        name = path.relative_to(source)
+        folder = out / (name if stems[path.with_suffix("")] > 1 else name.parent)
+        digest = hashlib.sha256(asked + _content(path)).hexdigest()
+        report = out / "reports" / f"{name}.json"
+        jobs.append(Job(name.as_posix(), path.resolve(), folder.resolve(), report.resolve(), digest, arguments))
+    return jobs
+
+
+def done_before(job: Job) -> Record | None:
+    """The record of an earlier run whose inputs were the same and whose files are still as it wrote them."""
+    try:
+        record: Record = json.loads(job.report.read_bytes())
+        written = dict(record["written"])
+        same = record["digest"] == job.digest and all(_hash(Path(path)) == known for path, known in written.items())
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None  # no report, or none of ours: the job is done anew
+    return record if same else None
+
+
+def work(job: Job) -> Record:
+    """Adapt one capture, in whatever process this is; what goes wrong is told in the record and stops nothing."""
+    prepare_process()
+    from studio.cli.adapt import adapt_file, asked_by
+    from studio.cli.import_options import import_options
+    from studio.io.report_file import write_json
+
+    arguments, start = Namespace(**job.arguments), perf_counter()
+    record: Record = {"name": job.name, "digest": job.digest}
+    try:
+        record |= adapt_file(job.capture, import_options(arguments), asked_by(arguments), job.folder)
+        record["written"] = {each["file"]: _hash(Path(each["file"])) for each in record["characters"]}
+        record["seconds"] = perf_counter() - start
+        job.report.parent.mkdir(parents=True, exist_ok=True)
+        write_json(job.report, record)
+    except StudioError as error:
+        return failure(job, str(error))
+    except Exception as error:  # noqa: BLE001 - a fault of ours or of a format from outside costs this file alone
+        return failure(job, f"{job.name}: an error of the studio itself, {type(error).__name__}: {error}")
+    return record
+
+
+def failure(job: Job, error: str) -> Record:
+    """The record of a capture that could not be adapted."""
+    return {"name": job.name, "digest": job.digest, "error": error, "characters": []}
+
+
+def _digest_of_asked(arguments: Mapping[str, Any]) -> bytes:
+    digest = hashlib.sha256(f"{__version__} {sorted((key, str(value)) for key, value in arguments.items())}".encode())
+    for path in _files(arguments):
+        digest.update(_content(path))
+    return digest.digest()
+
+
+def _files(arguments: Mapping[str, Any]) -> Iterator[Path]:
+    yield from (Path(arguments[key]) for key in FILES_ASKED_FOR if arguments[key])
+    yield from (Path(name) for name in arguments["character"] if Path(name).is_file())
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise StudioError(f"{path} could not be read: {error.strerror}. Check the file and try again.") from error
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -1,0 +1,99 @@
+"""What a batch reached: a table for other programs, and a page of plots for people."""
+
+import csv
+from collections.abc import Sequence
+from html import escape
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from studio.io.replacing import write_whole
+
+Record = dict[str, Any]
+Row = dict[str, Any]
+
+COLUMNS = (
+    *("capture", "character", "file", "frames", "frame_rate", "slide_mm", "float_mm", "penetration_mm"),
+    *("residual_mm", "residual_deg", "targets", "reached", "microseconds_per_frame", "seconds", "error"),
+)
+PLOTS = (
+    ("Foot slide", "mm", "slide_mm"),
+    ("Feet below the ground", "mm", "penetration_mm"),
+    ("Worst residual of a place or distance", "mm", "residual_mm"),
+    ("Worst residual of a direction", "°", "residual_deg"),
+    ("Time of the solver a frame", "µs", "microseconds_per_frame"),
+)
+COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")
+WIDTH, HEIGHT, LEFT, BELOW = 900, 220, 60, 30
+STYLE = "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
+
+
+def rows_of(records: Sequence[Record]) -> list[Row]:
+    """A row for each capture and character; one with the error for a capture that failed."""
+    return [row for record in records for row in _rows(record)]
+
+
+def write_summary(folder: Path, records: Sequence[Record]) -> None:
+    """``summary.csv`` and ``summary.html`` in ``folder``. Raises StudioError when they cannot be written."""
+    rows = rows_of(records)
+    table = StringIO()
+    writer = csv.DictWriter(table, COLUMNS)
+    writer.writeheader()
+    writer.writerows(rows)
+    write_whole(folder / "summary.csv", table.getvalue().encode())
+    write_whole(folder / "summary.html", _page(records, rows).encode())
+
+
+def _rows(record: Record) -> list[Row]:
+    shared = {"capture": record["name"], "error": record.get("error"), "seconds": record.get("seconds")}
+    shared |= {key: record.get(key) for key in ("frames", "frame_rate")}
+    rows = []
+    for each in record["characters"] or [{}]:
+        targets = [target for target in each.get("constraints", ()) if target["reached"] is not None]
+        row = shared | {"character": each.get("name"), "targets": len(targets)}
+        row["reached"] = sum(target["reached"] for target in targets)
+        for unit in ("residual_mm", "residual_deg"):
+            row[unit] = max((target[unit] for target in targets if target[unit] is not None), default=None)
+        rows.append({column: _short(row.get(column, each.get(column))) for column in COLUMNS})
+    return rows
+
+
+def _short(value: Any) -> Any:
+    return float(f"{value:.6g}") if isinstance(value, float) else value
+
+
+def _page(records: Sequence[Record], rows: Sequence[Row]) -> str:
+    failed = [record for record in records if "error" in record]
+    names = list(dict.fromkeys(row["character"] for row in rows if row["character"]))
+    colours = {name: COLOURS[place % len(COLOURS)] for place, name in enumerate(names)}
+    legend = " ".join(f'<b style="color:{colour}">● {escape(name)}</b>' for name, colour in colours.items())
+    plots = "".join(_plot(title, unit, column, rows, colours) for title, unit, column in PLOTS)
+    errors = "".join(f"<tr><td>{escape(each['name'])}<td>{escape(each['error'])}" for each in failed)
+    return (
+        f'<!doctype html><meta charset="utf-8"><title>Batch</title><style>{STYLE}</style>'
+        f"<h1>{len(records)} captures, {len(failed)} failed</h1><p>Captures from left to right, a dot for each"
+        f" character; point at one for its name. {legend}{plots}"
+        + (f"<h2>Failed</h2><table>{errors}</table>" if failed else "")
+    )
+
+
+def _plot(title: str, unit: str, column: str, rows: Sequence[Row], colours: dict[str, str]) -> str:
+    """One dot a row, the captures side by side; nothing where no row has a figure."""
+    captures = {name: place for place, name in enumerate(dict.fromkeys(row["capture"] for row in rows))}
+    values = [(row, float(row[column])) for row in rows if row[column] is not None]
+    if not values:
+        return ""
+    most = max(value for _, value in values) or 1.0
+    wide, high = WIDTH - LEFT - 10, HEIGHT - BELOW - 10
+    dots = "".join(
+        f'<circle cx="{LEFT + wide * (captures[row["capture"]] + 0.5) / len(captures):.1f}"'
+        f' cy="{10 + high * (1.0 - value / most):.1f}" r="3.5" fill="{colours[row["character"]]}" fill-opacity="0.8">'
+        f"<title>{escape(row['capture'])}, {escape(row['character'])}: {value:.3g} {unit}</title></circle>"
+        for row, value in values
+    )
+    lines = "".join(
+        f'<path d="M{LEFT} {10 + high * (1 - share):.0f}H{WIDTH - 10}" stroke="#ddd"/><text x="{LEFT - 6}"'
+        f' y="{14 + high * (1 - share):.0f}" text-anchor="end" font-size="11">{most * share:.3g}</text>'
+        for share in (0.0, 0.5, 1.0)
+    )
+    return f'<h2>{title}, {unit}</h2><svg width="{WIDTH}" height="{HEIGHT}" role="img">{lines}{dots}</svg>'

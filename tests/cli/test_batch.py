@@ -1,0 +1,181 @@
+"""`batch`: a folder of captures over processes; nothing is done twice, nothing is lost, one bad file stops nothing."""
+
+import csv
+import json
+import multiprocessing
+import os
+import re
+import signal
+from pathlib import Path
+
+import pytest
+from distributed import Client, LocalCluster
+
+from studio.cli import batch
+from studio.cli.batch_jobs import Job, done_before, find_jobs, work
+from studio.cli.main import main
+from studio.io.export import write_capture
+from tests.builders import make_capture
+
+ASKED = {
+    "character": ["child"],
+    "constraints": None,
+    "format": "bvh",
+    "all_frames": False,
+    **dict.fromkeys(("unit", "up_axis", "frame_rate", "floor", "reference", "body_map")),
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Three captures, one of them in a folder below, and a file that is none."""
+    source = tmp_path / "captures"
+    (source / "kicks").mkdir(parents=True)
+    for seed, name in enumerate(("walk", "run", "kicks/walk")):
+        write_capture(make_capture(seed=seed), source / f"{name}.bvh")
+    (source / "notes.txt").write_text("not a capture")
+    return source
+
+
+def jobs_of(folder: Path, **asked: object) -> list[Job]:
+    return find_jobs(folder, folder.parent / "out", ASKED | asked)
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder.parent / "out" / "summary.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture(scope="module")
+def two_workers():
+    """A real cluster on loopback, as somebody else would have started it."""
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs=50
+    ) as cluster:
+        yield cluster
+
+
+def command(folder: Path, cluster: LocalCluster, *more: str) -> list[str]:
+    place = ["--out", str(folder.parent / "out"), "--scheduler", cluster.scheduler_address]
+    return ["batch", str(folder), "--character", "child", *place, *more]
+
+
+def test_each_capture_of_the_folder_and_those_below_is_a_job_and_what_was_written_is_none(folder):
+    (folder / "out").mkdir()
+    write_capture(make_capture(), folder / "out" / "walk_child.bvh")
+    jobs = find_jobs(folder, folder / "out", ASKED)
+    assert [job.name for job in jobs] == ["kicks/walk.bvh", "run.bvh", "walk.bvh"]
+    assert len({job.folder for job in jobs}) == 2
+
+
+def test_a_job_is_done_anew_only_when_something_that_matters_has_changed(folder):
+    [_, _, job] = jobs_of(folder)
+    assert done_before(job) is None
+    record = work(job)
+    assert done_before(job) == json.loads(json.dumps(record))
+    assert done_before(jobs_of(folder, unit="inch")[2]) is None
+    [written] = record["written"]
+    Path(written).write_text("touched")
+    assert done_before(job) is None
+    work(job)
+    write_capture(make_capture(seed=7), folder / "walk.bvh")
+    assert done_before(jobs_of(folder)[2]) is None
+
+
+def test_a_report_that_is_none_of_ours_is_no_reason_to_skip(folder):
+    job = jobs_of(folder)[0]
+    job.report.parent.mkdir(parents=True)
+    for content in ("", "[]", '{"digest": 1}', '{"written": 3}'):
+        job.report.write_text(content)
+        assert done_before(job) is None
+
+
+def test_what_goes_wrong_is_a_record_of_that_file_alone(folder, monkeypatch):
+    (folder / "walk.bvh").write_text("HIERARCHY\n")
+    assert work(jobs_of(folder)[2])["error"] == "walk.bvh, line 1: the file ends before MOTION. It is cut off."
+    monkeypatch.setattr("studio.cli.adapt.adapt_file", lambda *_: 1 / 0)
+    assert "ZeroDivisionError" in work(jobs_of(folder)[0])["error"]
+
+
+def test_files_of_one_name_and_several_kinds_do_not_overwrite_each_other(folder, monkeypatch):
+    (folder / "walk.trace").write_text("trace 1\n")
+    monkeypatch.setattr("studio.io.registry.KnownFormats.suffixes", lambda *_: (".bvh", ".trace"))
+    folders = {job.name: job.folder.name for job in jobs_of(folder)}
+    assert (folders["walk.bvh"], folders["walk.trace"], folders["run.bvh"]) == ("walk.bvh", "walk.trace", "out")
+
+
+def test_a_folder_without_captures_and_a_missing_one_are_refused(tmp_path, capsys):
+    assert main(["batch", str(tmp_path), "--out", str(tmp_path / "out")]) == 1
+    assert "holds no captures" in capsys.readouterr().err
+    assert main(["batch", str(tmp_path / "none"), "--out", str(tmp_path / "out")]) == 1
+    assert "is no folder" in capsys.readouterr().err
+
+
+def test_a_scheduler_that_does_not_answer_is_named(folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("studio.cli.batch_cluster._PATIENCE", 0.5)
+    address = "tcp://127.0.0.1:9"
+    assert main(["batch", str(folder), "--out", str(tmp_path / "out"), "--scheduler", address]) == 1
+    assert f"No scheduler answers at '{address}'" in capsys.readouterr().err
+
+
+def test_a_second_run_skips_all_but_what_changed_and_a_bad_file_is_a_row(folder, two_workers, capsys):
+    (folder / "broken.bvh").write_text("HIERARCHY\n")
+    assert main(command(folder, two_workers, "--json")) == 1
+    first = json.loads(capsys.readouterr().out)
+    assert (first["files"], first["unchanged"], first["failed"]) == (4, 0, 1)
+    write_capture(make_capture(seed=9), folder / "broken.bvh")
+    write_capture(make_capture(seed=8), folder / "run.bvh")
+    assert main(command(folder, two_workers, "--json")) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["unchanged"] == 2
+    assert "[2/4] walk.bvh: unchanged" in told.err
+    table = {row["capture"]: row for row in rows(folder)}
+    assert set(table) == {"broken.bvh", "kicks/walk.bvh", "run.bvh", "walk.bvh"}
+    assert all(float(row["slide_mm"]) >= 0.0 and float(row["seconds"]) > 0.0 for row in table.values())
+    page = (folder.parent / "out" / "summary.html").read_text()
+    assert page.count("<circle") >= 8
+    assert "Foot slide, mm" in page
+
+
+def test_with_a_worker_killed_half_way_nothing_is_lost(folder, two_workers, monkeypatch, capsys):
+    for seed in range(12):
+        write_capture(make_capture(seed=seed, frames=200), folder / f"take{seed}.bvh")
+    with Client(two_workers.scheduler_address) as client:
+        workers = client.run(os.getpid)
+    told = batch._tell
+    killed: list[int] = []
+
+    def tell_and_kill(number: int, count: int, name: str, words: str) -> None:
+        told(number, count, name, words)
+        if number == 5:
+            killed.append(next(iter(workers.values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    monkeypatch.setattr(batch, "_tell", tell_and_kill)
+    assert main(command(folder, two_workers)) == 0
+    assert len(killed) == 1
+    assert len(re.findall(r"\] \S+: done", capsys.readouterr().err)) == 15
+    assert len(rows(folder)) == 15
+    assert all(row["error"] == "" and Path(row["file"]).is_file() for row in rows(folder))
+    assert all(done_before(job) for job in find_jobs(folder, folder.parent / "out", ASKED))
+
+
+def test_stopped_it_says_how_far_it_came_and_keeps_it(folder, two_workers, monkeypatch, capsys):
+    told = batch._tell
+
+    def tell_and_stop(number: int, count: int, name: str, words: str) -> None:
+        told(number, count, name, words)
+        if number == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(batch, "_tell", tell_and_stop)
+    assert main(command(folder, two_workers)) == 1
+    assert "Stopped after 2 of 3 files" in capsys.readouterr().err
+    assert len(rows(folder)) == 2
+
+
+def test_without_a_scheduler_it_starts_workers_of_its_own_and_ends_them(folder, capsys):
+    before = set(multiprocessing.active_children())
+    assert main(["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child", "--workers=1"]) == 0
+    assert "3 adapted, 0 unchanged, 0 failed" in capsys.readouterr().out
+    assert set(multiprocessing.active_children()) <= before
