@@ -76,6 +76,11 @@ def joint_points(layout: BodyLayout) -> tuple[int, ...]:
     return _joints(layout).points
 
 
+def joint_segments(layout: BodyLayout) -> tuple[int, ...]:
+    """For each joint of ``character_skeleton`` the canonical segment that it moves, -1 for the ends of bones."""
+    return _joints(layout).segments
+
+
 def t_pose_rotations(morphology: Morphology) -> FloatArray:
     """(S, 3, 3) world rotations of the canonical segments in the T-pose; neck and clavicles lie as at ease."""
     layout = morphology.layout

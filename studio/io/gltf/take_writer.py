@@ -1,0 +1,185 @@
+"""A take as glTF 2.0: joints, skin and animation in one .glb, or one .gltf with its buffer inside."""
+
+import base64
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import __version__
+from studio.core.appearance import Material
+from studio.core.joint_skin import JointSkin, bone_skin, character_skin
+from studio.io.export import Take
+from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
+from studio.io.registry import Progress
+from studio.io.replacing import write_whole
+
+FloatArray = NDArray[np.float64]
+
+_WORLD_TO_FILE = [1, 2, 0]
+"""Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
+_TRAVELS = 1e-7
+_BONES = "#C8CDD2"
+
+
+def write_take(path: Path, take: Take, progress: Progress) -> None:
+    """Write joints, animation and the character's skin, or a figure of bones where there is none.
+
+    Metres, Y up; one key a frame, interpolated linearly. Raises StudioError when the file cannot be written.
+    """
+    buffers = Buffers()
+    skin = character_skin(take.character) if take.character else bone_skin(take.skeleton)
+    root = _document(take, skin, buffers, lambda share: progress(0.8 * share, f"Writing {path.name}"))
+    binary = bytes(buffers.content) + b"\0" * (-len(buffers.content) % 4)
+    root["buffers"] = [{"byteLength": len(binary)}]
+    progress(0.8, f"Writing {path.name}")
+    if path.suffix.lower() == ".glb":
+        content = _glb(_json(root), binary)
+    else:
+        root["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+        content = _json(root)
+    write_whole(path, content)
+    progress(1.0, f"Wrote {path.name}")
+
+
+def _document(take: Take, skin: JointSkin, buffers: Buffers, progress: Any) -> dict[str, Any]:
+    joints = take.skeleton.joint_count
+    mesh: dict[str, Any] = {"name": take.name, "mesh": 0, "skin": 0}
+    root: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": f"Morpho Studio {__version__}"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, joints]}],
+        "nodes": [*_joint_nodes(take), mesh],
+        "meshes": [{"name": take.name, "primitives": _primitives(skin, buffers)}],
+        "skins": [{"joints": list(range(joints)), "inverseBindMatrices": _inverse_binds(skin, buffers), "skeleton": 0}],
+        "animations": [_animation(take, buffers, progress)],
+    }
+    materials = skin.appearance.materials if skin.appearance else (Material(take.name, _colour(take)),)
+    root["materials"], images = _materials(materials, buffers)
+    if images:
+        root["images"] = images
+        root["samplers"] = [{}]
+        root["textures"] = [{"source": place, "sampler": 0} for place in range(len(images))]
+    if not root["meshes"][0]["primitives"]:  # a single joint
+        for key in ("meshes", "skins", "materials"):
+            del root[key]
+        root["nodes"].pop()
+        root["scenes"][0]["nodes"].pop()
+    return root | {"bufferViews": buffers.views, "accessors": buffers.accessors}
+
+
+def _colour(take: Take) -> str:
+    return take.character.colour if take.character else _BONES
+
+
+def _joint_nodes(take: Take) -> list[dict[str, Any]]:
+    """The joints as they stand in the skeleton's zero pose."""
+    offsets = take.skeleton.offsets[:, _WORLD_TO_FILE].astype(np.float32)
+    nodes = []
+    for name, offset, children in zip(take.skeleton.names, offsets.tolist(), take.skeleton.children, strict=True):
+        node: dict[str, Any] = {"name": name, "translation": offset}
+        nodes.append(node | {"children": list(children)} if children else node)
+    return nodes
+
+
+def _primitives(skin: JointSkin, buffers: Buffers) -> list[dict[str, Any]]:
+    """One for each material, all over the same vertices."""
+    if not len(skin.triangles):
+        return []
+    count, look = len(skin.vertices), skin.appearance
+    attributes = {
+        "POSITION": buffers.add(skin.vertices[:, _WORLD_TO_FILE], "f4", VERTICES, bounds=True),
+        "NORMAL": buffers.add(_unit(skin.normals[:, _WORLD_TO_FILE]), "f4", VERTICES),
+        "JOINTS_0": buffers.add(skin.joints, "u2", VERTICES),
+        "WEIGHTS_0": buffers.add(skin.weights, "f4", VERTICES),
+    }
+    if look and any(material.texture is not None for material in look.materials):
+        places = look.coordinates * [1.0, -1.0] + [0.0, 1.0]  # glTF counts downwards
+        attributes["TEXCOORD_0"] = buffers.add(places, "f4", VERTICES)
+    kind = "u2" if count < 65535 else "u4"
+    materials = look.triangle_materials if look else np.zeros(len(skin.triangles), dtype=np.int32)
+    return [
+        {
+            "attributes": attributes,
+            "indices": buffers.add(skin.triangles[materials == material].ravel(), kind, TRIANGLES),
+            "material": int(material),
+        }
+        for material in np.unique(materials)
+    ]
+
+
+def _inverse_binds(skin: JointSkin, buffers: Buffers) -> int:
+    """World to joint at the moment of binding, (J, 4, 4), stored by columns as glTF has matrices."""
+    turned = np.swapaxes(skin.bind_rotations[:, _WORLD_TO_FILE][:, :, _WORLD_TO_FILE], 1, 2)
+    matrices = np.tile(np.eye(4), (len(turned), 1, 1))
+    matrices[:, :3, :3] = turned
+    matrices[:, :3, 3] = -np.einsum("jik,jk->ji", turned, skin.bind_positions[:, _WORLD_TO_FILE])
+    return buffers.add(np.swapaxes(matrices, 1, 2) + 0.0, "f4")
+
+
+def _animation(take: Take, buffers: Buffers, progress: Any) -> dict[str, Any]:
+    """A key a frame for every joint that turns, and for every one that travels."""
+    skeleton, poses = take.skeleton, take.poses
+    times = buffers.add(np.arange(poses.frame_count) / take.frame_rate, "f4", bounds=True)
+    samplers: list[dict[str, Any]] = []
+    channels: list[dict[str, Any]] = []
+
+    def animate(joint: int, path: str, values: FloatArray) -> None:
+        channels.append({"sampler": len(samplers), "target": {"node": joint, "path": path}})
+        samplers.append({"input": times, "interpolation": "LINEAR", "output": buffers.add(values, "f4")})
+
+    travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
+    for joint in range(skeleton.joint_count):
+        progress(joint / skeleton.joint_count)
+        if not skeleton.end_sites[joint] or joint == 0:
+            animate(joint, "rotation", _unit(poses.local_rotations[:, joint][:, [*_WORLD_TO_FILE, 3]]))
+        if travels[joint] or joint == 0:
+            animate(joint, "translation", poses.local_translations[:, joint][:, _WORLD_TO_FILE])
+    return {"name": take.name, "samplers": samplers, "channels": channels}
+
+
+def _materials(materials: tuple[Material, ...], buffers: Buffers) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """The materials, and the pictures that they show."""
+    records, images = [], []
+    for material in materials:
+        surface: dict[str, Any] = {"baseColorFactor": [*_linear(material.colour), 1.0], "metallicFactor": 0.0}
+        if material.texture is not None:
+            content = material.texture.tobytes()
+            surface["baseColorTexture"] = {"index": len(images)}
+            kind = "image/png" if content.startswith(b"\x89PNG") else "image/jpeg"
+            images.append({"bufferView": buffers.add_bytes(content), "mimeType": kind})
+        record: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
+        records.append(record | {"doubleSided": True} if material.two_sided else record)
+    return records, images
+
+
+def _linear(colour: str) -> list[float]:
+    """``#RRGGBB`` as linear light (IEC 61966-2-1, sRGB)."""
+    shares = np.array([int(colour[place : place + 2], 16) for place in (1, 3, 5)]) / 255.0
+    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    return [round(share, 6) for share in linear.tolist()]
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    """Vectors of length 1; those without a length point up."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    up = np.zeros_like(vectors)
+    up[:, 1] = 1.0
+    return np.where(lengths > 1e-9, vectors / np.where(lengths > 1e-9, lengths, 1.0), up)
+
+
+def _json(root: dict[str, Any]) -> bytes:
+    text = json.dumps(root, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+    return text + b" " * (-len(text) % 4)
+
+
+def _glb(text: bytes, binary: bytes) -> bytes:
+    length = 12 + 8 + len(text) + 8 + len(binary)
+    return b"".join((
+        struct.pack("<4sII", b"glTF", 2, length),
+        struct.pack("<I4s", len(text), b"JSON"), text,
+        struct.pack("<I4s", len(binary), b"BIN\0"), binary,
+    ))  # fmt: skip
