@@ -93,6 +93,8 @@ def _bone(start: FloatArray, end: FloatArray) -> FloatArray:
     """(8, 3, 3) corners of the triangles of an octahedron, thickest a sixth of the way."""
     length = float(np.linalg.norm(end - start))
     frame = frame_along(end - start, _UP)
-    ring = start + (end - start) / 6.0 + _GIRTH * length * np.array([frame[:, 0], frame[:, 1], -frame[:, 0], -frame[:, 1]])
+    ring = (
+        start + (end - start) / 6.0 + _GIRTH * length * np.array([frame[:, 0], frame[:, 1], -frame[:, 0], -frame[:, 1]])
+    )
     sides = [(ring[k], ring[(k + 1) % 4]) for k in range(4)]
     return np.array([(start, b, a) for a, b in sides] + [(end, a, b) for a, b in sides])

@@ -121,7 +121,14 @@ OWN_FORMATS = (
     ),
     Format(
         name="glTF",
-        suffixes=(".glb", ".gltf", ".vrm"),
+        suffixes=(".glb", ".gltf"),
+        sniff="studio.io.gltf.container:is_gltf",
+        character_reader="studio.io.gltf.character:load_character",
+        motion_writer="studio.io.gltf.take_writer:write_take",
+    ),
+    Format(
+        name="VRM",
+        suffixes=(".vrm",),
         sniff="studio.io.gltf.container:is_gltf",
         character_reader="studio.io.gltf.character:load_character",
     ),

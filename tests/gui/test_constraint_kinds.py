@@ -1,6 +1,5 @@
 """Every kind of constraint from the menu to the inspector and the gizmo, as a person would."""
 
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, Qt

@@ -143,7 +143,8 @@ def _animation(take: Take, buffers: Buffers, progress: Any) -> dict[str, Any]:
 
 def _materials(materials: tuple[Material, ...], buffers: Buffers) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """The materials, and the pictures that they show."""
-    records, images = [], []
+    records: list[dict[str, Any]] = []
+    images: list[dict[str, Any]] = []
     for material in materials:
         surface: dict[str, Any] = {"baseColorFactor": [*_linear(material.colour), 1.0], "metallicFactor": 0.0}
         if material.texture is not None:
