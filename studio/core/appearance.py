@@ -32,6 +32,14 @@ class Material:
                 raise ValueError("texture: expected the bytes of a picture.")
             object.__setattr__(self, "texture", texture)
 
+    @property
+    def linear_colour(self) -> tuple[float, float, float]:
+        """``colour`` as linear light (IEC 61966-2-1, sRGB), 0 to 1."""
+        shares = np.array([int(self.colour[place : place + 2], 16) for place in (1, 3, 5)]) / 255.0
+        linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+        red, green, blue = linear.round(6).tolist()
+        return red, green, blue
+
 
 @dataclass(frozen=True, eq=False)
 class Appearance:

@@ -133,6 +133,11 @@ OWN_FORMATS = (
         character_reader="studio.io.gltf.character:load_character",
     ),
     Format(
+        name="USD",
+        suffixes=(".usd", ".usda", ".usdc"),
+        motion_writer="studio.io.usd_writer:write_take",
+    ),
+    Format(
         name="X3D",
         suffixes=(".x3d",),
         sniff="studio.io.hanim:is_x3d",

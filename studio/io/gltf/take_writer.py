@@ -146,7 +146,7 @@ def _materials(materials: tuple[Material, ...], buffers: Buffers) -> tuple[list[
     records: list[dict[str, Any]] = []
     images: list[dict[str, Any]] = []
     for material in materials:
-        surface: dict[str, Any] = {"baseColorFactor": [*_linear(material.colour), 1.0], "metallicFactor": 0.0}
+        surface: dict[str, Any] = {"baseColorFactor": [*material.linear_colour, 1.0], "metallicFactor": 0.0}
         if material.texture is not None:
             content = material.texture.tobytes()
             surface["baseColorTexture"] = {"index": len(images)}
@@ -155,13 +155,6 @@ def _materials(materials: tuple[Material, ...], buffers: Buffers) -> tuple[list[
         record: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
         records.append(record | {"doubleSided": True} if material.two_sided else record)
     return records, images
-
-
-def _linear(colour: str) -> list[float]:
-    """``#RRGGBB`` as linear light (IEC 61966-2-1, sRGB)."""
-    shares = np.array([int(colour[place : place + 2], 16) for place in (1, 3, 5)]) / 255.0
-    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
-    return [round(share, 6) for share in linear.tolist()]
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -1,0 +1,158 @@
+"""A take as USD: a UsdSkel skeleton with its animation and skin, Z up and in metres as the studio has them.
+
+The package usd-core is an extra of the studio (``pip install morpho-studio[usd]``), imported only here.
+"""
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.core.appearance import Material
+from studio.core.errors import StudioError
+from studio.core.joint_skin import JointSkin, bone_skin, character_skin
+from studio.core.skeleton import Skeleton
+from studio.io.export import Take
+from studio.io.registry import Progress
+from studio.io.replacing import write_whole
+
+_BONES = "#C8CDD2"
+
+
+def write_take(path: Path, take: Take, progress: Progress) -> None:
+    """Write skeleton, animation and the character's skin, or a figure of bones where there is none.
+
+    One time sample a frame; materials have their colours but no textures. Raises StudioError when the package is
+    missing or the file cannot be written.
+    """
+    try:
+        from pxr import Tf, Usd
+    except ImportError as error:
+        raise StudioError("USD needs the package usd-core. Install it with: pip install usd-core") from error
+    try:
+        stage = Usd.Stage.CreateInMemory()
+        _fill(stage, take, lambda share: progress(0.9 * share, f"Writing {path.name}"))
+        with tempfile.TemporaryDirectory() as folder:  # the suffix says whether it is text or binary
+            written = Path(folder) / f"take{path.suffix.lower()}"
+            stage.Export(str(written))
+            write_whole(path, written.read_bytes())
+    except Tf.ErrorException as error:
+        raise StudioError(f"{path.name} could not be written as USD: {error}") from error
+    progress(1.0, f"Wrote {path.name}")
+
+
+def _fill(stage: Any, take: Take, progress: Any) -> None:
+    from pxr import UsdGeom, UsdSkel
+
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetTimeCodesPerSecond(take.frame_rate)
+    stage.SetFramesPerSecond(take.frame_rate)
+    stage.SetStartTimeCode(0)
+    stage.SetEndTimeCode(take.poses.frame_count - 1)
+    skin = character_skin(take.character) if take.character else bone_skin(take.skeleton)
+    root = UsdSkel.Root.Define(stage, f"/{_identifiers([take.name])[0]}")
+    stage.SetDefaultPrim(root.GetPrim())
+    joints = _joint_paths(take.skeleton)
+    skeleton = _skeleton(stage, root, take.skeleton, skin, joints)
+    _animation(stage, skeleton, take, joints, progress)
+    if len(skin.triangles):
+        _mesh(stage, root, skeleton, skin, take)
+
+
+def _identifiers(names: list[str]) -> list[str]:
+    """Names that USD allows, each once."""
+    from pxr import Tf
+
+    allowed: list[str] = []
+    for name in names:
+        valid, number = Tf.MakeValidIdentifier(name), 2
+        while valid in allowed:
+            valid, number = f"{Tf.MakeValidIdentifier(name)}_{number}", number + 1
+        allowed.append(valid)
+    return allowed
+
+
+def _joint_paths(skeleton: Skeleton) -> list[str]:
+    """``Hips``, ``Hips/Spine`` ...: parents stand in the names of their children."""
+    paths: list[str] = []
+    for name, parent in zip(_identifiers(list(skeleton.names)), skeleton.parents.tolist(), strict=True):
+        paths.append(f"{paths[parent]}/{name}" if parent >= 0 else name)
+    return paths
+
+
+def _skeleton(stage: Any, root: Any, skeleton: Skeleton, skin: JointSkin, joints: list[str]) -> Any:
+    """Rest: the zero pose, in the parents' axes. Bind: where the skin's joints stood, in the world."""
+    from pxr import UsdSkel, Vt
+
+    made = UsdSkel.Skeleton.Define(stage, root.GetPath().AppendChild("Skeleton"))
+    rest = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
+    rest[:, 3, :3] = skeleton.offsets  # USD's matrices act on rows
+    bind = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
+    bind[:, :3, :3] = np.swapaxes(skin.bind_rotations, 1, 2)
+    bind[:, 3, :3] = skin.bind_positions
+    made.CreateJointsAttr(Vt.TokenArray(joints))
+    made.CreateJointNamesAttr(Vt.TokenArray(list(skeleton.names)))
+    made.CreateRestTransformsAttr(Vt.Matrix4dArray.FromNumpy(rest))
+    made.CreateBindTransformsAttr(Vt.Matrix4dArray.FromNumpy(bind))
+    return made
+
+
+def _animation(stage: Any, skeleton: Any, take: Take, joints: list[str], progress: Any) -> None:
+    from pxr import UsdSkel, Vt
+
+    made = UsdSkel.Animation.Define(stage, skeleton.GetPath().AppendChild("Animation"))
+    made.CreateJointsAttr(Vt.TokenArray(joints))
+    made.CreateScalesAttr(Vt.Vec3hArray(len(joints), (1, 1, 1)))
+    translations, rotations = made.CreateTranslationsAttr(), made.CreateRotationsAttr()
+    places = take.poses.local_translations.astype(np.float32)
+    turns = take.poses.local_rotations.astype(np.float32)
+    for frame in range(take.poses.frame_count):
+        if frame % 64 == 0:
+            progress(frame / take.poses.frame_count)
+        translations.Set(Vt.Vec3fArray.FromNumpy(places[frame]), frame)
+        rotations.Set(Vt.QuatfArray.FromNumpy(turns[frame]), frame)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([made.GetPath()])
+
+
+def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin, take: Take) -> None:
+    from pxr import UsdGeom, UsdSkel, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, root.GetPath().AppendChild("Skin"))
+    points = skin.vertices.astype(np.float32)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(skin.triangles), 3))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(skin.triangles.ravel()))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(skin.normals.astype(np.float32)))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(0), points.max(0)])))
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+    count = skin.joints.shape[1]
+    binding.CreateJointIndicesPrimvar(False, count).Set(Vt.IntArray.FromNumpy(skin.joints.ravel()))
+    binding.CreateJointWeightsPrimvar(False, count).Set(Vt.FloatArray.FromNumpy(skin.weights.astype("f4").ravel()))
+    if skin.appearance:
+        _materials(stage, mesh, skin.appearance.materials, skin.appearance.triangle_materials)
+    else:
+        colour = take.character.colour if take.character else _BONES
+        _materials(stage, mesh, (Material(take.name, colour),), np.zeros(len(skin.triangles), dtype=np.int32))
+
+
+def _materials(stage: Any, mesh: Any, materials: tuple[Material, ...], of_triangles: Any) -> None:
+    """A preview surface of its colour for each material, bound to the triangles that it covers."""
+    from pxr import Sdf, UsdGeom, UsdShade, Vt
+
+    names = _identifiers([material.name for material in materials])
+    for place, (name, material) in enumerate(zip(names, materials, strict=True)):
+        made = UsdShade.Material.Define(stage, mesh.GetPath().GetParentPath().AppendPath(f"Materials/{name}"))
+        shader = UsdShade.Shader.Define(stage, made.GetPath().AppendChild("Surface"))
+        shader.CreateIdAttr("UsdPreviewSurface")
+        shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(tuple(material.linear_colour))
+        made.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+        covered = np.flatnonzero(of_triangles == place).astype(np.int32)
+        subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(
+            name, Vt.IntArray.FromNumpy(covered), UsdGeom.Tokens.face
+        )
+        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(made)

@@ -1,0 +1,97 @@
+"""USD of an adapted motion, opened again with usd-core: the same joints, and a skin that is carried by them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.core.character_skeleton import joint_points
+from studio.core.joint_skin import character_skin
+from studio.core.kinematics import joint_world
+from studio.core.normalized.normalize import normalize
+from studio.core.skin import skin_vertices
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptRequest
+from studio.io.character_file import bundled_characters
+from studio.io.export import take_of_adapted, take_of_capture, write_take
+from studio.io.importing import load_capture
+from tests.builders import make_capture
+
+pytest.importorskip("pxr", reason="usd-core is not installed")
+
+from pxr import Usd, UsdGeom, UsdSkel
+
+TENTH_OF_A_MILLIMETRE = 1e-4
+
+
+def take_on(character, capture):
+    motion, _ = normalize(capture)
+    request = AdaptRequest(motion, character.morphology)
+    return take_of_adapted(character.name, adapt(request, capture.first_frame), character, request)
+
+
+def opened(path):
+    """The stage, and the query that says where its joints are."""
+    stage = Usd.Stage.Open(str(path))
+    skeleton = next(UsdSkel.Skeleton(prim) for prim in stage.Traverse() if prim.IsA(UsdSkel.Skeleton))
+    cache = UsdSkel.Cache()
+    root = UsdSkel.Root(stage.GetDefaultPrim())
+    cache.Populate(root, Usd.PrimDefaultPredicate)
+    return stage, cache.GetSkelQuery(skeleton), cache, root
+
+
+def joints_at(query, frame):
+    """(J, 3) metres, Z up."""
+    return np.array([matrix.ExtractTranslation() for matrix in query.ComputeJointSkelTransforms(frame)])
+
+
+@pytest.mark.parametrize("suffix", [".usd", ".usda", ".usdc"])
+def test_a_real_motion_comes_back_joint_by_joint(captures, tmp_path, suffix):
+    character = bundled_characters()["child"]
+    take = take_on(character, load_capture(captures / "bvh" / "strikes" / "accad_male2_E1_JabLeft.bvh"))
+    write_take(take, tmp_path / f"jab{suffix}")
+    stage, query, *_kept = opened(tmp_path / f"jab{suffix}")
+    assert UsdGeom.GetStageUpAxis(stage) == "Z"
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
+    assert (stage.GetTimeCodesPerSecond(), stage.GetEndTimeCode()) == (30.0, take.poses.frame_count - 1)
+    assert tuple(query.GetSkeleton().GetJointNamesAttr().Get()) == take.skeleton.names
+    expected = take.adapted.positions[:, list(joint_points(character.morphology.layout))]
+    for frame in range(0, take.poses.frame_count, 10):
+        assert np.linalg.norm(joints_at(query, frame) - expected[frame], axis=1).max() < TENTH_OF_A_MILLIMETRE
+
+
+def test_the_skin_is_where_linear_blending_takes_it(tmp_path):
+    character = bundled_characters()["giant"]
+    take = take_on(character, make_capture())
+    write_take(take, tmp_path / "out.usdc")
+    _, query, cache, root = opened(tmp_path / "out.usdc")
+    [binding] = cache.ComputeSkelBindings(root, Usd.PrimDefaultPredicate)
+    [skinned] = binding.GetSkinningTargets()
+    points = UsdGeom.Mesh(skinned.GetPrim()).GetPointsAttr().Get()
+    assert skinned.ComputeSkinnedPoints(query.ComputeSkinningTransforms(9), points, 9)
+    shown, _ = skin_vertices(
+        replace(character.skin, centres=character.skin.vertices),
+        character.build, character.morphology, take.adapted.positions[9], take.adapted.rotations[9],
+    )  # fmt: skip
+    assert np.linalg.norm(np.array(points) - shown, axis=1).max() < TENTH_OF_A_MILLIMETRE
+    assert len(points) == len(character_skin(character).vertices)
+
+
+def test_joints_with_names_that_usd_does_not_allow_keep_them_beside_their_paths(tmp_path):
+    capture = make_capture()
+    names = tuple(f"rig:{name}.L" for name in capture.skeleton.names)
+    capture = replace(capture, skeleton=replace(capture.skeleton, names=names))
+    write_take(take_of_capture(capture), tmp_path / "out.usda")
+    kept = opened(tmp_path / "out.usda")
+    assert tuple(kept[1].GetSkeleton().GetJointNamesAttr().Get()) == names
+    expected = joint_world(capture.skeleton, capture.poses)[0]
+    assert np.linalg.norm(joints_at(kept[1], 7) - expected[7], axis=1).max() < TENTH_OF_A_MILLIMETRE
+
+
+def test_materials_come_along_with_their_colours(captures, tmp_path):
+    from studio.io.importing import load_character
+
+    character = load_character(captures / "characters" / "kaykit_barbarian_stocky.glb").character
+    write_take(take_on(character, make_capture()), tmp_path / "out.usda")
+    text = (tmp_path / "out.usda").read_text()
+    assert text.count('"UsdPreviewSurface"') == len(character.skin.appearance.materials)
