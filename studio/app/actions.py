@@ -82,8 +82,10 @@ FILE = (
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture; or drop it here"),
     Action(
         "export", "File", "Export adapted motion…", files.export_motion, ("Ctrl+E",),
-        "Write the selected bodies, or all that are shown, as BVH", _performing, ends_group=True,
+        "Write the selected bodies, or all that are shown, as BVH", _performing,
     ),
+    Action("batch", "File", "Adapt a folder…", files.adapt_folder,
+           tooltip="Every capture of a folder, on many processes", ends_group=True),
     Action("quit", "File", "Quit", files.leave, ("Ctrl+Q",), "Close the studio"),
 )  # fmt: skip
 

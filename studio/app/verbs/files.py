@@ -106,6 +106,13 @@ def export_motion(bench: Workbench) -> None:
     ask_folder(bench, "Export adapted motions into a folder", into)
 
 
+def adapt_folder(bench: Workbench) -> None:
+    """Every capture of a folder, in a dialog that stays open beside the window."""
+    from studio.app.batch_dialog import BatchDialog
+
+    BatchDialog(bench).show()
+
+
 def leave(bench: Workbench) -> None:
     """Close the window."""
     bench.window.close()

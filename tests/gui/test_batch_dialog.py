@@ -1,0 +1,95 @@
+"""Many files from the window: the dialog over the verb, with real processes."""
+
+import threading
+import time
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from studio.app.application import make_application, make_window
+from studio.app.batch_dialog import BatchDialog
+from studio.app.settings import Settings
+from studio.document.document import Document
+from studio.io.export import write_capture
+from tests.builders import make_capture, make_project
+
+PATIENCE = 90_000
+
+
+@pytest.fixture
+def window(qtbot, tmp_path):
+    make_application()
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project(characters=1)))
+    with qtbot.waitExposed(window):
+        window.show()
+    yield window
+    window.leave()
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+@pytest.fixture
+def dialog(window, tmp_path):
+    (tmp_path / "captures").mkdir()
+    for seed, name in enumerate(("walk", "run")):
+        write_capture(make_capture(seed=seed), tmp_path / "captures" / f"{name}.bvh")
+    window.actions_by_id.by_id["batch"].trigger()
+    [dialog] = window.findChildren(BatchDialog)
+    for key, check in dialog.characters.items():
+        check.setChecked(key == "actor")
+    dialog.source.setText(str(tmp_path / "captures"))
+    return dialog
+
+
+def press(button):
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def test_a_folder_is_adapted_with_progress_and_its_summary_offered(qtbot, dialog, tmp_path):
+    (tmp_path / "captures" / "broken.bvh").write_text("HIERARCHY\n")
+    assert not dialog.start.isEnabled()
+    dialog.out.setText(str(tmp_path / "out"))
+    shares = []
+    dialog.bar.valueChanged.connect(shares.append)
+    press(dialog.start)
+    assert dialog.stop.isVisible()
+    qtbot.waitUntil(lambda: not dialog.running, timeout=PATIENCE)
+    assert dialog.words.text() == "3 files: 2 adapted, 0 unchanged, 1 failed."
+    assert (tmp_path / "out" / "walk_actor.bvh").is_file()
+    assert dialog.show_page.isVisible()
+    assert len([share for share in shares if 0 < share < 1000]) >= 2
+
+
+def test_what_the_verb_refuses_is_said_in_the_dialog(qtbot, dialog, tmp_path):
+    dialog.out.setText(str(tmp_path / "out"))
+    dialog.source.setText(str(tmp_path / "nowhere"))
+    press(dialog.start)
+    qtbot.waitUntil(lambda: not dialog.running, timeout=PATIENCE)
+    assert "is no folder" in dialog.words.text()
+
+
+def test_stopped_while_the_workers_start_it_ends_at_once_and_nothing_goes_on(qtbot, dialog, tmp_path):
+    dialog.out.setText(str(tmp_path / "out"))
+    press(dialog.start)
+    QTest.qWait(300)
+    asked = time.monotonic()
+    press(dialog.stop)
+    qtbot.waitUntil(lambda: not dialog.running, timeout=PATIENCE)
+    assert time.monotonic() - asked < 15.0
+    assert dialog.words.text().startswith("Stopped.")
+    assert dialog.start.isEnabled()
+
+
+def test_closed_while_it_runs_it_goes_on_and_says_in_the_window_what_came_of_it(
+    qtbot, window, dialog, tmp_path, monkeypatch
+):
+    answer = {"files": 2, "unchanged": 0, "failed": 0, "page": "summary.html"}
+    closed = threading.Event()
+    monkeypatch.setattr("studio.app.batch_dialog.run_batch", lambda *_: (closed.wait(), answer)[1])
+    dialog.out.setText(str(tmp_path / "out"))
+    press(dialog.start)
+    dialog.close()
+    closed.set()
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+    assert window.strip.text == "2 files: 2 adapted, 0 unchanged, 0 failed."
