@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
     QLabel,
     QLineEdit,
     QProgressBar,
+    QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
@@ -67,6 +68,7 @@ class BatchDialog(QDialog):
             ("Write into", self.out, out),
         ):
             choose = press_button("Choose…", partial(ask, partial(_show_path, field)))
+            choose.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
             choose.setAccessibleName(f"Choose {label.lower()}")
             section.add_row(label, field, choose)
             field.textChanged.connect(self._refresh)

@@ -25,6 +25,8 @@ PLOTS = (
 )
 COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")
 WIDTH, HEIGHT, LEFT, BELOW = 900, 220, 60, 30
+SMALLEST_SCALE = 0.1
+"""Of an axis: less than that of a millimetre is nothing to look at."""
 STYLE = "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
 
 
@@ -83,7 +85,7 @@ def _plot(title: str, unit: str, column: str, rows: Sequence[Row], colours: dict
     values = [(row, float(row[column])) for row in rows if row[column] is not None]
     if not values:
         return ""
-    most = max(value for _, value in values) or 1.0
+    most = max(SMALLEST_SCALE, *(value for _, value in values))
     wide, high = WIDTH - LEFT - 10, HEIGHT - BELOW - 10
     dots = "".join(
         f'<circle cx="{LEFT + wide * (captures[row["capture"]] + 0.5) / len(captures):.1f}"'
