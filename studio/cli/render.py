@@ -2,7 +2,9 @@
 
 import re
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
 from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
@@ -15,10 +17,12 @@ from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, rea
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import Progress, print_json, progress_line
 from studio.core.errors import StudioError
+from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stage import asked_of, followed_by, tracks_of, with_leaders
 from studio.core.staging import staged
 from studio.io.film import write_film
 from studio.io.png import write_png
@@ -108,19 +112,35 @@ def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
         for key, motion in project.motions.items()
         if project.captures[motion.capture_id].body_map is not None
     }
-    results = {}
-    for key, performer in project.performers.items():
-        if performer.visible and performer.clips and performer.clips[0].motion_id in motions:
-            motion_id = performer.clips[0].motion_id
-            request = AdaptRequest(
-                motions[motion_id],
-                project.characters[performer.character_id].morphology,
-                tuple(project.contacts_of(motion_id).values()),
-                tuple(each for each in project.constraints_of(motion_id).values() if each.enabled),
-                project.ground.seen_from(performer.position, performer.heading),
-            )
-            results[key] = adapt(request)
-    return results
+    shown = [
+        key
+        for key, performer in project.performers.items()
+        if performer.visible and performer.clips and performer.clips[0].motion_id in motions
+    ]
+    results: dict[str, AdaptedMotion] = {}
+    bare = partial(_bare, project, motions)
+    for key in with_leaders(project, shown):
+        if project.performers[key].clips[0].motion_id in motions:
+            followed = followed_by(project, key, results.get, bare) or ()
+            results[key] = adapt(replace(request_of(project, key, motions), tracks=tracks_of(followed)))
+    return {key: results[key] for key in shown}
+
+
+def request_of(project: Project, performer_id: str, motions: Mapping[str, NormalizedMotion]) -> AdaptRequest:
+    """What is asked of a performer, but for what it follows."""
+    performer = project.performers[performer_id]
+    motion_id = performer.clips[0].motion_id
+    return AdaptRequest(
+        motions[motion_id],
+        project.characters[performer.character_id].morphology,
+        tuple(project.contacts_of(motion_id).values()),
+        asked_of(project, performer_id),
+        project.ground.seen_from(performer.position, performer.heading),
+    )
+
+
+def _bare(project: Project, motions: Mapping[str, NormalizedMotion], performer_id: str) -> AdaptedMotion:
+    return adapt(replace(request_of(project, performer_id, motions), constraints=()))
 
 
 def stage_duration(project: Project, performer_id: str) -> float:

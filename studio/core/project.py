@@ -14,6 +14,8 @@ from typing import Any, Self
 from studio.core.capture import Capture
 from studio.core.character import Character
 from studio.core.constraints.base import Constraint, Vector, finite_vector
+from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
+from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 
@@ -124,8 +126,19 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
                 ("characters", entity.character_id),
                 *(("motions", clip.motion_id) for clip in entity.clips),
             )
-        case Constraint() | ContactInterval():
+        case ContactInterval():
             return (("motions", entity.motion_id),)
+        case Constraint():
+            return (("motions", entity.motion_id), *(pair for each in follows_of(entity) for pair in _followed(each)))
+    return ()
+
+
+def _followed(follow: Follow) -> tuple[tuple[str, str], ...]:
+    match follow:
+        case FollowPerformer():
+            return (("performers", follow.performer_id),)
+        case FollowProp():
+            return (("props", follow.prop_id),)
     return ()
 
 

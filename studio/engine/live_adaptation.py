@@ -17,8 +17,9 @@ from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Performer
+from studio.core.project import Performer, Project
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stage import Followed, asked_of, followed_by, leaders_of, tracks_of, with_leaders
 from studio.document.document import Document
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
@@ -80,6 +81,7 @@ class Wanted:
     contacts: tuple[ContactInterval, ...]
     constraints: tuple[Constraint, ...]
     ground: Ground
+    followed: tuple[Followed, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +119,7 @@ class LiveAdaptation(QObject):
         self._results: dict[str, AdaptedMotion] = {}
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
         self._busy = False
+        self._leaders: set[str] = set()
         self.interactive = False
         self._times: dict[str, deque[float]] = {}
         self._scheduler = SolveScheduler(self, workers)
@@ -190,6 +193,9 @@ class LiveAdaptation(QObject):
             for key, item in project.performers.items()
             if item.visible and item.clips and not project.missing_references(item)
         }
+        self._leaders = {leader for key in playing for leader in leaders_of(project, key)}
+        hidden = {key: project.performers[key] for key in with_leaders(project, playing) if key not in playing}
+        playing |= hidden
         for key in self._wanted.keys() - playing.keys():
             self._scheduler.forget(key)
             del self._wanted[key]
@@ -205,10 +211,10 @@ class LiveAdaptation(QObject):
         capture = project.captures[project.motions[motion_id].capture_id]
         morphology = project.characters[performer.character_id].morphology
         contacts = tuple(project.contacts_of(motion_id).values())
-        constraints = tuple(item for item in project.constraints_of(motion_id).values() if item.enabled)
         ground = project.ground.seen_from(performer.position, performer.heading)
-        wanted = Wanted(capture, id(capture), morphology, contacts, constraints, ground)
-        if self._wanted.get(key) == wanted:
+        followed = followed_by(project, key, self._results.get, lambda leader: self._standing(project, leader))
+        wanted = Wanted(capture, id(capture), morphology, contacts, asked_of(project, key), ground, followed or ())
+        if followed is None or self._wanted.get(key) == wanted:
             return
         self._wanted[key] = wanted
         previous = self._results.get(key)
@@ -231,10 +237,21 @@ class LiveAdaptation(QObject):
     def _timed(self, wanted: Wanted, first: int, last: int | None) -> Solved:
         self._until_ready()
         motion, _ = self._prepare(wanted.capture)
-        request = AdaptRequest(motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground)
+        tracks = tracks_of(wanted.followed)
+        request = AdaptRequest(motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground, tracks)
         begin = time.perf_counter()
         answer = self._solve(request, first, last)
         return Solved(answer, 1000.0 * (time.perf_counter() - begin), last is None)
+
+    def _standing(self, project: Project, performer_id: str) -> AdaptedMotion:
+        """A performer without any constraint: what those follow who are followed by it in turn."""
+        performer = project.performers[performer_id]
+        motion_id = performer.clips[0].motion_id
+        motion, _ = self._prepare(project.captures[project.motions[motion_id].capture_id])
+        body = project.characters[performer.character_id].morphology
+        ground = project.ground.seen_from(performer.position, performer.heading)
+        contacts = tuple(project.contacts_of(motion_id).values())
+        return self._solve(AdaptRequest(motion, body, contacts, ground=ground), 0, None)
 
     def _window(self, performer: Performer, capture: Capture) -> tuple[int, int]:
         """First and last frame of the motion within ``WINDOW_SECONDS`` of the playhead."""
@@ -250,6 +267,8 @@ class LiveAdaptation(QObject):
             if answer.whole:
                 self._times.setdefault(key, deque(maxlen=TIMES_KEPT)).append(answer.milliseconds)
             self.adapted.emit(key)
+            if key in self._leaders:
+                self._schedule("performers", key)
             return
         motion_id = key.removeprefix(_SOURCE)
         self._sources[motion_id] = (self._sources[motion_id][0], answer)

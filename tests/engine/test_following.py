@@ -1,0 +1,145 @@
+"""Performers and props that are followed: leaders first, circles by standing poses, everybody kept up to date."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.position import PositionConstraint
+from studio.core.placement import Placement
+from studio.core.project import Motion, Project, Prop
+from studio.core.solver.adapt import place_of
+from studio.core.solver.stage import NEVER, asked_of, is_led_by, leader_frames, leaders_of, with_leaders
+from studio.document.document import Document
+from studio.engine.live_adaptation import LiveAdaptation
+from tests.builders import make_constraint, make_project
+from tests.core.motions import ALWAYS
+
+LEFT, RIGHT = (BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in ("left", "right"))
+REACH = Chain(trunk=0.5, root=1.0)
+
+
+def stage(characters: int = 2, **followed: str) -> Project:
+    """Bodies a hand's breadth apart, each playing a motion of its own; ``p0="p1"``: p0's right wrist follows p1's."""
+    project = make_project(characters=characters, constraints=0, contacts=0)
+    project = project.with_entity("motions", "motion", None)
+    for k in range(characters):
+        motion = f"m{k}"
+        performer = project.performers[f"performer {k}"]
+        clips = (replace(performer.clips[0], motion_id=motion),)
+        performer = replace(performer, clips=clips, position=(0.0, 0.25 * k), heading=0.2 * k)
+        project = project.with_entity("motions", motion, Motion(motion, "capture"))
+        project = project.with_entity("performers", f"performer {k}", None).with_entity(
+            "performers", f"p{k}", performer
+        )
+    for follower, leader in followed.items():
+        target = FollowPerformer(leader, RIGHT)
+        asked = make_constraint(f"m{follower[1]}", follower, target=target, chain=REACH, activation=ALWAYS)
+        project = project.with_entity("constraints", follower, asked)
+    return project
+
+
+@pytest.fixture
+def live_of(qapp: Any):
+    made = []
+
+    def make(project: Project) -> tuple[Document, LiveAdaptation]:
+        document = Document(project)
+        live = LiveAdaptation(document)
+        made.append(live)
+        assert live.wait(100.0)
+        return document, live
+
+    yield make
+    for live in made:
+        live.close()
+
+
+def on_stage(document: Document, live: LiveAdaptation, performer_id: str, point: BodyPoint = RIGHT) -> np.ndarray:
+    result = live.result(performer_id)
+    assert result is not None
+    return Placement.of(document.project.performers[performer_id]).to_stage(place_of(point, result))
+
+
+def test_who_follows_whom_is_told_from_the_constraints_of_the_motion_that_is_played() -> None:
+    project = stage(4, p0="p1", p1="p2", p3="p0")
+    assert leaders_of(project, "p0") == {"p1"}
+    assert is_led_by(project, "p3", "p2")
+    assert not is_led_by(project, "p2", "p3")
+    assert with_leaders(project, ["p3", "p0"]) == ("p2", "p1", "p0", "p3")
+
+
+def test_who_is_followed_by_itself_follows_its_own_point_or_nothing() -> None:
+    project = stage(2, p0="p0")
+    [asked] = asked_of(project, "p0")
+    assert asked.activation == NEVER
+    other = replace(project.constraints["p0"], point=LEFT)
+    [asked] = asked_of(project.with_entity("constraints", "p0", other), "p0")
+    assert isinstance(asked, PositionConstraint)
+    assert asked.target == FollowBody(RIGHT)
+    assert leaders_of(project, "p0") == set()
+
+
+def test_a_leaders_frame_is_the_one_that_plays_at_the_same_moment() -> None:
+    clips = stage().performers["p0"].clips
+    later = replace(clips[0], first=10, start=1.0)
+    assert leader_frames(np.array([0, 5, 29]), 60.0, clips[0], clips[0], 120.0) == pytest.approx([0, 10, 29])
+    assert leader_frames(np.array([0, 29]), 30.0, clips[0], later, 60.0) == pytest.approx([10, 10])
+
+
+def test_a_wrist_follows_another_performers_wrist_and_again_when_that_one_is_changed(live_of: Any) -> None:
+    document, live = live_of(stage(2, p0="p1"))
+    assert on_stage(document, live, "p0") == pytest.approx(on_stage(document, live, "p1"), abs=3e-4)
+    lead = make_constraint("m1", "Lead", target=(0.3, -0.2, 1.1), chain=REACH, activation=ALWAYS)
+    document.add("constraints", lead, "Add")
+    assert live.wait(100.0)
+    assert place_of(RIGHT, live.result("p1"))[0] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
+    assert on_stage(document, live, "p0") == pytest.approx(on_stage(document, live, "p1"), abs=3e-4)
+
+
+def test_a_hidden_performer_is_followed_too(live_of: Any) -> None:
+    project = stage(2, p0="p1")
+    hidden = replace(project.performers["p1"], visible=False)
+    document, live = live_of(project.with_entity("performers", "p1", hidden))
+    assert on_stage(document, live, "p0") == pytest.approx(on_stage(document, live, "p1"), abs=3e-4)
+
+
+def test_performers_in_a_circle_follow_how_the_other_would_move_without_constraints(live_of: Any) -> None:
+    document, live = live_of(stage(2))
+    free = {key: on_stage(document, live, key) for key in ("p0", "p1")}
+    document, live = live_of(stage(2, p0="p1", p1="p0"))
+    assert on_stage(document, live, "p0") == pytest.approx(free["p1"], abs=3e-4)
+    assert on_stage(document, live, "p1") == pytest.approx(free["p0"], abs=3e-4)
+
+
+def test_a_wrist_follows_a_prop_that_is_moved_and_goes_with_it_when_it_is_removed(live_of: Any) -> None:
+    project = stage(1)
+    document, live = live_of(project.with_entity("props", "box", Prop("Box", position=(0.3, -0.2, 1.0))))
+    follow = FollowProp("box", (0.0, 0.0, 0.1))
+    document.add("constraints", make_constraint("m0", target=follow, chain=REACH, activation=ALWAYS), "Add")
+    assert live.wait(100.0)
+    assert on_stage(document, live, "p0")[5] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
+    moved = replace(document.project.props["box"], position=(0.2, -0.3, 0.9))
+    document.replace("props", "box", moved, "Move Box")
+    assert live.wait(100.0)
+    assert on_stage(document, live, "p0")[5] == pytest.approx((0.2, -0.3, 1.0), abs=3e-4)
+    document.remove("props", "box", "Delete Box")
+    assert not document.project.constraints
+    document.undo_stack.undo()
+    assert len(document.project.constraints) == 1
+
+
+def test_a_wrist_follows_a_joint_of_its_capture(live_of: Any) -> None:
+    document, live = live_of(stage(1))
+    source = live.source("m0")
+    assert live.wait(100.0)
+    source = live.source("m0")
+    asked = make_constraint("m0", target=FollowTracked("RightHand"), chain=REACH, activation=ALWAYS)
+    document.add("constraints", asked, "Add")
+    assert live.wait(100.0)
+    wrist = place_of(RIGHT, source)
+    assert place_of(RIGHT, live.result("p0")) == pytest.approx(wrist, abs=5e-4)
