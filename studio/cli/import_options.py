@@ -6,6 +6,7 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.io.importing import ImportOptions
+from studio.io.marker_maps import read_map
 
 
 def add_import_options(parser: ArgumentParser) -> None:
@@ -16,6 +17,7 @@ def add_import_options(parser: ArgumentParser) -> None:
     group.add_argument("--frame-rate", type=float, metavar="HZ", help="frames a second")
     group.add_argument("--floor", type=float, metavar="METRES", help="height of the ground")
     group.add_argument("--reference", metavar="POSE", help="'zero', or the frame that stands upright")
+    group.add_argument("--marker-map", type=Path, metavar="FILE.json", help="which marker of a C3D lies where")
     group.add_argument("--body-map", type=Path, metavar="FILE.json", help="joints by part, as `info --json` prints")
 
 
@@ -29,6 +31,7 @@ def import_options(arguments: Namespace) -> ImportOptions:
         frame_rate=arguments.frame_rate,
         floor=arguments.floor,
         reference=arguments.reference,
+        marker_map=read_map(arguments.marker_map) if arguments.marker_map else None,
         body_map=_read_body_map(arguments.body_map) if arguments.body_map else None,
     )
 

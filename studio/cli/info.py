@@ -15,6 +15,7 @@ from studio.cli.printing import print_json
 from studio.core.capture import Capture, Guess
 from studio.core.character_skeleton import character_body_map, character_skeleton
 from studio.core.errors import StudioError
+from studio.core.markers.take import MarkerTake, centre_errors
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
@@ -93,6 +94,24 @@ def _capture(path: Path, options: ImportOptions) -> Record:
         "first_frame": capture.first_frame,
         "floor": capture.floor,
         "end_sites": int(np.count_nonzero(capture.skeleton.end_sites)),
+        **({"markers": _markers(capture.markers)} if capture.markers else {}),
+    }
+
+
+def _markers(take: MarkerTake) -> Record:
+    """What an optical capture recorded beside the body, and which marker was taken for what."""
+    trial = take.trial
+    events = [{"label": f"{e.context} {e.label}".strip(), "time": e.time} for e in trial.events]
+    return {
+        "points": len(trial.labels),
+        "markers": len(trial.markers),
+        "first_recorded_frame": trial.first_frame,
+        "signals": len(trial.analog.labels),
+        "signal_rate": trial.analog.rate if trial.analog.labels else None,
+        "force_plates": [plate.kind for plate in trial.plates],
+        "events": events,
+        "map": {role: list(labels) for role, labels in take.marker_map.markers.items()},
+        "joint_centres_mm": {joint: 1000.0 * error for joint, error in centre_errors(take).items()},
     }
 
 
@@ -157,7 +176,7 @@ _SHOWN = (
         "first_frame",
         "floor",
     ),
-    *("body_map", "contacts", "round_trip", "contents"),
+    *("body_map", "contacts", "round_trip", "markers", "contents"),
 )
 
 
@@ -179,6 +198,12 @@ def _words(record: Record, key: str) -> str:
             return ", ".join(f"{len(spans)} {_label(foot)}" for foot, spans in value.items())
         case "contents":
             return ", ".join(f"{count} {name}" for name, count in value.items() if count)
+        case "markers":
+            counts = [f"{value['markers']} markers of {value['points']} points", f"{value['signals']} signals"]
+            counts += [f"{len(value[key])} {_label(key)}" for key in ("force_plates", "events")]
+            worst = max(value["joint_centres_mm"].values(), default=None)
+            near = [] if worst is None else [f"joint centres within {worst:.4f} mm of those stored"]
+            return ", ".join(counts + near)
         case "body_map":
             return ", ".join(f"{_label(part)} {joint}" for part, joint in value.items())
         case "frame_rate":

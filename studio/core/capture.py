@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.humanoid import BodyMap
+from studio.core.markers.take import MarkerTake
 from studio.core.pose import PoseSequence
 from studio.core.skeleton import Skeleton
 
@@ -46,6 +47,8 @@ class Capture:
     """Where the motion proper begins: later than 0 when it is preceded by a calibration pose."""
     guesses: tuple[Guess, ...]
     repairs: tuple[str, ...]
+    markers: MarkerTake | None = None
+    """What a body seen by optical markers was solved from; kept, so that it can be solved anew."""
 
     def __post_init__(self) -> None:
         reference = np.array(self.reference_rotations, dtype=np.float64)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.trial import Trial
+from studio.core.markers.trial import Trial
 from studio.io.c3d_contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
 from studio.io.c3d_parameters import BLOCK, Numbers, Parameters, read_parameters
 
@@ -263,8 +263,3 @@ def _points(
     points[unseen] = np.nan
     residuals = np.where(unseen, -1.0, np.bitwise_and(cameras, 0xFF) * header.scale)
     return points, residuals
-
-
-def is_c3d(head: bytes) -> bool:
-    """Whether a file that begins so may be C3D."""
-    return len(head) >= 2 and head[0] >= 2 and head[1] == 0x50

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.trial import MARKER, NO_SIGNALS, AnalogSignals, ForcePlate, TrialEvent
+from studio.core.markers.trial import MARKER, NO_SIGNALS, VIRTUAL, AnalogSignals, ForcePlate, TrialEvent, bare_label
 from studio.io.c3d_parameters import BLOCK, Parameters
 
 FloatArray = NDArray[np.float64]
@@ -15,7 +15,7 @@ _UNITS |= {"cm": "cm", "cent": "cm", "centimeter": "cm", "centimetre": "cm", "ce
 _UNITS |= {"in": "inch", "inch": "inch", "inches": "inch"}
 _MODEL_OUTPUTS = {
     "ANGLES": "angle", "FORCES": "force", "MOMENTS": "moment", "POWERS": "power", "SCALARS": "scalar",
-    "MODELED_MARKERS": MARKER, "REACTIONS": "reaction",
+    "MODELED_MARKERS": VIRTUAL, "REACTIONS": "reaction",
 }  # fmt: skip
 _ENDINGS = ("angles", "angle", "force", "moment", "power", "grf", "forces", "moments", "powers")
 _EVENT_KEY = 12345
@@ -47,11 +47,22 @@ def labels_and_kinds(
     outputs = {
         label: kind for group, kind in _MODEL_OUTPUTS.items() for label in parameters.words_on("POINT", group) if label
     }
+    outputs |= dict.fromkeys(_segment_axes(tuple(labels)), VIRTUAL)
     return tuple(labels), tuple(outputs.get(label, _kind_by_name(label)) for label in labels)
+
+
+def _segment_axes(labels: tuple[str, ...]) -> set[str]:
+    """``LFEO, LFEA, LFEL, LFEP`` and their like: origin and axes of a segment, as Plug-in-Gait leaves them."""
+    there = set(labels)
+    stems = {label[:-1] for label in labels if len(bare_label(label)) == 4 and label.endswith("O")}
+    quads = ([stem + end for end in "OALP"] for stem in stems)
+    return {label for quad in quads if there.issuperset(quad) for label in quad}
 
 
 def _kind_by_name(label: str) -> str:
     """Models call their outputs ``LKneeAngles``, ``RHipMoment``: no marker is called so."""
+    if label.lower().startswith("centreofmass"):
+        return VIRTUAL
     ending = next((ending for ending in _ENDINGS if label.lower().endswith(ending)), "")
     return {"grf": "force"}.get(ending, ending.removesuffix("s")) if len(label) > len(ending) and ending else MARKER
 

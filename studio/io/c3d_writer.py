@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.trial import MARKER, Trial
+from studio.core.markers.trial import MARKER, Trial
 from studio.io.c3d_parameters import BLOCK
 from studio.io.replacing import write_whole
 
@@ -19,7 +19,7 @@ _LIST = 255
 _MOST_NUMBERS = 65535
 _HEADER = struct.Struct("<BBHHHHHfHHf")
 _PLURALS = {"angle": "ANGLES", "force": "FORCES", "moment": "MOMENTS", "power": "POWERS", "scalar": "SCALARS"}
-_PLURALS |= {"reaction": "REACTIONS"}
+_PLURALS |= {"reaction": "REACTIONS", "virtual": "MODELED_MARKERS"}
 
 Record = tuple[str, bytes]
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
+from studio.core.markers.marker_map import MarkerMap
 from studio.core.normalized.normalize import detected_contacts
 from studio.io.registry import Progress, ReadCharacter, format_of
 
@@ -25,6 +26,8 @@ class ImportOptions:
     """Joints by part, as ``BodyMap.to_json`` gives them; parts left out are still guessed."""
     reference: str | None = None
     """``zero`` or the number of a frame."""
+    marker_map: MarkerMap | None = None
+    """Which markers of an optical capture lie at which places of the body."""
 
 
 GUESS_ALL = ImportOptions()

@@ -150,6 +150,12 @@ OWN_FORMATS = (
         character_reader="studio.io.hanim.character:load_vrml",
     ),
     Format(
+        name="C3D",
+        suffixes=(".c3d",),
+        sniff="studio.io.c3d_format:is_c3d",
+        capture_reader="studio.io.c3d_capture:load_c3d",
+    ),
+    Format(
         name="Morpho Studio character",
         suffixes=(".json",),
         sniff="studio.io.character_file:is_character",

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from studio.core.trial import MARKER, Trial
+from studio.core.markers.trial import MARKER, Trial
 from studio.io.c3d import read_c3d
 from studio.io.c3d_writer import write_c3d
 from tests.conftest import CAPTURES

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.trial import AnalogSignals, ForcePlate, Trial, TrialEvent
+from studio.core.markers.trial import AnalogSignals, ForcePlate, Trial, TrialEvent
 
 FRAMES, SAMPLES = 12, 4
 

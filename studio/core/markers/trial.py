@@ -1,6 +1,6 @@
 """Trial: what an optical capture system recorded: points over time, analog signals, force plates, events."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -13,7 +13,8 @@ FloatArray = NDArray[np.float64]
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 """Metres a unit."""
-MARKER = "marker"
+MARKER, VIRTUAL = "marker", "virtual"
+"""Kinds of points that are places: seen by cameras, or computed from such."""
 
 
 def _freeze(value: object, name: str, shape: tuple[int | None, ...]) -> None:
@@ -90,7 +91,7 @@ class Trial:
     labels: tuple[str, ...]
     """(P,) all different, with the subject's prefix where the file has one: ``Anna:LASI``."""
     kinds: tuple[str, ...]
-    """(P,) ``marker``, or what a model computed and stored as if it were a point: ``angle``, ``force`` ..."""
+    """(P,) ``marker``, or what a model computed and stored as a point: ``virtual``, ``angle``, ``force`` ..."""
     points: FloatArray
     """(F, P, 3) in ``unit`` (angles, forces and their like in units of their own)."""
     residuals: FloatArray
@@ -124,13 +125,19 @@ class Trial:
         return len(self.points)
 
     @property
+    def ever_seen(self) -> tuple[bool, ...]:
+        """(P,) whether each point is seen in any frame."""
+        seen = np.asarray(np.isfinite(self.points).all(axis=-1))
+        return tuple(np.asarray(seen.any(axis=0)).tolist())
+
+    @property
     def metres(self) -> float:
         """Metres a unit."""
         return METRES[self.unit]
 
     @property
     def markers(self) -> tuple[str, ...]:
-        """Labels of the points that are places, not angles or forces."""
+        """Labels of the points that cameras saw."""
         return tuple(label for label, kind in zip(self.labels, self.kinds, strict=True) if kind == MARKER)
 
     def track(self, label: str) -> FloatArray:
@@ -140,6 +147,18 @@ class Trial:
     def event_frame(self, event: TrialEvent) -> float:
         """Where an event lies among the frames of this trial, as a number of frames from frame 0."""
         return event.time * self.frame_rate - (self.first_frame - 1)
+
+    def only(self, labels: Iterable[str]) -> "Trial":
+        """The same trial with some of its points, in their order."""
+        wanted = set(labels)
+        kept = [place for place, label in enumerate(self.labels) if label in wanted]
+        return replace(
+            self,
+            labels=tuple(self.labels[place] for place in kept),
+            kinds=tuple(self.kinds[place] for place in kept),
+            points=self.points[:, kept],
+            residuals=self.residuals[:, kept],
+        )
 
     def with_points(self, points: FloatArray) -> "Trial":
         """The same trial with other coordinates (F, P, 3)."""

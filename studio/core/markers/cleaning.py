@@ -1,0 +1,200 @@
+"""Cleaning steps: what is done to a trial's points before a body is solved from them, each with its report.
+
+The trial is kept as it was recorded; the steps stand beside it in a list and are done anew whenever it changes.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.markers.gaps import Gap, find_gaps, pattern_through, spline_through, stiffness
+from studio.core.markers.swaps import find_swaps, swapped
+from studio.core.markers.trial import MARKER, Trial
+
+FloatArray = NDArray[np.float64]
+
+Fill = Callable[[FloatArray, Gap], FloatArray | None]
+
+_ORDER = 2
+_SHOWN = 6
+"""Lines of detail in a report; the rest is counted."""
+
+
+def _positive(number: float, what: str) -> None:
+    if not (np.isfinite(number) and number > 0.0):
+        raise StudioError(f"{what} must be more than zero, not {number:g}.")
+
+
+@dataclass(frozen=True)
+class StepReport:
+    """What a step did, in sentences; the first one sums it up."""
+
+    title: str
+    summary: str
+    details: tuple[str, ...] = ()
+    told: bool = True
+    """False where there was nothing to do and nothing is left to be done."""
+
+
+@dataclass(frozen=True)
+class UndoSwaps:
+    """Exchange markers back that took each other's name on the way."""
+
+    kind: Literal["undo_swaps"] = "undo_swaps"
+    title: ClassVar[str] = "Undo swaps"
+
+    def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
+        """The trial with each pair exchanged from the frame on where its tracks cross over."""
+        swaps = find_swaps(trial.points, _places(trial), trial.frame_rate, trial.metres)
+        details = [
+            f"{trial.labels[swap.first]} and {trial.labels[swap.second]} from frame {swap.frame} on" for swap in swaps
+        ]
+        if not swaps:
+            return trial, StepReport(self.title, "No two markers took each other's name.")
+        return trial.with_points(swapped(trial.points, swaps)), _report(
+            self.title, f"{_count(len(swaps), 'swap')} undone.", details
+        )
+
+
+@dataclass(frozen=True)
+class FillShortGaps:
+    """Lead a marker through its short gaps on a spline."""
+
+    kind: Literal["fill_short_gaps"] = "fill_short_gaps"
+    longest: float = 0.15
+    """Seconds."""
+    title: ClassVar[str] = "Fill short gaps"
+
+    def __post_init__(self) -> None:
+        _positive(self.longest, "The longest gap to be splined")
+
+    def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
+        """Gaps up to ``longest`` that are seen on both sides."""
+        most = int(self.longest * trial.frame_rate + 1e-9)
+        gaps = [gap for gap in find_gaps(trial.points, _places(trial)) if gap.frames <= most]
+        return _filled(trial, self.title, gaps, spline_through, "on a spline")
+
+
+@dataclass(frozen=True)
+class FillLongGaps:
+    """Let three neighbours or more on the same bone carry a marker through its long gaps."""
+
+    kind: Literal["fill_long_gaps"] = "fill_long_gaps"
+    title: ClassVar[str] = "Fill long gaps"
+
+    def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
+        """All gaps through which stiff neighbours are seen, the shortest first: what is filled may help the next."""
+        places = _places(trial)
+        gaps = sorted(find_gaps(trial.points, places), key=lambda gap: gap.frames)
+        known = stiffness(trial.points, places, trial.metres)
+        return _filled(
+            trial,
+            self.title,
+            gaps,
+            lambda points, gap: pattern_through(points, gap, known),
+            "as its neighbours move",
+        )
+
+
+@dataclass(frozen=True)
+class LowPass:
+    """Take the tremble out of the points: a Butterworth filter of fourth order without lag."""
+
+    kind: Literal["low_pass"] = "low_pass"
+    cutoff: float = 8.0
+    """Hz that remain at 0.707 of their size."""
+    title: ClassVar[str] = "Smooth"
+
+    def __post_init__(self) -> None:
+        _positive(self.cutoff, "The cut-off frequency")
+
+    def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
+        """Every stretch without gaps for itself, forth and back.
+
+        The cut-off is corrected for two passes and for the frame rate (Winter 2009):
+        tan(pi f / rate) / (sqrt 2 - 1)^1/4.
+        """
+        from scipy.signal import butter, sosfiltfilt  # slow to import, and few trials are smoothed
+
+        rate = trial.frame_rate
+        if self.cutoff >= 0.45 * rate:
+            return trial, StepReport(
+                self.title, f"Nothing: {rate:g} frames a second hold nothing above {0.45 * rate:g} Hz to be taken out."
+            )
+        once = np.tan(np.pi * self.cutoff / rate) / (np.sqrt(2.0) - 1.0) ** 0.25
+        corrected = rate / np.pi * np.arctan(once)
+        sections = butter(_ORDER, corrected, fs=rate, output="sos")
+        points = trial.points.copy()
+        least = 3 * (2 * _ORDER + 1)
+        moved, skipped = 0.0, 0
+        for place in _places(trial):
+            for first, end in _stretches(points[:, place]):
+                if end - first <= least:
+                    skipped += 1
+                    continue
+                smooth = sosfiltfilt(sections, points[first:end, place], axis=0)
+                moved = max(moved, float(np.linalg.norm(smooth - points[first:end, place], axis=-1).max()))
+                points[first:end, place] = smooth
+        summary = f"Smoothed at {self.cutoff:g} Hz; no marker moved more than {1000 * moved * trial.metres:.1f} mm."
+        details = (
+            (f"{_count(skipped, 'stretch')} of less than {least + 1} frames left as they were.",) if skipped else ()
+        )
+        return trial.with_points(points), StepReport(self.title, summary, details)
+
+
+Step = UndoSwaps | FillShortGaps | FillLongGaps | LowPass
+STEPS: tuple[type[Step], ...] = (UndoSwaps, FillShortGaps, FillLongGaps, LowPass)
+USUAL_STEPS: tuple[Step, ...] = (FillShortGaps(), FillLongGaps())
+"""What is done to a trial that nobody has looked at: its gaps are filled, what was seen stays as it is."""
+
+
+def clean(trial: Trial, steps: Sequence[Step]) -> tuple[Trial, tuple[StepReport, ...]]:
+    """The trial after all steps, in order, and what each of them did; ``trial`` itself stays."""
+    reports = []
+    for step in steps:
+        trial, report = step.apply(trial)
+        reports.append(report)
+    return trial, tuple(reports)
+
+
+def _filled(trial: Trial, title: str, gaps: list[Gap], fill: Fill, how: str) -> tuple[Trial, StepReport]:
+    points = trial.points.copy()
+    done, details = [], []
+    for gap in gaps:
+        path = fill(points, gap)
+        if path is not None:
+            points[gap.first : gap.last + 1, gap.place] = path
+            done.append(gap)
+            details.append(f"{trial.labels[gap.place]} frames {gap.first} to {gap.last}")
+    left = len(gaps) - len(done)
+    open_words = f" {_count(left, 'gap')} left open." if left else ""
+    if not done:
+        return trial, StepReport(title, f"Nothing filled.{open_words}", told=bool(left))
+    frames = sum(gap.frames for gap in done)
+    summary = f"{_count(len(done), 'gap')} filled {how}, {_count(frames, 'frame')} in all.{open_words}"
+    return trial.with_points(points), _report(title, summary, details)
+
+
+def _report(title: str, summary: str, details: list[str]) -> StepReport:
+    shown = details[:_SHOWN]
+    more = [f"and {len(details) - _SHOWN} more"] if len(details) > _SHOWN else []
+    return StepReport(title, summary, tuple(shown + more))
+
+
+def _places(trial: Trial) -> tuple[int, ...]:
+    return tuple(place for place, kind in enumerate(trial.kinds) if kind == MARKER)
+
+
+def _stretches(track: FloatArray) -> list[tuple[int, int]]:
+    """(first, end) of what is seen without a gap."""
+    seen = np.isfinite(track).all(axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
+    return [(int(first), int(end)) for first, end in edges.reshape(-1, 2)]
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 'es' if word.endswith('ch') else 's'}"

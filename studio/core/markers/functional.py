@@ -1,0 +1,53 @@
+"""Joint centres by how two bones move about each other, where no marker lies beside the joint."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+_TRUST_IN_PRIOR = 0.03
+"""Weight of the usual place against the movement: it decides where a hinge leaves the place along its axis open."""
+
+
+def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """How a cluster (F, n, 3) of three markers or more moves: middles (F, 3) and turns (F, 3, 3) from its mean shape.
+
+    The mean shape is found by laying all frames over the first complete one (Kabsch 1976).
+    """
+    whole = np.isfinite(markers).all(axis=(1, 2))
+    shape = markers[whole][0] - markers[whole][0].mean(axis=0)
+    middles = markers.mean(axis=1)
+    turns = np.full((len(markers), 3, 3), np.nan)
+    for _ in range(2):
+        turns[whole] = _turns(shape, markers[whole] - middles[whole, None])
+        shape = np.mean(np.einsum("fji,fnj->fni", turns[whole], markers[whole] - middles[whole, None]), axis=0)
+    return middles, turns
+
+
+def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) -> FloatArray:
+    """The joint (F, 3) between two clusters (F, n, 3) (symmetrical estimation, Ehrig et al. 2006).
+
+    Least squares for a point at rest in both: R1 c1 + t1 = R2 c2 + t2 over all frames, drawn lightly to ``usual``
+    (F, 3), where the joint is by the look of the markers. NaN where a cluster is not seen.
+    """
+    (t1, r1), (t2, r2) = cluster_axes(upper), cluster_axes(lower)
+    seen = np.isfinite(t1).all(axis=1) & np.isfinite(t2).all(axis=1) & np.isfinite(usual).all(axis=1)
+    if not seen.any():
+        return np.full_like(usual, np.nan)
+    rows = np.concatenate([r1[seen], -r2[seen]], axis=2).reshape(-1, 6)
+    right = (t2[seen] - t1[seen]).reshape(-1)
+    prior = np.concatenate(
+        [np.median(np.einsum("fji,fj->fi", r[seen], usual[seen] - t[seen]), axis=0) for r, t in ((r1, t1), (r2, t2))]
+    )
+    weight = _TRUST_IN_PRIOR * np.sqrt(seen.sum())
+    rows = np.concatenate([rows, weight * np.eye(6)])
+    centre = np.linalg.lstsq(rows, np.concatenate([right, weight * prior]), rcond=None)[0]
+    return np.asarray(0.5 * (t1 + r1 @ centre[:3] + t2 + r2 @ centre[3:]))
+
+
+def _turns(shape: FloatArray, targets: FloatArray) -> FloatArray:
+    """Rotations (F, 3, 3) that lay ``shape`` (n, 3) best over ``targets`` (F, n, 3), both about their middle."""
+    u, _, v = np.linalg.svd(np.einsum("ni,fnj->fij", shape, targets))
+    turn = np.ones((len(targets), 3))
+    turn[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(v))
+    return np.asarray(np.einsum("fji,fj,fkj->fik", v, turn, u))

@@ -1,0 +1,135 @@
+"""Gaps: frames in which a marker was not seen, filled by its own path when short, by its neighbours when long."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+_NEIGHBOURS = 6
+"""Frames on each side that a spline goes through."""
+_DONORS = 4
+"""Markers at most that carry another one through its gap."""
+_LOOKED_AT = 400
+"""Frames that tell how stiff two markers hang together."""
+_STIFF = 0.02
+"""Metres by which the distance to a donor may vary (standard deviation): skin moves, joints move more."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Frames ``first`` to ``last``, both included, in which marker ``place`` was not seen."""
+
+    place: int
+    first: int
+    last: int
+
+    @property
+    def frames(self) -> int:
+        return self.last - self.first + 1
+
+
+def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
+    """The gaps of some of the points (F, P, 3), also those at the beginning and the end; none where never seen."""
+    for place in places:
+        unseen = np.isnan(points[:, place]).any(axis=1)
+        if unseen.all():
+            continue
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], unseen, [False]]).astype(np.int8)))
+        for first, end in edges.reshape(-1, 2).tolist():
+            yield Gap(place, first, end - 1)
+
+
+def spline_through(points: FloatArray, gap: Gap) -> FloatArray | None:
+    """Places (n, 3) in the gap on a cubic spline through the nearest frames on both sides.
+
+    None where fewer than two frames are seen on one side of it.
+    """
+    from scipy.interpolate import CubicSpline  # slow to import, and most files have no markers
+
+    track = points[:, gap.place]
+    seen = np.flatnonzero(np.isfinite(track).all(axis=1))
+    before, after = seen[seen < gap.first][-_NEIGHBOURS:], seen[seen > gap.last][:_NEIGHBOURS]
+    if len(before) < 2 or len(after) < 2:
+        return None
+    known = np.concatenate([before, after])
+    return np.asarray(CubicSpline(known, track[known])(np.arange(gap.first, gap.last + 1)))
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """Between any two of some points: mean distance and how much it varies (P, P), metres; NaN on the diagonal."""
+
+    mean: FloatArray
+    spread: FloatArray
+
+
+def stiffness(points: FloatArray, places: tuple[int, ...], metres: float) -> Stiffness:
+    """Over frames spread through the trial in which both are seen; ``metres`` a unit."""
+    frames = np.unique(np.linspace(0, len(points) - 1, _LOOKED_AT).astype(int))
+    mean, spread = (np.full((points.shape[1], points.shape[1]), np.nan) for _ in range(2))
+    there = metres * points[frames][:, list(places)]
+    for at, place in enumerate(places):
+        distances = np.linalg.norm(there - there[:, at, None], axis=-1)
+        known = np.isfinite(distances)
+        count = np.maximum(known.sum(axis=0), 1)
+        middle = np.where(known, distances, 0.0).sum(axis=0) / count
+        mean[place, list(places)] = np.where(known.any(axis=0), middle, np.nan)
+        spread[place, list(places)] = np.sqrt(np.where(known, (distances - middle) ** 2, 0.0).sum(axis=0) / count)
+        mean[place, place] = np.nan
+    return Stiffness(mean, spread)
+
+
+def pattern_through(points: FloatArray, gap: Gap, known: Stiffness) -> FloatArray | None:
+    """Places (n, 3) in the gap as the stiffest neighbours carry the marker; None without three of them.
+
+    The rigid motion (Kabsch 1976) of the neighbours from the last frame before the gap and from the first one after
+    it, each weighed by how near it is, so that the path joins on both sides.
+    """
+    donors = _donors(points, gap, known)
+    if len(donors) < 3:
+        return None
+    frames = np.arange(gap.first, gap.last + 1)
+    anchors = [frame for frame in (gap.first - 1, gap.last + 1) if 0 <= frame < len(points)]
+    moving = points[gap.first : gap.last + 1, donors]
+    carried = [_carried(points[anchor, donors], points[anchor, gap.place], moving) for anchor in anchors]
+    if len(carried) == 1:
+        return carried[0]
+    share = ((frames - gap.first + 1) / (gap.frames + 1))[:, None]
+    return np.asarray((1.0 - share) * carried[0] + share * carried[1])
+
+
+def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
+    """Markers seen all through the gap and beside it that keep their distance to its marker best."""
+    mean, spread = known.mean[gap.place], known.spread[gap.place]
+    stiff = np.flatnonzero((mean > 0.01) & (spread < _STIFF))
+    around = points[max(gap.first - 1, 0) : gap.last + 2, stiff]
+    stiff = stiff[np.isfinite(around).all(axis=(0, 2))]
+    order = np.argsort(spread[stiff] + 0.02 * mean[stiff])  # of two that are as stiff the nearer one
+    return _spread_out(points[gap.first - 1 if gap.first else gap.last + 1], stiff[order].tolist())
+
+
+def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
+    """The first few that do not lie on one line: three on a line carry nothing round it."""
+    chosen = stiff[:2]
+    for donor in stiff[2:]:
+        legs = places[[*chosen[1:], donor]] - places[chosen[0]]
+        singular = np.linalg.svd(legs, compute_uv=False)
+        if singular[1] > 0.15 * singular[0]:
+            chosen.append(donor)
+        if len(chosen) == _DONORS:
+            break
+    return chosen
+
+
+def _carried(source: FloatArray, marker: FloatArray, targets: FloatArray) -> FloatArray:
+    """Where ``marker`` (3,) goes when ``source`` (n, 3) moves rigidly onto each of ``targets`` (F, n, 3)."""
+    middle, middles = source.mean(axis=0), targets.mean(axis=1)
+    covariance = np.einsum("ni,fnj->fij", source - middle, targets - middles[:, None])
+    u, _, v = np.linalg.svd(covariance)
+    turn = np.ones((len(targets), 3))
+    turn[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(v))
+    rotation = np.einsum("fji,fj,fkj->fik", v, turn, u)
+    return np.asarray(middles + rotation @ (marker - middle))

@@ -1,0 +1,117 @@
+"""MarkerMap: which markers of a set lie at which places of the body."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.markers.roles import JOINTS, ROLE, SIDES
+from studio.core.markers.trial import MARKER, VIRTUAL, Trial, bare_label
+
+FloatArray = NDArray[np.float64]
+Tracks = Mapping[str, FloatArray]
+"""Places (F, 3) by role, in metres; NaN where not seen."""
+
+_LEG = ("knee", "ankle")
+_ARM = ("shoulder", "elbow", "wrist")
+
+
+@dataclass(frozen=True)
+class MarkerMap:
+    """For each role the labels (without subject) of the markers whose middle stands for it."""
+
+    name: str
+    markers: Mapping[str, tuple[str, ...]]
+    centres: Mapping[str, str] = field(default_factory=dict)
+    """Points that are joint centres by joint (``left_knee``), as a model leaves them in a file; used where the markers
+    do not give that joint, and to find out what was measured on the subject."""
+
+    def __post_init__(self) -> None:
+        for given, known in ((self.markers, tuple(ROLE)), (self.centres, JOINTS)):
+            unknown = [place for place in given if place not in known]
+            if unknown:
+                raise StudioError(f"'{unknown[0]}' is no place of a body. Places are {', '.join(known)}.")
+        ordered = {role: tuple(self.markers[role]) for role in ROLE if self.markers.get(role)}
+        object.__setattr__(self, "markers", MappingProxyType(ordered))
+        object.__setattr__(self, "centres", MappingProxyType(dict(self.centres)))
+
+    @property
+    def labels(self) -> frozenset[str]:
+        """All markers that it names."""
+        return frozenset(label for labels in self.markers.values() for label in labels)
+
+    def with_role(self, role: str, labels: Iterable[str]) -> "MarkerMap":
+        """The same map with other markers, or none, for one role."""
+        return replace(self, markers={**self.markers, role: tuple(labels)})
+
+    def among(self, labels: Iterable[str]) -> "MarkerMap":
+        """What is left of it where only ``labels`` are there: a role keeps those of its markers that are."""
+        there = set(labels)
+        kept = {role: tuple(label for label in own if label in there) for role, own in self.markers.items()}
+        centres = {joint: label for joint, label in self.centres.items() if label in there}
+        return replace(self, markers=kept, centres=centres)
+
+    def has_legs(self) -> bool:
+        """Whether both legs can be followed: pelvis or hips, knees, ankles."""
+        hips = self._has("front_hip") and ("left_back_hip" in self.markers or "right_back_hip" in self.markers)
+        knees = self._has("knee") or (self._has_cluster("thigh") and self._has_cluster("shank"))
+        ankles = self._has("ankle") or (self._has("heel") and self._has("toe"))
+        return ((hips or self._has("hip")) and knees and ankles) or self._has_centres("hip", *_LEG)
+
+    def has_arms(self) -> bool:
+        """Whether both arms can be followed: shoulders, elbows, wrists."""
+        return all(self._has(part) for part in _ARM) or self._has_centres(*_ARM)
+
+    def lacking(self) -> tuple[str, ...]:
+        """Words for the places without which not even half a body can be followed."""
+        if self.has_legs() or self.has_arms():
+            return ()
+        needed = [f"{side}_{part}" for part in ("front_hip", "back_hip", *_LEG) for side in SIDES]
+        return tuple(ROLE[role].words.lower() for role in needed if role not in self.markers)
+
+    def _has_cluster(self, part: str) -> bool:
+        """Three markers that turn with a bone tell how it stands."""
+        return all(len(self.markers.get(f"{side}_{part}", ())) >= 3 for side in SIDES)
+
+    def _has_centres(self, *joints: str) -> bool:
+        return all(f"{side}_{joint}" in self.centres for side in SIDES for joint in joints)
+
+    def _has(self, part: str) -> bool:
+        return all(f"{side}_{part}" in self.markers for side in SIDES)
+
+
+def seen_labels(trial: Trial, subject: str = "", kinds: tuple[str, ...] = (MARKER,)) -> dict[str, str]:
+    """Bare label by label of the points that are ever seen; of one subject where ``subject`` names it."""
+    found: dict[str, str] = {}
+    for label, kind, ever in zip(trial.labels, trial.kinds, trial.ever_seen, strict=True):
+        if kind in kinds and ever and (not subject or label.startswith(f"{subject}:")):
+            found.setdefault(bare_label(label), label)
+    return {label: bare for bare, label in found.items()}
+
+
+def role_markers(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, FloatArray]:
+    """Each role's markers (F, n, 3) in metres and the file's axes; NaN where not seen."""
+    by_bare = _by_bare(trial, subject)
+    return {
+        role: trial.metres * np.stack([trial.track(by_bare[bare]) for bare in labels], axis=1)
+        for role, labels in marker_map.among(by_bare).markers.items()
+    }
+
+
+def middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """The middle (F, 3) of each role's markers; NaN where one of them is not seen."""
+    return {role: np.asarray(own.mean(axis=1)) for role, own in markers.items()}
+
+
+def stored_centres(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, FloatArray]:
+    """The joint centres (F, 3) that stand among the points, in metres and the file's axes."""
+    by_bare = _by_bare(trial, subject)
+    centres = marker_map.among(by_bare).centres
+    return {joint: trial.metres * trial.track(by_bare[bare]) for joint, bare in centres.items()}
+
+
+def _by_bare(trial: Trial, subject: str) -> dict[str, str]:
+    return {bare: label for label, bare in seen_labels(trial, subject, kinds=(MARKER, VIRTUAL)).items()}

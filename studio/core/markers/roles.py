@@ -1,0 +1,58 @@
+"""Roles: the places on a body where markers are put, whatever a marker set calls them."""
+
+from dataclasses import dataclass
+
+SIDES = ("left", "right")
+JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist"))
+
+
+@dataclass(frozen=True)
+class Role:
+    """One place on the body, named by what lies under the skin there."""
+
+    id: str
+    words: str
+    part: str
+    """``head``, ``trunk``, ``pelvis``, ``left arm``, ``right leg`` ..."""
+    spot: tuple[float, float]
+    """On a figure seen from the front: across from -1 (its right, left in the picture) to 1, up from 0 to 1."""
+    hint: str
+
+
+def _pair(name: str, words: str, limb: str, spot: tuple[float, float], hint: str) -> tuple[Role, ...]:
+    part = {"arm": "{} arm", "leg": "{} leg"}.get(limb, limb)
+    return tuple(
+        Role(f"{side}_{name}", f"{side.capitalize()} {words}", part.format(side), (sign * spot[0], spot[1]), hint)
+        for side, sign in zip(SIDES, (1.0, -1.0), strict=True)
+    )
+
+
+ROLES: tuple[Role, ...] = (
+    *_pair("front_head", "forehead", "head", (0.09, 0.955), "Left or right on the forehead or temple"),
+    *_pair("back_head", "back of the head", "head", (0.16, 0.935), "At the height of the forehead's, behind"),
+    Role("neck_back", "Neck (C7)", "trunk", (0.0, 0.865), "The vertebra that stands out at the foot of the neck"),
+    Role("collar", "Collar (notch)", "trunk", (0.0, 0.815), "Between the collar bones, in front"),
+    Role("breastbone", "Breastbone", "trunk", (0.0, 0.715), "The lower end of the breastbone, in front"),
+    Role("back", "Back (T10)", "trunk", (0.0, 0.655), "On the spine, as high as the breastbone's end"),
+    *_pair("front_hip", "front of the pelvis", "pelvis", (0.14, 0.545), "The bone in front, under the belt (ASIS)"),
+    *_pair("back_hip", "back of the pelvis", "pelvis", (0.05, 0.575), "Dimple behind (PSIS); a sacrum marker is both"),
+    *_pair("shoulder", "shoulder", "arm", (0.23, 0.815), "On top of the shoulder"),
+    *_pair("upper_arm", "upper arm", "arm", (0.33, 0.725), "Anywhere on the upper arm"),
+    *_pair("elbow", "elbow", "arm", (0.43, 0.655), "The outer side of the elbow"),
+    *_pair("inner_elbow", "inner elbow", "arm", (0.35, 0.63), "The inner side of the elbow"),
+    *_pair("forearm", "forearm", "arm", (0.47, 0.585), "Anywhere on the forearm"),
+    *_pair("wrist", "wrist, thumb", "arm", (0.505, 0.53), "The thumb's side of the wrist"),
+    *_pair("outer_wrist", "wrist, little finger", "arm", (0.575, 0.545), "The little finger's side of the wrist"),
+    *_pair("hand", "hand", "arm", (0.575, 0.465), "On the hand, near the fingers"),
+    *_pair("hip", "hip joint", "leg", (0.2, 0.5), "Beside the hip joint; where the pelvis has no markers"),
+    *_pair("thigh", "thigh", "leg", (0.19, 0.41), "Anywhere on the thigh, best on its outer side"),
+    *_pair("knee", "knee", "leg", (0.18, 0.3), "The outer side of the knee"),
+    *_pair("inner_knee", "inner knee", "leg", (0.055, 0.3), "The inner side of the knee"),
+    *_pair("shank", "shank", "leg", (0.17, 0.195), "Anywhere on the shank, best on its outer side"),
+    *_pair("ankle", "ankle", "leg", (0.165, 0.085), "The outer side of the ankle"),
+    *_pair("inner_ankle", "inner ankle", "leg", (0.06, 0.085), "The inner side of the ankle"),
+    *_pair("heel", "heel", "leg", (0.09, 0.035), "Behind, on the heel"),
+    *_pair("toe", "toes", "leg", (0.2, 0.02), "Over the ball of the foot, before the second toe"),
+)  # fmt: skip
+
+ROLE: dict[str, Role] = {role.id: role for role in ROLES}

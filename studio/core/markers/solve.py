@@ -1,0 +1,274 @@
+"""From joint centres to a body that can be retargeted: a skeleton of constant bones and its poses.
+
+Bones are as long as they are on average and point where the joint centres say; what a trial does not show stands in
+a plain rest: arms beside the body, legs straight down.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyPart
+from studio.core.humanoid import BodyMap
+from studio.core.markers.body_axes import (
+    HEAD,
+    Trunk,
+    arm_axes,
+    find_trunk,
+    foot_axes,
+    hand_axes,
+    head_axes,
+    leg_axes,
+    upright,
+)
+from studio.core.markers.roles import SIDES
+from studio.core.pose import PoseSequence
+from studio.core.rotations import from_matrix, normalized, shortest_arc
+from studio.core.skeleton import Skeleton
+
+FloatArray = NDArray[np.float64]
+Tracks = Mapping[str, FloatArray]
+
+# Parts of stature, after Drillis and Contini (1966).
+_UPPER_ARM, _FOREARM, _HAND = 0.186, 0.146, 0.1
+_THIGH, _SHANK, _ANKLE, _FOOT = 0.245, 0.246, 0.039, 0.11
+_SHOULDER, _HIP = 0.105, 0.052
+_LEG = _THIGH + _SHANK
+_SPINE_BASE, _CHEST = 0.2, 0.55
+"""Where the two spine joints lie between hips and neck."""
+_BAND_TO_CROWN = 0.09
+"""Metres from the middle of the head's markers up to the crown."""
+_HANGING = normalized(np.array([0.08, 0.17, -1.0]))
+"""Direction of a left arm that hangs at ease."""
+
+_PARENTS = {
+    "Hips": "", "Spine": "Hips", "Chest": "Spine", "Neck": "Chest", "Head": "Neck", "HeadEnd": "Head",
+    "LeftShoulder": "Chest", "LeftArm": "LeftShoulder", "LeftForeArm": "LeftArm", "LeftHand": "LeftForeArm",
+    "LeftHandEnd": "LeftHand",
+    "RightShoulder": "Chest", "RightArm": "RightShoulder", "RightForeArm": "RightArm", "RightHand": "RightForeArm",
+    "RightHandEnd": "RightHand",
+    "LeftUpLeg": "Hips", "LeftLeg": "LeftUpLeg", "LeftFoot": "LeftLeg", "LeftToe": "LeftFoot", "LeftToeEnd": "LeftToe",
+    "RightUpLeg": "Hips", "RightLeg": "RightUpLeg", "RightFoot": "RightLeg", "RightToe": "RightFoot",
+    "RightToeEnd": "RightToe",
+}  # fmt: skip
+_NAMES = tuple(_PARENTS)
+_JOINT_OF = {"shoulder": "Arm", "elbow": "ForeArm", "wrist": "Hand", "hip": "UpLeg", "knee": "Leg", "ankle": "Foot"}
+
+
+@dataclass(frozen=True)
+class SolvedBody:
+    """Skeleton, poses and map; which joint stands for which centre; what is in a plain rest."""
+
+    skeleton: Skeleton
+    poses: PoseSequence
+    body_map: BodyMap
+    joints: Mapping[str, int]
+    """``left_knee`` ... to joints of the skeleton."""
+    resting: tuple[str, ...]
+    """``arms``, ``legs``, ``head``: what the trial does not show."""
+
+
+def solve_body(tracks: Tracks, joints: Tracks, radius: float, stature: float | None = None) -> SolvedBody:
+    """The body that moves as ``joints`` (F, 3) and markers by role say; world axes, metres, no gaps.
+
+    ``stature`` helps to size what is not shown; without it legs or arms tell. Needs both legs or both arms.
+    """
+    stature = stature or _stature(joints)
+    trunk = find_trunk(tracks, joints, stature, radius)
+    body = _Body(trunk, tracks, joints, stature)
+    resting = body.lay_out()
+    offsets = np.array([body.offsets[name] for name in _NAMES])
+    parents = np.array([_NAMES.index(parent) if parent else -1 for parent in _PARENTS.values()])
+    ends = np.array([name.endswith("End") for name in _NAMES])
+    skeleton = Skeleton(_NAMES, parents, offsets, ends)
+    used = {centre: _NAMES.index(_joint_name(centre)) for centre in joints}
+    return SolvedBody(skeleton, body.poses(skeleton), _body_map(skeleton), used, resting)
+
+
+class _Body:
+    """Axes by joint (F, 3, 3) and offsets in the zero pose, a T-pose facing x, filled part by part."""
+
+    def __init__(self, trunk: Trunk, tracks: Tracks, joints: Tracks, stature: float) -> None:
+        self.trunk, self.tracks, self.joints, self.stature = trunk, tracks, joints, stature
+        self.axes: dict[str, FloatArray] = {}
+        self.offsets: dict[str, FloatArray] = {}
+
+    def lay_out(self) -> tuple[str, ...]:
+        resting = [] if self._lay_trunk() else ["head"]
+        for part, shown, lay, rest in (
+            ("arms", "left_shoulder", self._lay_arm, self._rest_arm),
+            ("legs", "left_hip", self._lay_leg, self._rest_leg),
+        ):
+            for side in SIDES:
+                (lay if shown in self.joints else rest)(side)
+            resting += [] if shown in self.joints else [part]
+        height = self._bone("LeftLeg") + self._bone("LeftFoot") + _ANKLE * self.stature
+        self.offsets["Hips"] = np.array([0.0, 0.0, height])
+        return tuple(resting)
+
+    def poses(self, skeleton: Skeleton) -> PoseSequence:
+        count = len(self.trunk.hips)
+        rotations = np.empty((count, skeleton.joint_count, 4))
+        translations = np.tile(skeleton.offsets, (count, 1, 1))
+        translations[:, 0] = self.trunk.hips
+        for joint, name in enumerate(_NAMES):
+            parent = _PARENTS[name]
+            own = self.axes.get(name, self.axes.get(parent))  # ends have none
+            assert own is not None
+            rotations[:, joint] = from_matrix(np.swapaxes(self.axes[parent], -1, -2) @ own if parent else own)
+        return PoseSequence(rotations, translations)
+
+    def _lay_trunk(self) -> bool:
+        """Spine, chest, neck and head; whether the head is shown."""
+        trunk = self.trunk
+        length = float(np.median(np.linalg.norm(trunk.neck - trunk.hips, axis=-1)))
+        base = _up(_SPINE_BASE * length)
+        below_neck = _up((1.0 - _CHEST) * length)
+        bend = normalized(trunk.neck - trunk.thorax @ below_neck - trunk.hips - trunk.pelvis @ base)
+        middle = trunk.pelvis @ _half(np.swapaxes(trunk.pelvis, -1, -2) @ trunk.thorax)
+        self.axes |= {"Hips": trunk.pelvis, "Chest": trunk.thorax}
+        self.axes["Spine"] = shortest_arc(middle[..., 2], bend) @ middle
+        spine = np.linalg.norm(trunk.neck - trunk.thorax @ below_neck - trunk.hips - trunk.pelvis @ base, axis=-1)
+        self.offsets |= {"Spine": base, "Chest": _up(float(np.median(spine))), "Neck": below_neck}
+        return self._lay_head()
+
+    def _lay_head(self) -> bool:
+        head = head_axes(self.tracks, self.trunk.thorax)
+        if head is None:
+            self.axes |= {"Neck": self.trunk.thorax, "Head": self.trunk.thorax}
+            self.offsets |= {"Head": _up(0.05 * self.stature), "HeadEnd": _up(0.13 * self.stature)}
+            return False
+        band = np.mean([self.tracks[name] for name in HEAD if name in self.tracks], axis=0)
+        joint = band - head @ _up(0.5 * float(np.median(np.linalg.norm(band - self.trunk.neck, axis=-1))))
+        self._aim("Neck", self.trunk.thorax, "Head", joint - self.trunk.neck)
+        self.axes["Head"] = head
+        self.offsets["HeadEnd"] = _median_in(head, band - joint) + _up(_BAND_TO_CROWN)
+        return True
+
+    def _lay_arm(self, side: str) -> None:
+        name, thorax = side.capitalize(), self.trunk.thorax
+        out = 1.0 if side == "left" else -1.0
+        chest = self.trunk.neck - thorax @ self.offsets["Neck"]
+        reach = _median_in(thorax, self.joints[f"{side}_shoulder"] - chest)
+        base = self.offsets["Neck"] + 0.15 * (reach - self.offsets["Neck"])
+        self.offsets[f"{name}Shoulder"] = base
+        self._aim(f"{name}Shoulder", thorax, f"{name}Arm", self.joints[f"{side}_shoulder"] - chest - thorax @ base)
+        upper, lower = arm_axes(self.joints, self.tracks, side, thorax)
+        hand = hand_axes(self.joints, self.tracks, side, lower)
+        self.axes |= {f"{name}Arm": upper, f"{name}ForeArm": lower, f"{name}Hand": hand}
+        for joint, near, far in ((f"{name}ForeArm", "shoulder", "elbow"), (f"{name}Hand", "elbow", "wrist")):
+            self.offsets[joint] = np.array([0.0, out * self._length(f"{side}_{near}", f"{side}_{far}"), 0.0])
+        end = self.tracks.get(f"{side}_hand")
+        length = _HAND * self.stature
+        if end is not None:
+            shown = float(np.median(np.linalg.norm(end - self.joints[f"{side}_wrist"], axis=-1)))
+            length = max(length, shown)
+        self.offsets[f"{name}HandEnd"] = np.array([0.0, out * length, 0.0])
+
+    def _rest_arm(self, side: str) -> None:
+        """Hanging at ease from a trunk that is upright."""
+        name, thorax = side.capitalize(), self.trunk.thorax
+        out = np.array([1.0, 1.0 if side == "left" else -1.0, 1.0])
+        hang = thorax @ shortest_arc(np.array([0.0, out[1], 0.0]), _HANGING * out)
+        self.axes |= {f"{name}Shoulder": thorax, **{f"{name}{bone}": hang for bone in ("Arm", "ForeArm", "Hand")}}
+        self.offsets |= {
+            f"{name}Shoulder": self.offsets["Neck"] + np.array([0.0, out[1] * 0.02 * self.stature, -0.02]),
+            f"{name}Arm": np.array([0.0, out[1] * (_SHOULDER - 0.02) * self.stature, 0.0]),
+            f"{name}ForeArm": np.array([0.0, out[1] * _UPPER_ARM * self.stature, 0.0]),
+            f"{name}Hand": np.array([0.0, out[1] * _FOREARM * self.stature, 0.0]),
+            f"{name}HandEnd": np.array([0.0, out[1] * _HAND * self.stature, 0.0]),
+        }
+
+    def _lay_leg(self, side: str) -> None:
+        name, pelvis = side.capitalize(), self.trunk.pelvis
+        thigh, shank = leg_axes(self.joints, self.tracks, side, pelvis)
+        foot = foot_axes(self.joints, self.tracks, side, shank)
+        self.axes |= {f"{name}{bone}": axes for bone, axes in (("UpLeg", thigh), ("Leg", shank), ("Foot", foot))}
+        self.axes[f"{name}Toe"] = foot
+        self.offsets[f"{name}UpLeg"] = _median_in(pelvis, self.joints[f"{side}_hip"] - self.trunk.hips)
+        self.offsets[f"{name}Leg"] = -_up(self._length(f"{side}_hip", f"{side}_knee"))
+        self.offsets[f"{name}Foot"] = -_up(self._length(f"{side}_knee", f"{side}_ankle"))
+        toe = self.tracks.get(f"{side}_toe")
+        self.offsets[f"{name}Toe"] = (
+            np.array([_FOOT * self.stature, 0.0, -0.6 * _ANKLE * self.stature])
+            if toe is None
+            else _median_in(foot, toe - self.joints[f"{side}_ankle"])
+        )
+        self.offsets[f"{name}ToeEnd"] = np.array([0.035 * self.stature, 0.0, 0.0])
+
+    def _rest_leg(self, side: str) -> None:
+        """Straight down from a pelvis that is upright."""
+        name, out = side.capitalize(), 1.0 if side == "left" else -1.0
+        still = upright(self.trunk.pelvis)
+        self.axes |= {f"{name}{bone}": still for bone in ("UpLeg", "Leg", "Foot", "Toe")}
+        self.offsets |= {
+            f"{name}UpLeg": np.array([0.0, out * _HIP * self.stature, 0.0]),
+            f"{name}Leg": -_up(_THIGH * self.stature),
+            f"{name}Foot": -_up(_SHANK * self.stature),
+            f"{name}Toe": np.array([_FOOT * self.stature, 0.0, -0.6 * _ANKLE * self.stature]),
+            f"{name}ToeEnd": np.array([0.035 * self.stature, 0.0, 0.0]),
+        }
+
+    def _aim(self, joint: str, carrier: FloatArray, child: str, bone: FloatArray) -> None:
+        """Turn ``joint`` from its carrier's axes so that its bone to ``child`` points along ``bone`` (F, 3)."""
+        local = np.einsum("fji,fj->fi", carrier, bone)
+        usual = np.median(local, axis=0)
+        length = float(np.median(np.linalg.norm(bone, axis=-1)))
+        self.offsets[child] = length * normalized(usual)
+        self.axes[joint] = carrier @ shortest_arc(normalized(usual), normalized(local))
+
+    def _length(self, near: str, far: str) -> float:
+        return float(np.median(np.linalg.norm(self.joints[far] - self.joints[near], axis=-1)))
+
+    def _bone(self, joint: str) -> float:
+        return float(np.linalg.norm(self.offsets[joint]))
+
+
+def _stature(joints: Tracks) -> float:
+    """By what is shown: legs are 0.491, arms 0.332 of it."""
+    for names, share in ((("hip", "knee", "ankle"), _LEG), (("shoulder", "elbow", "wrist"), _UPPER_ARM + _FOREARM)):
+        if f"left_{names[0]}" in joints:
+            lengths = [
+                np.median(np.linalg.norm(joints[f"{side}_{far}"] - joints[f"{side}_{near}"], axis=-1))
+                for side in SIDES
+                for near, far in pairwise(names)
+            ]
+            return float(np.sum(lengths) / 2 / share)
+    return 1.75
+
+
+def _joint_name(centre: str) -> str:
+    side, joint = centre.split("_")
+    return side.capitalize() + _JOINT_OF[joint]
+
+
+def _body_map(skeleton: Skeleton) -> BodyMap:
+    at = skeleton.index
+    parts = {BodyPart.PELVIS: at("Hips"), BodyPart.NECK: at("Neck"), BodyPart.HEAD: at("Head")}
+    limbs = {
+        "CLAVICLE": "Shoulder", "UPPER_ARM": "Arm", "FOREARM": "ForeArm", "HAND": "Hand",
+        "THIGH": "UpLeg", "SHANK": "Leg", "FOOT": "Foot", "TOE": "Toe",
+    }  # fmt: skip
+    parts |= {
+        BodyPart[f"{side.upper()}_{part}"]: at(side.capitalize() + joint)
+        for side in SIDES
+        for part, joint in limbs.items()
+    }
+    return BodyMap(parts, (at("Hips"), at("Spine"), at("Chest")))
+
+
+def _half(rotations: FloatArray) -> FloatArray:
+    """Half of each turn (F, 3, 3): the sum with no turn at all, made a rotation again."""
+    u, _, v = np.linalg.svd(rotations + np.eye(3))
+    return np.asarray(u @ v)
+
+
+def _median_in(axes: FloatArray, vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.median(np.einsum("fji,fj->fi", axes, vectors), axis=0))
+
+
+def _up(length: float) -> FloatArray:
+    return np.array([0.0, 0.0, length])

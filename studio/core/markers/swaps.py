@@ -1,0 +1,77 @@
+"""Swaps: two markers that take each other's name while they are tracked."""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+_JUMP = 0.025
+"""Metres beside where it was heading from which a marker may have been mistaken for another."""
+_BETTER = 0.35
+"""A swap must leave so little of the jump."""
+_LONGEST = 0.5
+"""Seconds without sight after which nobody knows where a marker was heading."""
+
+
+@dataclass(frozen=True)
+class Swap:
+    """From ``frame`` on two markers carry each other's places."""
+
+    first: int
+    second: int
+    frame: int
+
+
+def find_swaps(points: FloatArray, places: tuple[int, ...], frame_rate: float, metres: float) -> list[Swap]:
+    """Frames from which two tracks of ``points`` (F, P, 3) go on smoothly only when they are exchanged.
+
+    Each marker is expected where its last velocity leads, through gaps as well. Swaps are found one after another:
+    a pair that changes back is found twice.
+    """
+    track = metres * points[:, places]
+    swaps: list[Swap] = []
+    for frame in _suspects(track):
+        expected = _expected(track, frame, frame_rate)
+        here = track[frame]
+        jumps = np.linalg.norm(here - expected, axis=-1)
+        jumped = [int(place) for place in np.flatnonzero(jumps > _JUMP)]
+        for one, other in combinations(jumped, 2):
+            crossed = np.linalg.norm(here[other] - expected[one]) + np.linalg.norm(here[one] - expected[other])
+            if crossed < _BETTER * (jumps[one] + jumps[other]):
+                track[frame:, [one, other]] = track[frame:, [other, one]]
+                swaps.append(Swap(places[one], places[other], frame))
+                break
+    return swaps
+
+
+def swapped(points: FloatArray, swaps: list[Swap]) -> FloatArray:
+    """The points with the swaps undone."""
+    mended = points.copy()
+    for swap in swaps:
+        mended[swap.frame :, [swap.first, swap.second]] = mended[swap.frame :, [swap.second, swap.first]]
+    return mended
+
+
+def _suspects(track: FloatArray) -> list[int]:
+    """Frames in which two markers at least are not where they were heading, or come back from a gap."""
+    seen = np.asarray(np.isfinite(track).all(axis=-1))
+    heading = 2.0 * track[1:-1] - track[:-2]
+    off = np.linalg.norm(track[2:] - heading, axis=-1) > _JUMP
+    back = seen[2:] & ~seen[1:-1]
+    return [int(frame) + 2 for frame in np.flatnonzero((off | back).sum(axis=1) >= 2)]
+
+
+def _expected(track: FloatArray, frame: int, frame_rate: float) -> FloatArray:
+    """(P, 3) where each marker should be, by the last two frames in which it was seen; NaN where too long ago."""
+    expected = np.full(track.shape[1:], np.nan)
+    start = max(0, frame - int(_LONGEST * frame_rate) - 2)
+    window = track[start:frame]
+    for place in range(track.shape[1]):
+        seen = np.flatnonzero(np.isfinite(window[:, place]).all(axis=1))
+        if len(seen) > 1 and seen[-1] - seen[-2] == 1:
+            last, step = window[seen[-1], place], window[seen[-1], place] - window[seen[-2], place]
+            expected[place] = last + step * (frame - start - seen[-1])
+    return expected

@@ -1,0 +1,161 @@
+"""MarkerTake: a trial, which marker is what, and how it is cleaned: all that a body is solved from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.errors import StudioError
+from studio.core.markers.cleaning import USUAL_STEPS, Step, StepReport, clean
+from studio.core.markers.joint_centres import joint_centres
+from studio.core.markers.marker_map import MarkerMap, middles, role_markers, seen_labels, stored_centres
+from studio.core.markers.measures import Measures, find_measures, pelvis_frame
+from studio.core.markers.trial import MARKER, VIRTUAL, Trial
+
+FloatArray = NDArray[np.float64]
+
+_CARRIERS = (
+    ("left_front_hip", "right_front_hip", "left_back_hip"),
+    ("left_front_hip", "right_front_hip", "right_back_hip"),
+    ("left_hip", "right_hip"),
+    ("left_shoulder", "right_shoulder"),
+)
+"""Places without which nothing is known of the body in a frame, the best first."""
+
+
+@dataclass(frozen=True, eq=False)
+class MarkerTake:
+    """What was recorded stays as it was; map and steps are the user's, and the body follows from all three."""
+
+    trial: Trial
+    marker_map: MarkerMap
+    steps: tuple[Step, ...] = USUAL_STEPS
+    subject: str = ""
+    """Prefix of the labels that are read, where the trial holds several subjects."""
+
+    def with_map(self, marker_map: MarkerMap) -> "MarkerTake":
+        """The same take with other places for its markers."""
+        return replace(self, marker_map=marker_map)
+
+    def with_steps(self, steps: tuple[Step, ...]) -> "MarkerTake":
+        """The same take cleaned otherwise."""
+        return replace(self, steps=steps)
+
+
+@dataclass(frozen=True)
+class FollowedBody:
+    """Joint centres (F, 3) and places by role: no gaps, metres, file axes, frames 0 to the last one with a body."""
+
+    joints: Mapping[str, FloatArray]
+    tracks: Mapping[str, FloatArray]
+    measures: Measures
+    first_frame: int
+    """The first one in which the body is seen; before it, it stands still."""
+    reports: tuple[StepReport, ...]
+    unseen: int
+    """Frames from there on in which some place of the body was not seen and not filled by a step."""
+    stored: Mapping[str, FloatArray]
+    """Joint centres that a model left in the trial; with gaps."""
+
+
+def follow(take: MarkerTake) -> FollowedBody:
+    """Clean, find the joint centres, close what is still open. Raises StudioError where no body can be followed."""
+    trial, reports = clean(take.trial.only(mapped_labels(take)), take.steps)
+    markers = role_markers(trial, take.marker_map, take.subject)
+    stored = stored_centres(trial, take.marker_map, take.subject)
+    tracks = middles(markers)
+    seen, carrier = _seen(tracks | stored)
+    if not seen.any():
+        raise StudioError(f"'{trial.name}' has no frame in which its body is seen. Choose other markers for it.")
+    first, end = int(np.argmax(seen)), len(seen) - int(np.argmax(seen[::-1]))
+    open_frames = ~np.all([np.isfinite(track).all(axis=1) for track in tracks.values()], axis=0) if tracks else ~seen
+    axes = _carrier_axes(tracks | stored, carrier)
+    filled = {role: _closed_cluster(own[:end], axes[0][:end], axes[1][:end]) for role, own in markers.items()}
+    centres = {joint: _closed(own[:end], axes[0][:end], axes[1][:end]) for joint, own in stored.items()}
+    measures = find_measures(trial.measures, trial.metres, tracks, stored)
+    joints = centres | joint_centres(filled, measures)
+    return FollowedBody(
+        joints=_whole_pairs(joints),
+        tracks=middles(filled),
+        measures=measures,
+        first_frame=first,
+        reports=reports,
+        unseen=int(open_frames[first:end].sum()),
+        stored={joint: own[:end] for joint, own in stored.items()},
+    )
+
+
+def centre_errors(take: MarkerTake) -> dict[str, float]:
+    """By joint: metres at worst from the joint centre found to the one that a model left in the trial, where both are.
+
+    Of the trial as it was recorded, before any step.
+    """
+    markers = role_markers(take.trial, take.marker_map, take.subject)
+    stored = stored_centres(take.trial, take.marker_map, take.subject)
+    tracks = middles(markers)
+    joints = joint_centres(markers, find_measures(take.trial.measures, take.trial.metres, tracks, stored))
+    errors = {}
+    for joint in stored.keys() & joints.keys():
+        off = np.linalg.norm(joints[joint] - stored[joint], axis=1)
+        if np.isfinite(off).any():
+            errors[joint] = float(np.nanmax(off))
+    return dict(sorted(errors.items()))
+
+
+def mapped_labels(take: MarkerTake) -> tuple[str, ...]:
+    """Labels, with subject, of the points that the map names."""
+    named = take.marker_map.labels | set(take.marker_map.centres.values())
+    there = seen_labels(take.trial, take.subject, (MARKER, VIRTUAL))
+    return tuple(label for label, bare in there.items() if bare in named)
+
+
+def _seen(tracks: Mapping[str, FloatArray]) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
+    """Frames in which the body's carrier is seen, and which places that is."""
+    best: tuple[NDArray[np.bool_], tuple[str, ...]] = (np.zeros(1, dtype=bool), ())
+    for roles in _CARRIERS:
+        if all(role in tracks for role in roles):
+            seen = np.all([np.isfinite(tracks[role]).all(axis=1) for role in roles], axis=0)
+            if seen.any():
+                return np.asarray(seen), roles
+    return best
+
+
+def _carrier_axes(tracks: Mapping[str, FloatArray], roles: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
+    """Origin (F, 3) and axes (F, 3, 3) of what carries the body, held where it is not seen."""
+    held = {role: _held(tracks[role]) for role in roles}
+    if "left_front_hip" in roles:
+        return pelvis_frame(held)
+    left, right = (held[role] for role in roles)
+    return 0.5 * (left + right), np.tile(np.eye(3), (len(left), 1, 1))
+
+
+def _whole_pairs(joints: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Limbs of which all joints are known on both sides; half a limb would have no bones."""
+    whole: dict[str, FloatArray] = {}
+    for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
+        names = [f"{side}_{joint}" for side in ("left", "right") for joint in limb]
+        if all(name in joints for name in names):
+            whole |= {name: joints[name] for name in names}
+    return whole
+
+
+def _closed_cluster(markers: FloatArray, origin: FloatArray, axes: FloatArray) -> FloatArray:
+    closed = [_closed(markers[:, place], origin, axes) for place in range(markers.shape[1])]
+    return np.stack(closed, axis=1)
+
+
+def _closed(track: FloatArray, origin: FloatArray, axes: FloatArray) -> FloatArray:
+    """The track (F, 3) without gaps: straight from side to side, at the ends at rest, as seen from the pelvis."""
+    if np.isfinite(track).all():
+        return track
+    local = np.einsum("fji,fj->fi", axes, track - origin)
+    return np.asarray(origin + np.einsum("fij,fj->fi", axes, _held(local)))
+
+
+def _held(track: FloatArray) -> FloatArray:
+    seen = np.flatnonzero(np.isfinite(track).all(axis=1))
+    if len(seen) in (0, len(track)):
+        return track
+    frames = np.arange(len(track))
+    return np.stack([np.interp(frames, seen, track[seen, axis]) for axis in range(3)], axis=1)

@@ -1,0 +1,22 @@
+"""A C3D file as a capture."""
+
+from pathlib import Path
+
+from studio.core.capture import Capture
+from studio.core.markers.take import MarkerTake
+from studio.io.c3d import read_c3d
+from studio.io.importing import ImportOptions
+from studio.io.marker_capture import capture_of_take
+from studio.io.marker_maps import find_map, find_subject
+from studio.io.registry import Progress
+
+
+def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """The body that moves in the C3D file at ``path``, or its bare markers where nobody knows which is which."""
+    file = read_c3d(path, lambda share, text: progress(0.4 * share, text))
+    progress(0.4, f"Finding the body in {path.name}")
+    subject = find_subject(file.trial)
+    marker_map = options.marker_map or find_map(file.trial, subject)
+    capture = capture_of_take(MarkerTake(file.trial, marker_map, subject=subject), options, file.repairs)
+    progress(1.0, f"Loaded {path.name}")
+    return capture

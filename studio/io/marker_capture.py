@@ -1,0 +1,249 @@
+"""From a marker take to a capture: the body found, axes and floor guessed as for any other file, all of it listed."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.capture import Capture, Guess
+from studio.core.errors import StudioError
+from studio.core.kinematics import joint_world
+from studio.core.markers.marker_map import MarkerMap, seen_labels
+from studio.core.markers.solve import SolvedBody, solve_body
+from studio.core.markers.take import FollowedBody, MarkerTake, follow
+from studio.core.markers.trial import MARKER, METRES, VIRTUAL, bare_label, subject_of
+from studio.core.pose import PoseSequence
+from studio.core.rotations import IDENTITY
+from studio.core.skeleton import Skeleton
+from studio.io.guessing import AXES, guess_floor
+from studio.io.importing import ImportOptions
+
+FloatArray = NDArray[np.float64]
+
+_LEG = (0.3, 1.4)
+"""Metres of a leg, or twice an arm, from hip to ankle within which a unit is believed."""
+
+
+def capture_of_take(take: MarkerTake, options: ImportOptions, repairs: Sequence[str] = ()) -> Capture:
+    """The body that the take shows, or its bare markers where they do not make one; raises StudioError."""
+    take, guesses = _in_unit(take, options)
+    there = _there(take)
+    if there.has_legs() or there.has_arms():
+        capture = _body(take, options, guesses)
+    else:
+        capture = _cloud(take, there.lacking(), options, guesses)
+    if options.body_map and capture.body_map:
+        capture = capture.with_body_map(options.body_map)
+    return replace(capture, repairs=(*repairs, *capture.repairs), markers=take)
+
+
+def _there(take: MarkerTake) -> MarkerMap:
+    """What of the map this trial ever shows."""
+    return take.marker_map.among(seen_labels(take.trial, take.subject, (MARKER, VIRTUAL)).values())
+
+
+def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list[Guess]]:
+    if options.unit is None:
+        return take, []
+    if options.unit not in METRES:
+        raise StudioError(f"'{options.unit}' is no unit of a marker file. Choose {', '.join(METRES)}.")
+    return replace(take, trial=replace(take.trial, unit=options.unit)), []
+
+
+def _body(take: MarkerTake, options: ImportOptions, guesses: list[Guess]) -> Capture:
+    followed = follow(take)
+    take, followed = _believable(take, followed, options, guesses)
+    trial = take.trial
+    up_axis = _up_axis(followed, options, guesses)
+    turn = AXES[up_axis].T
+    joints = {joint: track @ turn for joint, track in followed.joints.items()}
+    tracks = {role: track @ turn for role, track in followed.tracks.items()}
+    solved = solve_body(tracks, joints, followed.measures.radius, _stature(take))
+    positions = joint_world(solved.skeleton, solved.poses)[0]
+    guesses += _body_guesses(take, followed, solved, joints, positions)
+    floor, floor_guess = _floor(solved, positions[followed.first_frame :], options)
+    guesses += floor_guess
+    rate = options.frame_rate or trial.frame_rate
+    return Capture(
+        name=trial.name,
+        source=trial.source,
+        skeleton=solved.skeleton,
+        poses=solved.poses,
+        frame_rate=rate,
+        body_map=solved.body_map,
+        reference_rotations=_reference(solved.skeleton, solved.poses, options),
+        floor=floor,
+        unit=trial.unit,
+        up_axis=up_axis,
+        first_frame=followed.first_frame,
+        guesses=tuple(guesses),
+        repairs=(),
+    )
+
+
+def _believable(
+    take: MarkerTake, followed: FollowedBody, options: ImportOptions, guesses: list[Guess]
+) -> tuple[MarkerTake, FollowedBody]:
+    """With another unit where the file's own makes the body a giant or a dwarf."""
+    legs = "left_hip" in followed.joints
+    names = ("hip", "knee", "ankle") if legs else ("shoulder", "elbow", "wrist")
+    near, middle, far = (followed.joints[f"left_{name}"] for name in names)
+    bones = np.linalg.norm(middle - near, axis=1) + np.linalg.norm(far - middle, axis=1)
+    length = float(np.median(bones)) * (1.0 if legs else 1.5)
+    if options.unit is not None or _LEG[0] < length < _LEG[1]:
+        return take, followed
+    raw = length / take.trial.metres
+    fits = [unit for unit, metres in METRES.items() if _LEG[0] < raw * metres < _LEG[1]]
+    if not fits:
+        return take, followed
+    reason = f"In {take.trial.unit}, as the file says, the body would be {length / 0.491:.3g} m tall."
+    guesses.append(Guess("unit", fits[0], reason))
+    take = replace(take, trial=replace(take.trial, unit=fits[0]))
+    return take, follow(take)
+
+
+def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> str:
+    if options.up_axis is not None:
+        axis = options.up_axis.upper()
+        if axis not in AXES:
+            raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+        return axis
+    joints = followed.joints
+    low, high = ("ankle", "hip") if "left_hip" in joints else ("wrist", "shoulder")
+    if low == "ankle" and "left_shoulder" in joints:
+        high = "shoulder"
+    way = sum(joints[f"{side}_{high}"] - joints[f"{side}_{low}"] for side in ("left", "right"))
+    mean = np.asarray(way)[followed.first_frame :].mean(axis=0)
+    axis = "XYZ"[int(np.argmax(np.where(mean > 0.8 * np.abs(mean).max(), mean, -np.inf)))]
+    if axis == "X" and mean[2] > 0.5 * mean[0]:
+        axis = "Z"
+    guesses.append(Guess("up axis", axis, f"Through the trial the body stands along {axis}."))
+    return axis
+
+
+def _stature(take: MarkerTake) -> float | None:
+    """As the file stores it, where it is a human's."""
+    stored = take.trial.measures.get("HEIGHT", 0.0)
+    heights = (stored * take.trial.metres, stored)
+    return next((height for height in heights if 0.6 < height < 2.5), None)
+
+
+def _floor(solved: SolvedBody, positions: FloatArray, options: ImportOptions) -> tuple[float, list[Guess]]:
+    if options.floor is not None:
+        return options.floor, []
+    if "legs" in solved.resting:
+        guess = guess_floor(solved.skeleton, positions, solved.body_map)
+        return float(guess.value.split()[0]), [
+            replace(guess, reason="Where the legs, which are not shown, would stand.")
+        ]
+    guess = guess_floor(solved.skeleton, positions, solved.body_map)
+    return float(guess.value.split()[0]), [guess]
+
+
+def _reference(skeleton: Skeleton, poses: PoseSequence, options: ImportOptions) -> FloatArray:
+    """The zero pose: the body was made to stand in a T-pose there."""
+    if options.reference in (None, "zero"):
+        return np.tile(IDENTITY, (skeleton.joint_count, 1))
+    if not (options.reference.isdecimal() and int(options.reference) < poses.frame_count):
+        raise StudioError(
+            f"'{options.reference}' is no reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
+        )
+    return np.asarray(poses.local_rotations[int(options.reference)])
+
+
+def _body_guesses(
+    take: MarkerTake,
+    followed: FollowedBody,
+    solved: SolvedBody,
+    joints: dict[str, FloatArray],
+    positions: FloatArray,
+) -> list[Guess]:
+    used = _there(take)
+    first = followed.first_frame
+    off = [
+        np.linalg.norm(positions[first:, solved.joints[joint]] - track[first:], axis=1)
+        for joint, track in joints.items()
+    ]
+    guesses = [
+        Guess("marker map", take.marker_map.name, f"{len(used.labels)} markers at {len(used.markers)} places."),
+        Guess(
+            "measures",
+            followed.measures.words,
+            f"Bone widths; the middle of a marker is {1000 * followed.measures.radius:.1f} mm over the skin.",
+        ),
+        Guess(
+            "skeleton",
+            "bones of constant length",
+            f"Its joints lie {1000 * float(np.median(off)):.0f} mm from the joint centres, "
+            f"{1000 * float(np.max(off)):.0f} mm at worst: skin moves over bones.",
+        ),
+    ]
+    if solved.resting:
+        words = " and ".join(solved.resting)
+        guesses.append(Guess("not shown", words, "The trial has not the markers for it; it stays in a plain rest."))
+    subjects = sorted({subject_of(label) for label in take.trial.markers} - {""})
+    if len(subjects) > 1:
+        reason = f"The file holds {', '.join(subjects)}. Choose under Markers whose body is read."
+        guesses.append(Guess("subject", take.subject or "all together", reason))
+    guesses += [
+        Guess(report.title.lower(), report.summary.rstrip("."), "; ".join(report.details))
+        for report in followed.reports
+        if report.told
+    ]
+    if first or followed.unseen:
+        left_out = take.trial.frame_count - len(next(iter(joints.values())))
+        reason = f"{left_out} frames at the end show no body and were left out." if left_out else ""
+        words = f"In {followed.unseen} frames some place is not seen: it moves straight on as seen from the pelvis."
+        guesses.append(Guess("first frame", str(first), " ".join((words if followed.unseen else "", reason)).strip()))
+    return guesses
+
+
+def _cloud(take: MarkerTake, lacking: tuple[str, ...], options: ImportOptions, guesses: list[Guess]) -> Capture:
+    """Every marker as a joint of its own under one root: what is known, until somebody says which is which."""
+    trial = take.trial
+    labels = tuple(seen_labels(trial, take.subject))
+    if not labels:
+        raise StudioError(f"{trial.source}: not one of its {len(trial.labels)} points is ever seen. Export it again.")
+    up_axis = (options.up_axis or "Z").upper()
+    if up_axis not in AXES:
+        raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+    points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ AXES[up_axis].T
+    frames = np.arange(trial.frame_count)
+    for place in range(len(labels)):
+        seen = np.flatnonzero(np.isfinite(points[:, place]).all(axis=1))
+        for axis in range(3):
+            points[:, place, axis] = np.interp(frames, seen, points[seen, place, axis])
+    translations = np.concatenate([np.zeros((len(points), 1, 3)), points], axis=1)
+    names = ("Markers", *(bare_label(label) for label in labels))
+    skeleton = Skeleton(
+        names,
+        np.array([-1, *[0] * len(labels)]),
+        translations[0],
+        np.zeros(len(names), dtype=bool),
+    )
+    rotations = np.tile(IDENTITY, (*translations.shape[:2], 1))
+    guesses += [
+        Guess(
+            "marker map",
+            "not complete",
+            f"Which markers are which is not known: {', '.join(lacking[:6])} and others are missing. "
+            "Say it under Markers; the map can be saved and used again.",
+        ),
+        Guess("up axis", up_axis, "Without a body nothing tells what is up; most laboratories have Z up."),
+    ]
+    return Capture(
+        name=trial.name,
+        source=trial.source,
+        skeleton=skeleton,
+        poses=PoseSequence(rotations, translations),
+        frame_rate=options.frame_rate or trial.frame_rate,
+        body_map=None,
+        reference_rotations=np.tile(IDENTITY, (len(names), 1)),
+        floor=options.floor or 0.0,
+        unit=trial.unit,
+        up_axis=up_axis,
+        first_frame=0,
+        guesses=tuple(guesses),
+        repairs=(),
+    )

@@ -1,0 +1,149 @@
+"""Steps on made trials whose truth is known: what they fill, smooth and exchange, what they leave and what they say."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from studio.core.errors import StudioError
+from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, UndoSwaps, clean
+from studio.core.markers.gaps import find_gaps
+from studio.core.markers.trial import Trial
+from tests.core.markers.made import RATE, made_trial
+
+
+def _with_gap(trial: Trial, label: str, first: int, last: int) -> Trial:
+    points = trial.points.copy()
+    points[first : last + 1, trial.labels.index(label)] = np.nan
+    return trial.with_points(points)
+
+
+def _error(trial: Trial, truth: Trial, label: str) -> float:
+    """Metres at worst."""
+    return trial.metres * float(np.linalg.norm(trial.track(label) - truth.track(label), axis=1).max())
+
+
+@given(st.integers(0, 40), st.integers(1, 12), st.integers(0, 3))
+def test_a_cubic_path_is_splined_exactly(first: int, length: int, seed: int) -> None:
+    time = np.arange(80.0)
+    path = np.stack([np.polyval(row, time / 80.0) for row in np.random.default_rng(seed).normal(size=(3, 4))], axis=1)
+    truth, _ = made_trial(("left_knee",))
+    truth = Trial("t", "t", ("a",), ("marker",), path[:, None], np.zeros((80, 1)), RATE, 1, "m")
+    first += 8
+    cleaned, report = FillShortGaps().apply(_with_gap(truth, "a", first, first + length - 1))
+    np.testing.assert_allclose(cleaned.points, truth.points, atol=1e-9)
+    assert f"1 gap filled on a spline, {length} frame" in report.summary
+
+
+@pytest.mark.parametrize(("length", "most"), [(5, 0.001), (15, 0.01)])
+def test_a_short_gap_in_a_walk_is_filled_near_the_truth(length: int, most: float) -> None:
+    truth, _ = made_trial()
+    cleaned, _ = FillShortGaps().apply(_with_gap(truth, "leftwrist", 60, 59 + length))
+    assert _error(cleaned, truth, "leftwrist") < most
+
+
+def test_a_long_gap_is_left_to_the_neighbours_and_they_fill_it() -> None:
+    """45 frames of a heel: ankle and toe, which never change their distance to it, carry it."""
+    truth, _ = made_trial()
+    gappy = _with_gap(truth, "leftheel", 50, 94)
+    splined, report = FillShortGaps().apply(gappy)
+    assert np.isnan(splined.points).any()
+    filled, report = FillLongGaps().apply(splined)
+    assert _error(filled, truth, "leftheel") < 0.001
+    assert report.details == ("leftheel frames 50 to 94",)
+
+
+def test_a_gap_at_the_end_is_filled_from_one_side() -> None:
+    truth, _ = made_trial()
+    filled, _ = FillLongGaps().apply(_with_gap(truth, "leftfronthead", 120, 149))
+    assert _error(filled, truth, "leftfronthead") < 0.001
+
+
+def test_without_stiff_neighbours_a_long_gap_stays_open_and_is_told() -> None:
+    truth, _ = made_trial(("left_wrist", "right_knee", "left_toe", "right_elbow"))
+    filled, report = FillLongGaps().apply(_with_gap(truth, "leftwrist", 40, 90))
+    assert np.isnan(filled.track("leftwrist")[40:91]).all()
+    assert report.summary == "Nothing filled. 1 gap left open."
+
+
+def test_what_was_seen_is_never_changed_by_filling() -> None:
+    truth, _ = made_trial()
+    gappy = _with_gap(_with_gap(truth, "lefttoe", 10, 13), "lefttoe", 60, 99)
+    cleaned, _ = clean(gappy, USUAL_STEPS)
+    seen = np.isfinite(gappy.points)
+    assert np.array_equal(cleaned.points[seen], gappy.points[seen])
+    assert not list(find_gaps(cleaned.points, tuple(range(len(cleaned.labels)))))
+
+
+def test_the_trial_itself_stays_as_it_was_recorded() -> None:
+    truth, _ = made_trial()
+    gappy = _with_gap(truth, "lefttoe", 10, 13)
+    before = gappy.points.copy()
+    clean(gappy, (UndoSwaps(), FillShortGaps(), FillLongGaps(), LowPass()))
+    assert np.array_equal(gappy.points, before, equal_nan=True)
+
+
+@pytest.mark.parametrize("rate", [50.0, 100.0, 250.0])
+def test_smoothing_halves_the_power_at_its_cutoff_at_any_frame_rate_and_does_not_lag(rate: float) -> None:
+    time = np.arange(0.0, 8.0, 1.0 / rate)
+    waves = np.stack([np.sin(2 * np.pi * hertz * time) for hertz in (1.0, 6.0, 20.0)], axis=1)
+    trial = Trial("t", "t", ("a",), ("marker",), waves[:, None], np.zeros((len(time), 1)), rate, 1, "m")
+    smooth, _ = LowPass(cutoff=6.0).apply(trial)
+    middle = slice(len(time) // 4, 3 * len(time) // 4)
+    after, before = smooth.points[middle, 0], trial.points[middle, 0]
+    gain = np.sum(after * before, axis=0) / np.sum(before**2, axis=0)  # a lag would take from it
+    assert gain[0] == pytest.approx(1.0, abs=0.01)
+    assert gain[1] == pytest.approx(np.sqrt(0.5), abs=0.01)
+    assert abs(gain[2]) < 0.02
+
+
+def test_smoothing_goes_up_to_gaps_and_not_over_them() -> None:
+    truth, _ = made_trial(("left_knee",))
+    smooth, _ = LowPass(cutoff=10.0).apply(_with_gap(truth, "leftknee", 70, 79))
+    assert np.isnan(smooth.track("leftknee")[70:80]).all()
+    assert np.isfinite(smooth.track("leftknee")[:70]).all()
+
+
+def test_a_cutoff_beyond_the_frame_rate_changes_nothing_and_says_so() -> None:
+    truth, _ = made_trial(("left_knee",))
+    same, report = LowPass(cutoff=60.0).apply(truth)
+    assert same is truth
+    assert report.summary == "Nothing: 100 frames a second hold nothing above 45 Hz to be taken out."
+
+
+def _exchanged(trial: Trial, one: str, other: str, first: int, last: int) -> Trial:
+    points = trial.points.copy()
+    pair = [trial.labels.index(one), trial.labels.index(other)]
+    points[first : last + 1, pair] = points[first : last + 1, pair[::-1]]
+    return trial.with_points(points)
+
+
+@given(st.integers(5, 80), st.integers(3, 60))
+def test_a_swap_there_and_back_is_undone(first: int, length: int) -> None:
+    truth, _ = made_trial(("left_knee", "right_knee", "left_toe", "right_toe", "left_front_hip"))
+    swapped = _exchanged(truth, "leftknee", "rightknee", first, first + length)
+    mended, report = UndoSwaps().apply(swapped)
+    assert np.array_equal(mended.points, truth.points)
+    assert report.details[0] == f"leftknee and rightknee from frame {first} on"
+
+
+def test_markers_that_change_names_behind_a_gap_are_found() -> None:
+    truth, _ = made_trial(("left_knee", "right_knee", "left_toe", "right_toe"))
+    swapped = _exchanged(truth, "leftknee", "rightknee", 60, 149)
+    for label in ("leftknee", "rightknee"):
+        swapped = _with_gap(swapped, label, 56, 60)
+    mended, _ = UndoSwaps().apply(swapped)
+    assert np.array_equal(mended.points[61:], truth.points[61:])
+
+
+def test_in_a_clean_trial_nothing_is_exchanged() -> None:
+    truth, _ = made_trial()
+    same, report = UndoSwaps().apply(truth)
+    assert same is truth
+    assert report.summary == "No two markers took each other's name."
+
+
+@pytest.mark.parametrize("step", [lambda: LowPass(cutoff=0.0), lambda: FillShortGaps(longest=float("nan"))])
+def test_a_step_without_sense_is_refused(step) -> None:
+    with pytest.raises(StudioError, match="must be more than zero"):
+        step()

@@ -1,0 +1,82 @@
+"""Maps proposed for sets nobody knows: by words, then by where the markers are."""
+
+import numpy as np
+import pytest
+
+from studio.core.markers.proposing import part_of, propose_map
+from studio.core.markers.trial import Trial
+from studio.io.c3d import read_c3d
+from tests.core.markers.made import made_trial
+
+
+@pytest.mark.parametrize(
+    ("label", "said"),
+    [
+        ("RKNE", ("right", "knee")),
+        ("L.Knee.Medial", ("left", "inner_knee")),
+        ("LKneeIn", ("left", "inner_knee")),
+        ("left_ankle", ("left", "ankle")),
+        ("RFWT", ("right", "front_hip")),
+        ("R.ASIS", ("right", "front_hip")),
+        ("LSHO", ("left", "shoulder")),
+        ("ShoulderL", ("left", "shoulder")),
+        ("V.Sacral", ("", "sacrum")),
+        ("VSAC", ("", "sacrum")),
+        ("C7", ("", "neck_back")),
+        ("L_FLE", ("left", "knee")),
+        ("RTHI_3", ("right", "thigh")),
+        ("PT07", None),
+        ("*12", None),
+        ("", None),
+        ("L", None),
+        ("Left", None),
+    ],
+)
+def test_words_in_labels_say_side_and_part(label: str, said: tuple[str, str] | None) -> None:
+    assert part_of(label) == said
+
+
+def _renamed(names: dict[str, str]) -> Trial:
+    trial, _ = made_trial(tuple(names))
+    labels = tuple(names[role] for role in names)
+    order = [trial.labels.index(role.replace("_", "")) for role in names]
+    return Trial(
+        "t", "t", labels, ("marker",) * len(labels), trial.points[:, order], trial.residuals[:, order], 100.0, 1, "mm"
+    )
+
+
+LOWER = {
+    "left_front_hip": "LASI", "right_front_hip": "RASI", "left_back_hip": "VSAC",
+    "left_knee": "LKNE", "left_inner_knee": "LKNE_2", "right_knee": "RKNE_2", "right_inner_knee": "RKNE",
+    "left_ankle": "LANK", "right_ankle": "RANK", "left_toe": "LTOE", "right_toe": "RTOE",
+}  # fmt: skip
+
+
+def test_of_two_markers_at_a_knee_the_outer_one_is_told_by_where_it_is() -> None:
+    """Whatever number they have: on the right the second one is outside here."""
+    proposed = propose_map(_renamed(LOWER))
+    assert proposed.markers["left_knee"] == ("LKNE",)
+    assert proposed.markers["right_knee"] == ("RKNE_2",)
+    assert proposed.markers["right_inner_knee"] == ("RKNE",)
+    assert proposed.has_legs()
+
+
+def test_a_sacrum_marker_is_both_backs_of_the_pelvis() -> None:
+    proposed = propose_map(_renamed(LOWER))
+    assert proposed.markers["left_back_hip"] == proposed.markers["right_back_hip"] == ("VSAC",)
+
+
+def test_four_markers_round_a_pelvis_are_its_corners(captures) -> None:
+    """Checked by hand: in this take the body looks along +y, its left is -x."""
+    trial = read_c3d(captures / "c3d" / "sample01_Eb015pi.c3d").trial
+    markers = propose_map(trial).markers
+    at = {label: np.nanmean(trial.track(label), axis=0) for label in ("PV1", "PV2", "PV3", "pv4")}
+    assert markers["right_front_hip"] == ("PV2",)
+    assert markers["left_back_hip"] == ("PV3",)
+    assert at["PV2"][1] > at["PV1"][1]
+    assert len(markers["left_thigh"]) == 4
+
+
+def test_labels_without_words_give_nothing(captures) -> None:
+    trial = read_c3d(captures / "c3d" / "sample15_FP1_metres.c3d").trial
+    assert not propose_map(trial).markers

@@ -1,0 +1,75 @@
+"""Marker maps in files: shipped ones, saved ones, and which is taken for a trial."""
+
+from pathlib import Path
+
+import pytest
+
+from studio.core.errors import StudioError
+from studio.core.markers.marker_map import MarkerMap
+from studio.io.c3d import read_c3d
+from studio.io.marker_maps import find_map, find_subject, known_maps, maps_folder, read_map, save_map
+from tests.core.markers.made import made_trial
+from tests.io.trials import make_trial
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [
+        ("btk_PiG_FullBody_walk", "Plug-in-Gait"),
+        ("btk_PiG_LowerBody_walk", "Plug-in-Gait"),
+        ("btk_shd01_prefix", "Plug-in-Gait"),
+        ("sample09_PlugInC3D", "Plug-in-Gait with a sacrum marker"),
+        ("btk_mocap36_optitrack", "OptiTrack baseline"),
+        ("btk_Gait_dec_int", "proposed by names and places"),
+    ],
+)
+def test_known_sets_are_recognised(captures: Path, file: str, name: str) -> None:
+    trial = read_c3d(captures / "c3d" / f"{file}.c3d").trial
+    assert find_map(trial, find_subject(trial)).name == name
+
+
+def test_a_saved_map_comes_back_and_is_used_for_the_next_trial_of_its_set() -> None:
+    trial, own = made_trial()
+    assert find_map(trial).name != "made"
+    path = save_map(own)
+    try:
+        assert path.parent == maps_folder()
+        assert read_map(path) == own
+        assert own in known_maps()
+        assert find_map(trial) == own
+    finally:
+        path.unlink()
+
+
+def test_every_shipped_map_can_follow_legs_or_arms() -> None:
+    assert len(known_maps()) >= 6
+    assert all(known.has_legs() or known.has_arms() for known in known_maps())
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        ("{", "ours.json is not readable as JSON"),
+        ("[]", "ours.json is no marker map"),
+        ('{"name": "x", "markers": {"left_kneee": ["A"]}}', "'left_kneee' is no place of a body"),
+        ('{"name": "x", "markers": {"left_knee": "A"}}', "'left_knee' needs a list of labels"),
+        ("[" * 100000, "ours.json is not readable as JSON"),
+    ],
+)
+def test_a_damaged_map_is_refused_in_a_sentence(tmp_path: Path, content: str, sentence: str) -> None:
+    path = tmp_path / "ours.json"
+    path.write_text(content)
+    with pytest.raises(StudioError, match=sentence):
+        read_map(path)
+
+
+def test_of_several_subjects_the_one_with_most_markers_is_read() -> None:
+    trial = make_trial(("Ann:LASI", "Ben:LASI", "Ben:RASI"))
+    assert find_subject(trial) == "Ben"
+    assert find_subject(make_trial(("Ann:LASI", "Ann:RASI"))) == ""
+
+
+def test_a_map_knows_what_is_missing_in_words() -> None:
+    lacking = MarkerMap("x", {"left_knee": ("A",)}).lacking()
+    assert "right knee" in lacking
+    assert "left knee" not in lacking
