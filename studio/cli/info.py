@@ -150,7 +150,7 @@ def _character(path: Path, options: ImportOptions) -> Record:
 def _project(path: Path, _options: ImportOptions) -> Record:
     opened = read_project(path)
     counts = {name: len(getattr(opened.project, name)) for name in COLLECTIONS}
-    return {"kind": "project", "repairs": list(opened.problems), "contents": counts}
+    return {"kind": "project", "repairs": [*opened.problems, *opened.remarks], "contents": counts}
 
 
 def lines_of(record: Record) -> list[str]:

@@ -90,13 +90,13 @@ class Document(EditedProject):
         return opened
 
     def show_opened(self, opened: OpenedProject) -> None:
-        """Show what ``read_project`` found; its problems are told one by one."""
+        """Show what ``read_project`` found; its problems and remarks are told one by one."""
         reason = ""
         if opened.read_only or opened.problems:
             reason = f"'{opened.path.name}' was not opened whole, so it is kept as it is. Use Save As."
         self._become(opened.project, opened.path, opened.document_id, opened.stamp, reason)
         self.opened = opened
-        for problem in opened.problems:
+        for problem in (*opened.problems, *opened.remarks):
             self.problem.emit(problem)
 
     def saving(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> Saving:

@@ -1,11 +1,15 @@
 """EditedProject: an immutable project that is replaced by undo commands, with its selection and playhead."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoStack
 
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowTracked
+from studio.core.constraints.objections import objection
+from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_id
 from studio.document.commands.removal import removal
@@ -58,11 +62,14 @@ class EditedProject(QObject):
     def replace(self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None) -> None:
         """Put ``new`` in the place of an entity: one undo step, or a part of the gesture's step.
 
-        Raises StudioError when there is no such entity or ``new`` refers to something that is not there.
+        Raises StudioError when there is no such entity, ``new`` refers to something that is not there, or it is a
+        constraint that cannot stand beside the others (in a group that is judged at its end).
         """
         old = self._existing(collection, entity_id)
         self._check(collection, new)
         if not same_value(old, new):
+            if self._group is None:
+                self._refuse(self._project, self._project.with_entity(collection, entity_id, new), (entity_id,))
             self._change((Edit(collection, entity_id, old, new),), text, gesture)
 
     def add(self, collection: str, entity: Entity, text: str) -> str:
@@ -70,6 +77,8 @@ class EditedProject(QObject):
         self._check(collection, entity)
         entity_id = new_id()
         place = len(getattr(self._project, collection))
+        if self._group is None:
+            self._refuse(self._project, self._project.with_entity(collection, entity_id, entity), (entity_id,))
         self._change((Edit(collection, entity_id, None, entity, place),), text, None)
         return entity_id
 
@@ -86,9 +95,10 @@ class EditedProject(QObject):
         if self._group is not None:
             yield
             return
-        self._group = []
+        self._group, before = [], self._project
         try:
             yield
+            self._refuse(before, self._project, dict.fromkeys(edit.entity_id for edit in self._group))
         except BaseException:
             undone, self._group = tuple(self._group), None
             self._show(reverted(undone))
@@ -147,6 +157,18 @@ class EditedProject(QObject):
             raise TypeError(f"A {type(entity).__name__} does not belong among the {collection}.")
         for name, key in self._project.missing_references(entity):
             raise StudioError(f"It refers to {key!r}, which is not among the project's {name}.")
+        if isinstance(entity, Constraint):
+            capture = self._project.captures[self._project.motions[entity.motion_id].capture_id]
+            for follow in follows_of(entity):
+                if isinstance(follow, FollowTracked):
+                    capture.skeleton.index(follow.joint)
+
+    def _refuse(self, before: Project, after: Project, entity_ids: Iterable[str]) -> None:
+        """Raise StudioError for a constraint that cannot stand beside the others, unless that was so before."""
+        for key in entity_ids:
+            sentence = _objection(after, key)
+            if sentence is not None and _objection(before, key) is None:
+                raise StudioError(sentence)
 
     def _change(self, edits: tuple[Edit, ...], text: str, gesture: int | None) -> None:
         if self._group is not None:
@@ -186,3 +208,11 @@ class EditedProject(QObject):
         if capture is not None:
             self.playhead.frame_rate = capture.frame_rate
             self.playhead.set_range(capture.first_frame, capture.frame_count - 1)
+
+
+def _objection(project: Project, constraint_id: str) -> str | None:
+    """What speaks against a constraint among those of its motion; None for anything else."""
+    constraint = project.constraints.get(constraint_id)
+    if constraint is None:
+        return None
+    return objection(constraint, [each for key, each in project.constraints.items() if key != constraint_id])

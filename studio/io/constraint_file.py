@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.objections import objection
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.errors import StudioError
 from studio.io.entity_json import CONSTRAINT_KINDS, entity_of, entity_record
@@ -54,6 +55,9 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
         constraint_of(item, motion_id, f"{path}, constraints[{place}]")
         for place, item in enumerate(record.get("constraints", []))
     ]
+    for place, constraint in enumerate(constraints):
+        if sentence := objection(constraint, constraints[:place]):
+            raise StudioError(f"{path}, constraints[{place}]: {sentence}")
     constraints.sort(key=lambda constraint: constraint.priority)
     contacts = contacts_of(record["contacts"], motion_id, str(path)) if "contacts" in record else None
     return ConstraintFile(tuple(constraints), contacts)

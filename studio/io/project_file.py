@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from studio.core.constraints.objections import objections
 from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.io.archive import Archive, Stamp, read_archive, stamp, write_archive
@@ -60,6 +61,8 @@ class OpenedProject:
     problems: tuple[str, ...] = ()
     versions: tuple[str, ...] = ()
     """Earlier versions in the file, newest first: member names for ``read_project(path, version)``."""
+    remarks: tuple[str, ...] = ()
+    """Sentences about what is whole and as it was saved, but does not go together."""
 
 
 def new_document_id() -> str:
@@ -128,6 +131,7 @@ def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
         read_only,
         tuple(problems),
         versions,
+        tuple(objections(tuple(read.project.constraints.values()))),
     )
 
 

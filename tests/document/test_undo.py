@@ -10,6 +10,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.project import GROUND_ID, Prop
@@ -30,7 +33,10 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     constraints, contacts = list(project.constraints), list(project.contacts)
     match chance.choice(["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group"]):
         case "add" if project.motions:
-            document.add("constraints", make_constraint(name=f"T{chance.random()}"), "Add target")
+            props = [FollowProp(key) for key in project.props]
+            target = chance.choice([(0.4, -0.3, 1.2), KeyedPlace((0.1,), ((0.0, 0.1, 1.0),)), *props])
+            added = make_constraint(name=f"T{chance.random()}", priority=chance.randrange(10**9), target=target)
+            document.add("constraints", added, "Add target")
         case "add contact" if project.motions:
             document.add("contacts", make_contact(first=chance.randrange(12)), "Add contact")
         case "add prop":
@@ -198,3 +204,39 @@ def test_a_dropped_document_with_a_history_is_collected(qapp: Any) -> None:
     del document
     gc.collect()
     assert ghost() is None
+
+
+def add_and_change(document: Document, rival: Constraint) -> None:
+    with document.group("Both"):
+        document.add("constraints", replace(rival, priority=7), "Add")
+        document.replace("constraints", "constraint 1", rival, "Change")
+
+
+def test_contradictory_constraints_are_refused_when_added_or_changed_and_nothing_is_left_behind():
+    document = Document(make_project(constraints=2))
+    first, second = document.project.constraints.values()
+    rival = replace(second, name="Rival", priority=0, target=(0.0, 0.0, 1.0))
+    with pytest.raises(StudioError, match="'Rival' contradicts 'Target 0'"):
+        document.add("constraints", rival, "Add")
+    with pytest.raises(StudioError, match="'Rival' contradicts 'Target 0'"):
+        document.replace("constraints", "constraint 1", rival, "Change")
+    with pytest.raises(StudioError, match="contradicts"):
+        add_and_change(document, rival)
+    assert tuple(document.project.constraints.values()) == (first, second)
+    assert document.undo_stack.count() == 0
+
+
+def test_within_a_group_priorities_may_be_exchanged():
+    document = Document(make_project(constraints=2))
+    first, second = document.project.constraints.values()
+    document.replace("constraints", "constraint 1", replace(second, target=(0.0, 0.0, 1.0)), "Move")
+    with document.group("Reorder"):
+        document.replace("constraints", "constraint 0", replace(first, priority=1), "Down")
+        document.replace("constraints", "constraint 1", replace(second, priority=0, target=(0.0, 0.0, 1.0)), "Up")
+    assert [each.priority for each in document.project.constraints.values()] == [1, 0]
+
+
+def test_what_follows_a_joint_that_the_capture_has_not_is_refused():
+    document = Document(make_project())
+    with pytest.raises(StudioError, match="No joint is called 'Bal'"):
+        document.add("constraints", make_constraint(name="Kick", target=FollowTracked("Bal")), "Add")

@@ -129,7 +129,7 @@ def test_several_changes_in_one_turn_ask_for_one_solve(make_scene: Any) -> None:
     scene.solver.windows.clear()
     with scene.document.group("Many"):
         for k in range(5):
-            scene.document.add("constraints", make_constraint(name=f"T{k}"), "Add")
+            scene.document.add("constraints", make_constraint(name=f"T{k}", priority=k + 1), "Add")
     scene.live.wait()
     assert scene.solver.windows == [(0, None)]
     assert len(scene.live.result("performer 0").residuals) == 6

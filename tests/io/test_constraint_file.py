@@ -50,7 +50,12 @@ def test_a_record_copied_out_of_a_project_is_read_as_it_is(tmp_path):
 
 def test_constraints_come_highest_priority_first_and_else_as_they_stand(tmp_path):
     asked = [("late", 7), ("first", 0), ("middle", 2), ("second", 0)]
-    record = {"constraints": [{**WRIST, "name": name, "priority": priority} for name, priority in asked]}
+    record = {
+        "constraints": [
+            {**WRIST, "name": name, "priority": priority, "point": {"part": part}}
+            for (name, priority), part in zip(asked, ("head", "thorax", "pelvis", "left_hand"), strict=True)
+        ]
+    }
     names = [constraint.name for constraint in read_constraints(written(tmp_path, record), "m").constraints]
     assert names == ["first", "second", "middle", "late"]
 
@@ -135,3 +140,15 @@ def test_what_is_wrong_is_named_with_file_and_member(tmp_path, record, member):
 def test_a_file_that_is_not_there_is_named(tmp_path):
     with pytest.raises(StudioError, match=r"targets\.json"):
         read_constraints(tmp_path / "targets.json", "m")
+
+
+def test_contradictions_and_doubles_are_named_with_their_place_in_the_file(tmp_path):
+    other = {**WRIST, "name": "Other wrist", "target": [0.0, 0.0, 1.0]}
+    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Other wrist' contradicts 'Right wrist'"):
+        read_constraints(written(tmp_path, {"constraints": [WRIST, other]}), "motion")
+    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Again' asks the same as 'Right wrist'"):
+        read_constraints(written(tmp_path, {"constraints": [WRIST, {**WRIST, "name": "Again"}]}), "motion")
+    assert (
+        len(read_constraints(written(tmp_path, {"constraints": [WRIST, {**other, "priority": 1}]}), "m").constraints)
+        == 2
+    )

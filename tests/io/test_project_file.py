@@ -17,7 +17,7 @@ from studio.io.archive import stamp
 from studio.io.entity_json import project_json
 from studio.io.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project
 from studio.io.upgrades import upgraded
-from tests.builders import make_project
+from tests.builders import make_constraint, make_project
 
 ID = "0123456789abcdef0123456789abcdef"
 SAMPLES = Path(__file__).parents[1] / "data" / "versions"
@@ -344,3 +344,15 @@ def test_any_value_of_project_json_may_be_anything_and_nothing_falls_over(saved:
         write_project(saved.with_name("again.studio"), read.project, ID)
         opened += 1
     assert opened > 200
+
+
+def test_constraints_that_contradict_each_other_are_opened_whole_and_remarked_on(tmp_path):
+    path = tmp_path / "rivals.studio"
+    rival = make_constraint(name="Rival", target=(0.0, 0.0, 1.0))
+    project = make_project(constraints=1).with_entity("constraints", "rival", rival)
+    write_project(path, project, "document")
+    opened = read_project(path)
+    assert opened.project.constraints == project.constraints
+    assert (opened.problems, opened.read_only) == ((), False)
+    [remark] = opened.remarks
+    assert remark.startswith("'Rival' contradicts 'Target 0'")

@@ -1,0 +1,114 @@
+"""Constraints that cannot go together: said of a set, in a sentence that names them."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import fields, replace
+
+from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.follow import FollowBody
+
+_EVERYWHERE = {"motion_id", "name", "chain", "priority", "activation", "enabled", "weight"}
+"""Values that say nothing about what is asked."""
+_MANY = {"area"}
+"""Kinds of which a point may have several at once."""
+
+
+def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | None:
+    """Why ``constraint`` cannot stand beside ``others`` of its motion; None when it can.
+
+    Two of one kind and priority contradict each other when they ask different things of the same point while both are
+    fully active, and are one too many when they ask the same. Of different priorities the higher one wins, which is no
+    contradiction; nor is one that fades while the other comes.
+    """
+    if not constraint.enabled:
+        return None
+    rivals = [each for each in others if each.enabled and each.motion_id == constraint.motion_id]
+    for other in rivals:
+        if _rivals(constraint, other):
+            if _asked(constraint) == _asked(other):
+                return (
+                    f"'{constraint.name}' asks the same as '{other.name}' at the same time and with the same priority."
+                    " Keep one of them."
+                )
+            if constraint.kind not in _MANY:
+                return (
+                    f"'{constraint.name}' contradicts '{other.name}': both ask for the same point at the same time with"
+                    " the same priority. Give one of them another priority or other times."
+                )
+    circle = _circle(constraint, rivals)
+    if circle:
+        names = ", ".join(f"'{each.name}'" for each in circle)
+        return f"'{constraint.name}' would follow itself in a circle, by {names}. Let one of them stay where it is."
+    return None
+
+
+def objections(constraints: Sequence[Constraint]) -> list[str]:
+    """What there is to say of a whole set, each pair once."""
+    found = (objection(each, constraints[:place]) for place, each in enumerate(constraints))
+    return [sentence for sentence in found if sentence]
+
+
+def _rivals(first: Constraint, second: Constraint) -> bool:
+    """Of one kind and priority, about the same, and for some time both fully active."""
+    if first.kind != second.kind or first.priority != second.priority or _about(first) != _about(second):
+        return False
+    a, b = first.activation, second.activation
+    begin, end = max(a.full, b.full), min(a.full_end, b.full_end)
+    return begin < end or (begin == end and a == b)
+
+
+def _about(constraint: Constraint) -> object:
+    """What of the body a constraint is about."""
+    other = getattr(constraint, "other", None)
+    match constraint.kind:
+        case "balance":
+            return None
+        case "orientation":
+            return constraint.point.part
+        case "distance":
+            return constraint.point, other
+    return constraint.point
+
+
+def _asked(constraint: Constraint) -> tuple[object, ...]:
+    return tuple(getattr(constraint, each.name) for each in fields(constraint) if each.name not in _EVERYWHERE)
+
+
+def _circle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constraint]:
+    """The constraints, this one first, by which its own point follows itself; none when it does not."""
+    way, found = [constraint], _followed(constraint)
+    while found is not None:
+        if _same_point(found, constraint):
+            return way
+        following = [
+            each
+            for each in others
+            if each not in way
+            and each.kind == constraint.kind
+            and _overlap(each, constraint)
+            and _same_point(found, each)
+            and _followed(each) is not None
+        ]
+        if not following:
+            return []
+        way.append(following[0])
+        found = _followed(following[0])
+    return []
+
+
+def _followed(constraint: Constraint) -> BodyPoint | None:
+    """The point of the same body that this one's point is to be at, or is to be turned as."""
+    target = getattr(constraint, "target", None)
+    moves = constraint.kind in ("position", "orientation")
+    return target.point if moves and isinstance(target, FollowBody) else None
+
+
+def _same_point(point: BodyPoint, constraint: Constraint) -> bool:
+    own = constraint.point
+    if constraint.kind == "orientation":
+        return own.part == point.part
+    return replace(own, offset=(0.0, 0.0, 0.0)) == replace(point, offset=(0.0, 0.0, 0.0))
+
+
+def _overlap(first: Constraint, second: Constraint) -> bool:
+    a, b = first.activation, second.activation
+    return max(a.start, b.start) < min(a.end, b.end)
