@@ -86,8 +86,13 @@ def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
     return _levelled(axes, thorax[..., 2])
 
 
-def leg_axes(joints: Tracks, tracks: Tracks, side: str, pelvis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Thigh and shank (F, 3, 3): z from the far joint to the near one, y the axis about which the knee bends."""
+def leg_axes(
+    joints: Tracks, tracks: Tracks, side: str, pelvis: FloatArray, thigh: float
+) -> tuple[FloatArray, FloatArray]:
+    """Thigh and shank (F, 3, 3): z from the far joint to the near one, y the axis about which the knee bends.
+
+    The shank begins where a ``thigh`` of that length ends.
+    """
     hip, knee, ankle = (joints[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle"))
     out = 1.0 if side == "left" else -1.0
     hinges: list[FloatArray] = []
@@ -96,15 +101,22 @@ def leg_axes(joints: Tracks, tracks: Tracks, side: str, pelvis: FloatArray) -> t
         beside = None if marker is None else out * (marker - centre)
         usual = hinges[0] if usual is None else usual
         hinges.append(usual if beside is None or np.linalg.norm(beside, axis=-1).min() < 0.01 else beside)
-    return _along_z(hip - knee, hinges[0]), _along_z(knee - ankle, hinges[1])
+    upper = _along_z(hip - knee, hinges[0])
+    return upper, _along_z(hip - thigh * upper[..., 2] - ankle, hinges[1])
 
 
-def arm_axes(joints: Tracks, tracks: Tracks, side: str, thorax: FloatArray) -> tuple[FloatArray, FloatArray]:
+def arm_axes(
+    joints: Tracks, tracks: Tracks, side: str, thorax: FloatArray, shoulder: FloatArray, length: float
+) -> tuple[FloatArray, FloatArray]:
     """Upper arm and forearm (F, 3, 3): y along the bone to the left, z up where the palm is down and the elbow bends
-    forward."""
-    shoulder, elbow, wrist = (joints[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "wrist"))
+    forward.
+
+    From where the body has its ``shoulder`` (F, 3); the forearm begins where an upper arm of that ``length`` ends.
+    """
+    elbow, wrist = (joints[f"{side}_{joint}"] for joint in ("elbow", "wrist"))
     out = 1.0 if side == "left" else -1.0
-    upper, lower = out * (elbow - shoulder), out * (wrist - elbow)
+    upper = out * (elbow - shoulder)
+    lower = out * (wrist - shoulder) - length * normalized(upper)
     thumb, little = tracks.get(f"{side}_wrist"), tracks.get(f"{side}_outer_wrist")
     across = thorax[..., 0] if thumb is None or little is None else thumb - little
     along, bend = normalized(upper), normalized(wrist - elbow)

@@ -151,16 +151,17 @@ class _Body:
     def _lay_arm(self, side: str) -> None:
         name, thorax = side.capitalize(), self.trunk.thorax
         out = 1.0 if side == "left" else -1.0
-        chest = self.trunk.neck - thorax @ self.offsets["Neck"]
+        chest = self._chest()
         reach = _median_in(thorax, self.joints[f"{side}_shoulder"] - chest)
         base = self.offsets["Neck"] + 0.15 * (reach - self.offsets["Neck"])
         self.offsets[f"{name}Shoulder"] = base
         self._aim(f"{name}Shoulder", thorax, f"{name}Arm", self.joints[f"{side}_shoulder"] - chest - thorax @ base)
-        upper, lower = arm_axes(self.joints, self.tracks, side, thorax)
-        hand = hand_axes(self.joints, self.tracks, side, lower)
-        self.axes |= {f"{name}Arm": upper, f"{name}ForeArm": lower, f"{name}Hand": hand}
         for joint, near, far in ((f"{name}ForeArm", "shoulder", "elbow"), (f"{name}Hand", "elbow", "wrist")):
             self.offsets[joint] = np.array([0.0, out * self._length(f"{side}_{near}", f"{side}_{far}"), 0.0])
+        shoulder = chest + thorax @ base + self.axes[f"{name}Shoulder"] @ self.offsets[f"{name}Arm"]
+        upper, lower = arm_axes(self.joints, self.tracks, side, thorax, shoulder, self._bone(f"{name}ForeArm"))
+        hand = hand_axes(self.joints, self.tracks, side, lower)
+        self.axes |= {f"{name}Arm": upper, f"{name}ForeArm": lower, f"{name}Hand": hand}
         end = self.tracks.get(f"{side}_hand")
         length = _HAND * self.stature
         if end is not None:
@@ -184,12 +185,13 @@ class _Body:
 
     def _lay_leg(self, side: str) -> None:
         name, pelvis = side.capitalize(), self.trunk.pelvis
-        thigh, shank = leg_axes(self.joints, self.tracks, side, pelvis)
+        length = self._length(f"{side}_hip", f"{side}_knee")
+        thigh, shank = leg_axes(self.joints, self.tracks, side, pelvis, length)
         foot = foot_axes(self.joints, self.tracks, side, shank)
         self.axes |= {f"{name}{bone}": axes for bone, axes in (("UpLeg", thigh), ("Leg", shank), ("Foot", foot))}
         self.axes[f"{name}Toe"] = foot
         self.offsets[f"{name}UpLeg"] = _median_in(pelvis, self.joints[f"{side}_hip"] - self.trunk.hips)
-        self.offsets[f"{name}Leg"] = -_up(self._length(f"{side}_hip", f"{side}_knee"))
+        self.offsets[f"{name}Leg"] = -_up(length)
         self.offsets[f"{name}Foot"] = -_up(self._length(f"{side}_knee", f"{side}_ankle"))
         toe = self.tracks.get(f"{side}_toe")
         self.offsets[f"{name}Toe"] = (
@@ -211,6 +213,11 @@ class _Body:
             f"{name}Toe": np.array([_FOOT * self.stature, 0.0, -0.6 * _ANKLE * self.stature]),
             f"{name}ToeEnd": np.array([0.035 * self.stature, 0.0, 0.0]),
         }
+
+    def _chest(self) -> FloatArray:
+        """Where the body has its chest joint (F, 3)."""
+        spine = self.trunk.hips + self.trunk.pelvis @ self.offsets["Spine"]
+        return np.asarray(spine + self.axes["Spine"] @ self.offsets["Chest"])
 
     def _aim(self, joint: str, carrier: FloatArray, child: str, bone: FloatArray) -> None:
         """Turn ``joint`` from its carrier's axes so that its bone to ``child`` points along ``bone`` (F, 3)."""

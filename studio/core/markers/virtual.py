@@ -1,0 +1,149 @@
+"""Virtual markers: a motion as a trial, as if its body had worn markers; whoever reads it can solve it again."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyPart
+from studio.core.capture import Capture
+from studio.core.contacts import ContactInterval
+from studio.core.humanoid import BodyMap
+from studio.core.kinematics import joint_world, rest_poses
+from studio.core.markers.roles import JOINTS, SIDES
+from studio.core.markers.trial import MARKER, VIRTUAL, Trial, TrialEvent
+
+FloatArray = NDArray[np.float64]
+
+_UNIT = 1000.0
+"""Millimetres, as every laboratory has them."""
+_PART = {
+    "hip": "THIGH", "knee": "SHANK", "ankle": "FOOT", "shoulder": "UPPER_ARM", "elbow": "FOREARM", "wrist": "HAND",
+}  # fmt: skip
+_WORN: tuple[tuple[str, str, str, tuple[float, float, float]], ...] = (
+    ("front_hip", "PELVIS", "PELVIS", (0.06, 0.07, 0.05)),
+    ("back_hip", "PELVIS", "PELVIS", (-0.055, 0.03, 0.05)),
+    ("thigh", "THIGH", "THIGH", (0.0, 0.055, -0.1)),
+    ("knee", "SHANK", "SHANK", (0.0, 0.032, 0.0)),
+    ("inner_knee", "SHANK", "SHANK", (0.0, -0.032, 0.0)),
+    ("shank", "SHANK", "SHANK", (0.0, 0.045, -0.1)),
+    ("ankle", "FOOT", "SHANK", (0.0, 0.023, 0.0)),
+    ("inner_ankle", "FOOT", "SHANK", (0.0, -0.023, 0.0)),
+    ("heel", "FOOT", "FOOT", (-0.03, 0.0, -0.03)),
+    ("elbow", "FOREARM", "UPPER_ARM", (0.0, 0.0, 0.025)),
+    ("inner_elbow", "FOREARM", "UPPER_ARM", (0.0, 0.0, -0.025)),
+    ("wrist", "HAND", "FOREARM", (0.016, 0.0, 0.0)),
+    ("outer_wrist", "HAND", "FOREARM", (-0.016, 0.0, 0.0)),
+    ("front_head", "HEAD", "HEAD", (0.055, 0.035, 0.06)),
+    ("back_head", "HEAD", "HEAD", (-0.045, 0.035, 0.06)),
+)
+"""Role, the part at whose near joint it is worn, the part with which it turns, and where: parts of stature forward, to
+the outside and up in the reference pose."""
+_TRUNK: tuple[tuple[str, tuple[float, float, float]], ...] = (
+    ("neck_back", (-0.03, 0.0, 0.02)),
+    ("collar", (0.04, 0.0, -0.01)),
+    ("breastbone", (0.06, 0.0, -0.11)),
+    ("back", (-0.06, 0.0, -0.11)),
+)
+
+
+def marker_label(role: str) -> str:
+    """``LeftInnerKneeMarker`` for ``left_inner_knee``: no joint of any skeleton is called so."""
+    return f"{_joined(role)}Marker"
+
+
+def centre_label(joint: str) -> str:
+    """``LeftKneeCentre`` for ``left_knee``."""
+    return f"{_joined(joint)}Centre"
+
+
+def virtual_trial(capture: Capture, contacts: Iterable[ContactInterval] = ()) -> Trial:
+    """The joints of a motion as points under their names, and what markers a human body would wear.
+
+    Millimetres, Z up; contacts of the feet become events. The frames before ``first_frame`` are left out.
+    """
+    positions, rotations = joint_world(capture.skeleton, capture.poses)
+    positions, rotations = positions[capture.first_frame :], rotations[capture.first_frame :]
+    points = {name: positions[:, joint] for joint, name in enumerate(capture.skeleton.names)}
+    kinds = dict.fromkeys(points, VIRTUAL)
+    if capture.body_map:
+        worn = _worn(capture, capture.body_map, positions, rotations)
+        points |= {label: track for label, track in worn.items() if label not in points}
+        kinds |= {label: VIRTUAL if label.endswith("Centre") else MARKER for label in worn if label not in kinds}
+    stacked = _UNIT * np.stack(list(points.values()), axis=1)
+    return Trial(
+        name=capture.name,
+        source=capture.source,
+        labels=tuple(points),
+        kinds=tuple(kinds[label] for label in points),
+        points=stacked,
+        residuals=np.zeros(stacked.shape[:2]),
+        frame_rate=capture.frame_rate,
+        first_frame=1,
+        unit="mm",
+        events=_events(capture, contacts),
+    )
+
+
+def _worn(capture: Capture, body_map: BodyMap, positions: FloatArray, rotations: FloatArray) -> dict[str, FloatArray]:
+    """Markers and joint centres by label."""
+    still = rest_poses(capture.skeleton, capture.reference_rotations)
+    places, reference = joint_world(capture.skeleton, still)
+    turns = rotations @ np.swapaxes(reference, -1, -2)  # from the reference pose, in the world
+    facing = _facing(places[0], body_map)
+    stature = _stature(places[0], body_map)
+    found: dict[str, FloatArray] = {}
+
+    def wear(role: str, joint: int, turning: int, at: tuple[float, float, float], out: float) -> None:
+        offset = facing @ (stature * np.array([at[0], out * at[1], at[2]]))
+        found[marker_label(role)] = positions[:, joint] + turns[:, turning] @ offset
+
+    for side, out in zip(SIDES, (1.0, -1.0), strict=True):
+        for role, near, turning, at in _WORN:
+            joints = [body_map.get(_part(name, side)) for name in (near, turning)]
+            if joints[0] is not None and joints[1] is not None:
+                wear(f"{side}_{role}", joints[0], joints[1], at, out)
+        toe = body_map.get(_part("TOE", side))
+        if toe is not None:
+            found[marker_label(f"{side}_toe")] = positions[:, toe]
+    neck = body_map.get(BodyPart.NECK)
+    chest = body_map.spine[-1]
+    for role, at in _TRUNK if neck is not None else ():
+        wear(role, neck if neck is not None else chest, chest, at, 1.0)
+    for joint in JOINTS:
+        side, name = joint.split("_")
+        found[centre_label(joint)] = positions[:, body_map[_part(_PART[name], side)]]
+    return found
+
+
+def _joined(words: str) -> str:
+    return "".join(word.capitalize() for word in words.split("_"))
+
+
+def _part(name: str, side: str) -> BodyPart:
+    return BodyPart[name] if name in ("PELVIS", "HEAD") else BodyPart[f"{side.upper()}_{name}"]
+
+
+def _facing(places: FloatArray, body_map: BodyMap) -> FloatArray:
+    """Axes (3, 3) x forward, y left, z up of the body in its reference pose."""
+    left = places[body_map[BodyPart.LEFT_THIGH]] - places[body_map[BodyPart.RIGHT_THIGH]]
+    angle = np.arctan2(-left[0], left[1])
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _stature(places: FloatArray, body_map: BodyMap) -> float:
+    """By its legs, which are half of it."""
+    hip, knee, ankle = (places[body_map[BodyPart[f"LEFT_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
+    return float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee)) / 0.491
+
+
+def _events(capture: Capture, contacts: Iterable[ContactInterval]) -> tuple[TrialEvent, ...]:
+    """A foot strikes when its heel comes down, and is off when its toes leave the ground."""
+    events = []
+    for contact in contacts:
+        side, point = contact.point.value.split("_")
+        frame, label = (contact.first, "Foot Strike") if point == "heel" else (contact.last, "Foot Off")
+        if capture.first_frame < frame < capture.frame_count - 1:
+            events.append(TrialEvent(label, side.capitalize(), (frame - capture.first_frame) / capture.frame_rate))
+    return tuple(sorted(events, key=lambda event: event.time))

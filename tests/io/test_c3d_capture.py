@@ -1,0 +1,160 @@
+"""From C3D to a capture that can be retargeted, and from any motion back to C3D as virtual markers."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.errors import StudioError
+from studio.core.kinematics import joint_world
+from studio.core.markers.cleaning import LowPass
+from studio.core.markers.marker_map import MarkerMap
+from studio.core.markers.take import centre_errors
+from studio.core.markers.virtual import virtual_trial
+from studio.core.normalized.normalize import normalize
+from studio.core.normalized.round_trip import round_trip
+from studio.core.project import Project
+from studio.io.c3d import read_c3d
+from studio.io.c3d_writer import write_c3d
+from studio.io.export import take_of_capture, write_take
+from studio.io.importing import GUESS_ALL, ImportOptions, load_capture
+from studio.io.marker_capture import capture_of_take
+from studio.io.project_file import read_project, write_project
+from tests.core.markers.made import made_trial
+from tests.io.test_c3d import FILES
+from tests.io.trials import same
+
+WITHOUT_A_BODY = {"sample15_FP1_metres"}
+WITH_A_BODY = tuple(name for name in FILES if name not in WITHOUT_A_BODY)
+
+
+@pytest.mark.parametrize("name", WITH_A_BODY)
+def test_every_shared_body_can_be_retargeted_like_any_other(captures: Path, name: str) -> None:
+    capture = load_capture(captures / "c3d" / f"{name}.c3d")
+    assert capture.body_map is not None
+    assert round_trip(capture, *normalize(capture)).position < 1e-4
+    feet = [capture.skeleton.index(f"{side}{part}") for side in ("Left", "Right") for part in ("Foot", "Toe")]
+    heights = joint_world(capture.skeleton, capture.poses)[0][capture.first_frame :, feet, 2] - capture.floor
+    assert -0.05 < np.percentile(heights, 5) < 0.15
+
+
+def test_points_without_names_open_as_bare_markers_and_say_what_to_do(captures: Path) -> None:
+    capture = load_capture(captures / "c3d" / "sample15_FP1_metres.c3d")
+    assert capture.body_map is None
+    assert capture.skeleton.names == ("Markers", *(f"PT{place:02d}" for place in range(8)))
+    [guess] = [guess for guess in capture.guesses if guess.subject == "marker map"]
+    assert "Say it under Markers; the map can be saved and used again." in guess.reason
+    trial = capture.markers.trial
+    positions = joint_world(capture.skeleton, capture.poses)[0]
+    np.testing.assert_allclose(positions[:, 1, 2], trial.points[:, 0, 2], atol=1e-12)
+
+
+def test_a_map_said_by_hand_makes_a_body_of_bare_markers() -> None:
+    trial, marker_map = made_trial()
+    names = {label: f"P{place}" for place, label in enumerate(trial.labels)}
+    unnamed = replace(trial, labels=tuple(names.values()))
+    said = MarkerMap("ours", {role: (names[label],) for role, (label,) in marker_map.markers.items()})
+    capture = load_capture_of(unnamed, ImportOptions(marker_map=said))
+    assert capture.body_map is not None
+    assert load_capture_of(unnamed, GUESS_ALL).body_map is None
+
+
+def load_capture_of(trial, options):
+    from studio.core.markers.take import MarkerTake
+    from studio.io.marker_maps import find_map
+
+    return capture_of_take(MarkerTake(trial, options.marker_map or find_map(trial)), options)
+
+
+def test_a_lower_body_says_that_its_arms_are_at_rest(captures: Path) -> None:
+    capture = load_capture(captures / "c3d" / "btk_PiG_LowerBody_walk.c3d")
+    [guess] = [guess for guess in capture.guesses if guess.subject == "not shown"]
+    assert guess.value == "head and arms"
+
+
+def test_a_unit_that_makes_a_giant_is_overruled_and_listed() -> None:
+    trial, marker_map = made_trial()
+    capture = load_capture_of(replace(trial, unit="m"), ImportOptions(marker_map=marker_map))
+    assert capture.unit == "mm"
+    assert any(guess.subject == "unit" for guess in capture.guesses)
+
+
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+def test_the_axis_that_is_up_is_found(axis: str) -> None:
+    trial, marker_map = made_trial()
+    turned = trial.with_points(np.roll(trial.points, "XYZ".index(axis) - 2, axis=2))
+    capture = load_capture_of(turned, ImportOptions(marker_map=marker_map))
+    assert capture.up_axis == axis
+    upright = joint_world(capture.skeleton, capture.poses)[0]
+    assert (upright[:, capture.skeleton.index("Head"), 2] > upright[:, capture.skeleton.index("LeftFoot"), 2] + 1).all()
+
+
+def test_frames_without_a_body_are_no_part_of_the_motion(captures: Path) -> None:
+    capture = load_capture(captures / "c3d" / "btk_Gait_dec_int.c3d")
+    trial = capture.markers.trial
+    seen = np.isfinite(trial.track("LASI")).all(axis=1) & np.isfinite(trial.track("VSAC")).all(axis=1)
+    assert seen[capture.first_frame]
+    assert not seen[: capture.first_frame].any()
+    assert capture.frame_count == len(seen) - int(np.argmax(seen[::-1]))
+
+
+def test_steps_are_done_anew_on_the_trial_that_was_kept(captures: Path) -> None:
+    capture = load_capture(captures / "c3d" / "btk_PiG_LowerBody_walk.c3d")
+    smooth = capture_of_take(capture.markers.with_steps((*capture.markers.steps, LowPass(cutoff=3.0))), GUESS_ALL)
+    again = capture_of_take(smooth.markers.with_steps(capture.markers.steps), GUESS_ALL)
+    assert same(smooth.markers.trial, capture.markers.trial)
+    assert not np.allclose(smooth.poses.local_translations, capture.poses.local_translations)
+    assert np.array_equal(again.poses.local_rotations, capture.poses.local_rotations)
+
+
+def test_a_project_keeps_trial_map_and_steps(captures: Path, tmp_path: Path) -> None:
+    capture = load_capture(captures / "c3d" / "btk_shd01_prefix.c3d")
+    write_project(tmp_path / "p.studio", Project(captures={"a": capture}), "0" * 32)
+    opened = read_project(tmp_path / "p.studio")
+    assert not opened.problems
+    back = opened.project.captures["a"].markers
+    assert same(back.trial, capture.markers.trial)
+    assert (back.marker_map, back.steps, back.subject) == (
+        capture.markers.marker_map,
+        capture.markers.steps,
+        capture.markers.subject,
+    )
+
+
+@pytest.mark.parametrize("option", [{"unit": "cmu"}, {"up_axis": "Q"}, {"reference": "99999"}])
+def test_an_option_that_does_not_fit_is_refused(captures: Path, option: dict[str, str]) -> None:
+    with pytest.raises(StudioError, match="Choose"):
+        load_capture(captures / "c3d" / "btk_PiG_LowerBody_walk.c3d", ImportOptions(**option))
+
+
+@pytest.mark.parametrize("name", ["accad_male2_G2_FrontKick", "cmu_max_jumping_jacks", "geno_bind_6ch"])
+def test_virtual_markers_are_read_back_equal_and_make_the_same_body(captures: Path, tmp_path: Path, name: str) -> None:
+    [path] = (captures / "bvh").rglob(f"{name}.bvh")
+    capture = load_capture(path)
+    write_take(take_of_capture(capture), tmp_path / "take.c3d")
+    read = read_c3d(tmp_path / "take.c3d").trial
+    positions = joint_world(capture.skeleton, capture.poses)[0][capture.first_frame :]
+    for joint, label in enumerate(capture.skeleton.names):
+        np.testing.assert_allclose(read.track(label) / 1000.0, positions[:, joint], atol=1e-6)
+    again = load_capture(tmp_path / "take.c3d")
+    assert again.body_map is not None
+    assert again.markers.marker_map.name == "Morpho Studio"
+    assert max(centre_errors(again.markers).values()) < 1e-5
+
+
+def test_a_failed_export_leaves_nothing(tmp_path: Path) -> None:
+    trial, _ = made_trial()
+    with pytest.raises(StudioError):
+        write_c3d(tmp_path / "none" / "take.c3d", trial)
+    assert not list(tmp_path.iterdir())
+
+
+def test_contacts_become_events(captures: Path) -> None:
+    from studio.core.contacts import ContactInterval, FootPoint
+
+    [path] = (captures / "bvh").rglob("accad_male2_G2_FrontKick.bvh")
+    contacts = [ContactInterval("m", FootPoint.LEFT_HEEL, 10, 20), ContactInterval("m", FootPoint.RIGHT_TOE, 5, 40)]
+    events = virtual_trial(load_capture(path), contacts).events
+    assert [(event.context, event.label) for event in events] == [("Left", "Foot Strike"), ("Right", "Foot Off")]
+    assert events[1].time == pytest.approx(40 / 30)
