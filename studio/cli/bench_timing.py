@@ -1,0 +1,52 @@
+"""Times that a busy machine does not spoil: processor time of this process, cases by turns, median and best.
+
+What counts is the processor time that the process used, on all its threads, so neither waiting for a turn nor help from
+a second core is counted. All cases are run once in every round, one after the other, so a minute in which the machine is
+slow is a slow minute for all of them, and each case's median is over the same rounds.
+"""
+
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+LONG_ENOUGH = 0.02
+"""Seconds of work between two looks at the clock, at least."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """Something to be timed: ``work`` does it ``count`` times in one call."""
+
+    name: str
+    work: Callable[[], object]
+    count: int = 1
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Microseconds for one of what a job does."""
+
+    median: float
+    best: float
+
+
+def time_jobs(jobs: Sequence[Job], rounds: int) -> list[Timing]:
+    """The times of all ``jobs`` over ``rounds``; first calls, which compile and fill caches, do not count."""
+    repeats = []
+    for job in jobs:
+        job.work()
+        repeats.append(max(1, round(LONG_ENOUGH / max(_seconds(job, 1), 1e-7))))
+    taken: list[list[float]] = [[] for _ in jobs]
+    for _ in range(rounds):
+        for job, times, times_over in zip(jobs, taken, repeats, strict=True):
+            times.append(1e6 * _seconds(job, times_over) / job.count)
+    return [Timing(statistics.median(times), min(times)) for times in taken]
+
+
+def _seconds(job: Job, repeats: int) -> float:
+    """Processor seconds of one call, the mean over ``repeats``."""
+    start = time.process_time()
+    for _ in range(repeats):
+        job.work()
+    return (time.process_time() - start) / repeats
