@@ -15,7 +15,7 @@ test: .venv/.ready-to-test
 	.venv/bin/python -m pytest
 
 bench: .venv/.ready-to-run
-	@$(STUDIO) bench
+	.venv/bin/python -m benchmarks.bench
 
 examples: .venv/.ready-to-run
 	@set -e; for made in captures characters; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done

@@ -1,21 +1,23 @@
-"""The nearest that two wrists can come to what they cannot reach: a numerical optimum, to judge the solver by.
+"""The nearest that wrists can come to what they cannot reach: a numerical optimum, to judge the solver by.
 
 The same freedoms as the solver has (turns of vertebrae and clavicles up to their limits, the root's travel), the same
 held feet (no hip further from a planted ankle than its leg's comfort), balance kept exactly; of all such poses the one
 with the least sum of squared misses, by nonlinear least squares (scipy) under rising penalties, from two beginnings.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.joints import ROOT
 from studio.core.solver.adapt import Standing
 from studio.core.solver.chains import free_joints, segment_masses
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 FloatArray = NDArray[np.float64]
 
@@ -26,64 +28,74 @@ KEPT = 5e-4
 """Metres or radians by which a pose may overstep and still count."""
 
 
-@dataclass(frozen=True, eq=False)
-class Excess:
-    """Metres by which wrists are further from their targets than they need be, (N,) frames: root mean squares."""
+def excess(
+    constraints: Sequence[Constraint], standing: Standing, residuals: FloatArray, frames: Sequence[int]
+) -> FloatArray:
+    """(N,) metres by which wrists miss their targets more than they need, at some frames: root mean squares.
 
-    misses: FloatArray
-    least: FloatArray
-
-    @property
-    def values(self) -> FloatArray:
-        return self.misses - self.least
-
-
-def unreachable_excess(request: AdaptRequest, standing: Standing, adapted: AdaptedMotion, frames: list[int]) -> Excess:
-    """How far the solver's answer to the worst task lies from the optimum, at some frames."""
-    misses = [np.sqrt(np.mean(adapted.residuals[1:, frame] ** 2)) for frame in frames]
-    least = [_Frame(request, standing, frame).least_miss() for frame in frames]
-    return Excess(np.array(misses), np.array(least))
+    ``constraints`` are positions of wrists, all of one priority, and perhaps a balance above them; ``residuals`` (C, F)
+    what the solver left of them.
+    """
+    wrists = [row for row, each in enumerate(constraints) if isinstance(each, PositionConstraint)]
+    misses = [np.sqrt(np.mean(residuals[wrists, frame] ** 2)) for frame in frames]
+    least = [_Frame(constraints, standing, frame).least_miss() for frame in frames]
+    return np.array(misses) - np.array(least)
 
 
 class _Frame:
-    """One frame of a standing body whose trunk, clavicles and root may move."""
+    """One frame of a standing body whose trunk, clavicles and root may move as far as the constraints' chains allow."""
 
-    def __init__(self, request: AdaptRequest, standing: Standing, frame: int) -> None:
+    def __init__(self, constraints: Sequence[Constraint], standing: Standing, frame: int) -> None:
         self.body, self.layout = standing.morphology, standing.morphology.layout
-        self.points, wrists = standing.positions[frame], request.constraints[1:]
-        joints = free_joints([wrist.chain for wrist in wrists], self.layout)
-        trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6, ROOT}
-        free = [(int(row[0]), limit) for row, limit in zip(joints.joints, joints.limits, strict=True) if row[0] in trunk]
-        self.segments = [segment for segment, _ in free if segment != ROOT]
-        self.limits = np.array([limit for segment, limit in free if segment != ROOT])
-        self.targets = np.array([wrist.target for wrist in wrists])
+        self.points = standing.positions[frame]
+        wrists = [each for each in constraints if isinstance(each, PositionConstraint)]
+        joints = free_joints([each.chain for each in constraints], self.layout)
+        trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6}
+        free = dict(zip(joints.joints[:, 0].tolist(), joints.limits, strict=True))
+        self.segments = sorted(trunk & free.keys())
+        self.limits = np.array([free[segment] for segment in self.segments])
+        self.root_is_free = ROOT in free
+        self.sides = [int(each.point.part.startswith("right")) for each in wrists]
+        self.targets = np.array([each.target for each in wrists])
+        self.reaches = self.body.arm.sum(axis=1)[self.sides]
         self.ankles = standing.footing.ankles[:, frame]
         planted = standing.footing.states[:, frame] != 0
         comforts = np.where(planted, standing.footing.comforts[:, frame], np.inf)
         self.leashes = comforts * self.body.leg.sum(axis=1)
+        self.balances = any(isinstance(each, BalanceConstraint) for each in constraints)
         self.shares, self.along = segment_masses(self.layout).T
-        self.centre = self._posed(np.zeros((1, 3 * len(self.segments) + 3)), straight=False)[1][0]
+        self.size = 3 * len(self.segments) + 3 * self.root_is_free
+        self.centre = self._posed(np.zeros((1, self.size)), reaching=False)[1][0]
 
     def least_miss(self) -> float:
-        """Root mean square of both misses at the best pose found."""
-        lowered = np.zeros(3 * len(self.segments) + 3)
-        lowered[-1] = -0.03  # straight knees have no slope
-        forward = lowered.copy()
-        forward[-3:-1] = 0.1 * (self.targets.mean(axis=0) - self.points[0])[:2]
+        """Root mean square of the misses at the best pose found."""
+        first = np.zeros(self.size)
+        starts = [first]
+        if self.root_is_free:
+            first[-1] = -0.03  # straight knees have no slope
+            starts.append(first.copy())
+            starts[1][-3:-1] = 0.1 * (self.targets.mean(axis=0) - self.points[0])[:2]
         found = []
-        for x in (lowered, forward):
-            for penalty in PENALTIES:
-                weights = np.concatenate([np.ones(6), np.full(4 + len(self.limits), penalty)])
-                x = least_squares(
-                    lambda y, w=weights: w * self._asked(y[None])[0],
-                    x,
-                    jac=lambda y, w=weights: w[:, None] * self._slopes(y),
-                    max_nfev=200,
-                ).x
+        for x in starts:
+            for penalty in PENALTIES if self.size else ():
+                x = self._improved(x, penalty)
             values = self._asked(x[None])[0]
-            if np.abs(values[6:]).max() < KEPT:
-                found.append(float(np.sqrt(np.sum(values[:6] ** 2) / 2.0)))
+            misses = values[: self.targets.size]
+            if np.abs(values[self.targets.size :]).max() < KEPT:
+                found.append(float(np.sqrt(np.sum(misses**2) / len(self.targets))))
         return min(found, default=np.nan)
+
+    def _improved(self, x: FloatArray, penalty: float) -> FloatArray:
+        count = self.targets.size
+        weights = np.concatenate([np.ones(count), np.full(4 + len(self.limits), penalty)])
+        return np.asarray(
+            least_squares(
+                lambda y: weights * self._asked(y[None])[0],
+                x,
+                jac=lambda y: weights[:, None] * self._slopes(y),
+                max_nfev=200,
+            ).x
+        )
 
     def _slopes(self, x: FloatArray) -> FloatArray:
         """(values, variables) by central differences, all in one evaluation."""
@@ -93,25 +105,36 @@ class _Frame:
 
     def _asked(self, x: FloatArray) -> FloatArray:
         """(B, values) what each wrist misses (2 x 3), balance off its place (2), leashes and limits overstepped."""
-        shoulders, centres, hips = self._posed(x, straight=True)
+        shoulders, centres, hips = self._posed(x, reaching=True)
         ways = self.targets - shoulders
         spans = np.linalg.norm(ways, axis=2)
-        misses = ways * np.maximum(1.0 - self.body.arm.sum(axis=1) / spans, 0.0)[..., None]
+        misses = ways * np.maximum(1.0 - self.reaches / spans, 0.0)[..., None]
+        moved = centres - self.centre if self.balances else np.zeros((len(x), 2))
         over = np.maximum(np.linalg.norm(self.ankles - hips, axis=2) - self.leashes, 0.0)
-        turns = np.sqrt(np.sum(x[:, :-3].reshape(len(x), -1, 3) ** 2, axis=2) + 1e-18)
-        beyond = np.maximum(turns - self.limits, 0.0)
-        return np.concatenate([misses.reshape(len(x), 6), centres - self.centre, over, beyond], axis=1)
+        beyond = np.maximum(np.sqrt(np.sum(self._turns(x) ** 2, axis=2) + 1e-18) - self.limits, 0.0)
+        return np.concatenate([misses.reshape(len(x), -1), moved, over, beyond], axis=1)
 
-    def _posed(self, x: FloatArray, straight: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Shoulders (B, 2, 3), horizontal centres of mass (B, 2), hips (B, 2, 3); arms straight to their targets."""
+    def _turns(self, x: FloatArray) -> FloatArray:
+        """(B, J, 3) rotation vectors of the free joints."""
+        count = len(self.segments)
+        return x[:, : 3 * count].reshape(len(x), count, 3)
+
+    def _posed(self, x: FloatArray, reaching: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Shoulders (B, wrists, 3), horizontal centres of mass (B, 2), hips (B, 2, 3); arms reach for their targets."""
         layout, old, count = self.layout, self.points, len(x)
         turns = np.tile(np.eye(3), (count, layout.segment_count, 1, 1))
-        own = Rotation.from_rotvec(x[:, :-3].reshape(-1, 3)).as_matrix().reshape(count, -1, 3, 3)
+        vectors = self._turns(x)
+        own = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix().reshape(*vectors.shape, 3)
         new = np.tile(old, (count, 1, 1))
-        new[:, 0] = old[0] + x[:, -3:]
+        new[:, 0] = old[0] + (x[:, -3:] if self.root_is_free else 0.0)
         parents = layout.parent_segments()
         near, far = layout.proximal_points(), layout.distal_points()
-        carried = {layout.collar(0): layout.neck_base, layout.collar(1): layout.neck_base, layout.hip(0): 0, layout.hip(1): 0}
+        carried = {
+            layout.collar(0): layout.neck_base,
+            layout.collar(1): layout.neck_base,
+            layout.hip(0): 0,
+            layout.hip(1): 0,
+        }
         for segment, parent in enumerate(parents):
             if parent >= 0:
                 turns[:, segment] = turns[:, parent]
@@ -121,21 +144,27 @@ class _Frame:
             if segment in self.segments:
                 turns[:, segment] = turns[:, segment] @ own[:, self.segments.index(segment)]
             new[:, far[segment]] = new[:, near[segment]] + turns[:, segment] @ (old[far[segment]] - old[near[segment]])
+        for wrist, side in enumerate(self.sides if reaching else ()):
+            self._stretch_arm(side, self.targets[wrist], new)
         for side in range(2):
-            if straight:
-                self._stretch_arm(side, new)
             self._place_leg(side, new)
         begin, end = new[:, list(near)], new[:, list(far)]
         centres = np.einsum("s,bsi->bi", self.shares, begin + self.along[:, None] * (end - begin))
-        return new[:, [layout.collar(k) + 1 for k in (0, 1)]], centres[:, :2], new[:, [layout.hip(k) for k in (0, 1)]]
+        return (
+            new[:, [layout.collar(side) + 1 for side in self.sides]],
+            centres[:, :2],
+            new[:, [layout.hip(k) for k in (0, 1)]],
+        )
 
-    def _stretch_arm(self, side: int, points: FloatArray) -> None:
+    def _stretch_arm(self, side: int, target: FloatArray, points: FloatArray) -> None:
+        """Straight towards its target, no further than that: a bent arm's mass lies about there, too."""
         shoulder = self.layout.collar(side) + 1
-        way = self.targets[side] - points[:, shoulder]
-        way /= np.linalg.norm(way, axis=1, keepdims=True)
+        way = target - points[:, shoulder]
+        span = np.linalg.norm(way, axis=1, keepdims=True)
+        share = np.minimum(span / self.body.arm[side].sum(), 1.0)
         hand = np.linalg.norm(self.body.hand[side])
         for bone, length in enumerate((*self.body.arm[side], hand)):
-            points[:, shoulder + bone + 1] = points[:, shoulder + bone] + length * way
+            points[:, shoulder + bone + 1] = points[:, shoulder + bone] + share * length * way / span
 
     def _place_leg(self, side: int, points: FloatArray) -> None:
         """Ankle where it was; the knee bends to where it did, carried along by the shortest turn of the leg."""

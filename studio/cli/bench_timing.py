@@ -1,8 +1,8 @@
 """Times that a busy machine does not spoil: processor time of this process, cases by turns, median and best.
 
-What counts is the processor time that the process used, on all its threads, so neither waiting for a turn nor help from
-a second core is counted. All cases are run once in every round, one after the other, so a minute in which the machine is
-slow is a slow minute for all of them, and each case's median is over the same rounds.
+What counts is the processor time that the process used, on all its threads: neither waiting for a turn nor help from a
+second core is counted. All cases are run once in every round, one after the other, so a minute in which the machine is
+slow is slow for all of them, and each case's median is over the same rounds.
 """
 
 import statistics

@@ -49,16 +49,16 @@ def test_clips_begin_where_the_motion_does_and_end_in_time():
 
 
 def test_the_wrist_that_is_called_reachable_is_reached(tasks):
-    for word in ("reachable limb", "the same"):
+    for word in ("one reachable", "the same"):
         assert adapt(_named(tasks, word).request).residuals.max() < 2e-4
 
 
 def test_the_wrist_that_is_called_ten_centimetres_beyond_is_missed_by_so_much_by_the_arm_alone(tasks):
-    request = _named(tasks, "10 cm").request
-    balance, wrist = request.constraints
-    alone = adapt(replace(request, constraints=(replace(wrist, chain=LIMB, priority=0),))).residuals[0]
+    task = _named(tasks, "10 cm")
+    balance, wrist = task.request.constraints
+    alone = adapt(replace(task.request, constraints=(replace(wrist, chain=LIMB, priority=0),))).residuals[0]
     assert np.median(alone) == pytest.approx(BEYOND, abs=1e-3)
-    assert np.median(adapt(request).residuals[1]) < 1e-3
+    assert np.median(adapt(task.request).residuals[1]) < 1e-3
     assert balance.priority < wrist.priority
 
 

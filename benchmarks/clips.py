@@ -1,0 +1,23 @@
+"""The captures that are measured on: real ones where they stand beside the checkout, the bundled examples elsewhere."""
+
+from pathlib import Path
+
+from studio.cli.adaptation import ReadyCapture, ready_capture
+from studio.io.importing import GUESS_ALL
+from studio.resources_folder import example_captures_folder
+
+ROOT = Path(__file__).resolve().parents[1]
+REAL = ROOT.parent / "shared" / "captures" / "bvh"
+IN_PLACE = (
+    "varied/accad_female1_D3_ConversationGestures.bvh",
+    "varied/accad_male2_A6_BoxLift.bvh",
+    "strikes/accad_male2_E1_JabLeft.bvh",
+)
+"""Bodies that stay where they are, as the targets do: gestures at 30 Hz, a box lifted at 120 Hz, a short jab."""
+BUNDLED = ("reach_grasp.bvh", "straight_punch.bvh", "front_kick.bvh")
+
+
+def load_clips() -> dict[str, ReadyCapture]:
+    """The clips by name."""
+    folder, names = (REAL, IN_PLACE) if REAL.is_dir() else (example_captures_folder(), BUNDLED)
+    return {Path(name).stem: ready_capture(folder / name, GUESS_ALL) for name in names}

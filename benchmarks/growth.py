@@ -1,0 +1,105 @@
+"""How the cost grows with the number of constraints and of characters: measured, and fitted by a straight line."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from studio.cli.adaptation import MOTION_ID
+from studio.cli.bench_cases import ALWAYS, LIMB, ROOT, WITH_TRUNK, make_tasks
+from studio.cli.bench_timing import Job, time_jobs
+from studio.core.canonical import BodyPart
+from studio.core.character import Character
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.contacts import ContactInterval
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import from_matrix
+from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+
+MOST_CONSTRAINTS = 16
+CHARACTERS = 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000
+SHORT = 120
+"""Frames for which a thousand characters are solved."""
+ASIDE = 0.05
+"""Metres from where a point is to where it is wanted."""
+
+_POINTS = (
+    (BodyPart.RIGHT_FOREARM, WITH_TRUNK), (BodyPart.LEFT_FOREARM, WITH_TRUNK), (BodyPart.HEAD, WITH_TRUNK),
+    (BodyPart.RIGHT_UPPER_ARM, LIMB), (BodyPart.LEFT_UPPER_ARM, LIMB), (BodyPart.THORAX, WITH_TRUNK),
+    (BodyPart.RIGHT_SHANK, LIMB), (BodyPart.LEFT_SHANK, LIMB), (BodyPart.RIGHT_CLAVICLE, Chain(trunk=0.5)),
+    (BodyPart.LEFT_CLAVICLE, Chain(trunk=0.5)), (BodyPart.PELVIS, ROOT),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Costs (microseconds) against counts, and the line nearest to them: a fixed part, a slope, how well it fits."""
+
+    counts: list[int]
+    costs: list[float]
+    fixed: float
+    slope: float
+    fit: float
+    """R squared."""
+
+
+def with_constraints(
+    motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], character: Character, rounds: int
+) -> Growth:
+    """Microseconds a frame with the first 1 to 16 of a list of wishes of every kind, on one character."""
+    request = AdaptRequest(motion, character.morphology, contacts)
+    wishes = many_wishes(adapt(request))
+    counts = list(range(1, MOST_CONSTRAINTS + 1))
+    requests = [replace(request, constraints=wishes[:count]) for count in counts]
+    jobs = [Job(str(len(each.constraints)), lambda each=each: adapt(each), motion.frame_count) for each in requests]
+    return _fitted(counts, [timing.median for timing in time_jobs(jobs, rounds)])
+
+
+def with_characters(
+    motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], characters: Sequence[Character]
+) -> Growth:
+    """Microseconds for one frame of 1 to 1,000 characters of the worst kind, the given ones in turn, one core."""
+    requests = [make_tasks(motion, contacts, each.morphology)[-1].request for each in characters]
+    for request in requests:
+        adapt(request)
+    costs, spent = [], 0.0
+    for number in range(1, CHARACTERS[-1] + 1):
+        start = time.process_time()
+        adapt(requests[number % len(requests)])
+        spent += time.process_time() - start
+        if number in CHARACTERS:
+            costs.append(1e6 * spent / motion.frame_count)
+    return _fitted(list(CHARACTERS), costs)
+
+
+def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
+    """Sixteen wishes of different kinds and priorities, each a little aside from where the body has it anyway."""
+    wishes: list[Constraint] = []
+    for number, (part, chain) in enumerate(_POINTS):
+        point = BodyPoint(part, at_end=True)
+        place = np.median(place_of(point, adapted), axis=0) + ASIDE * np.roll([1.0, 0.0, 0.0], number)
+        wishes.append(PositionConstraint(MOTION_ID, part.label, point, chain, number % 4, ALWAYS, target=tuple(place)))
+    for side, part in enumerate((BodyPart.RIGHT_HAND, BodyPart.LEFT_HAND)):
+        turn = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment(part)])[0]
+        wishes.insert(
+            2 + side, OrientationConstraint(MOTION_ID, part.label, BodyPoint(part), LIMB, 1, ALWAYS, target=tuple(turn))
+        )
+    eyes = np.median(place_of(EYES, adapted), axis=0)
+    wishes.insert(4, LookAtConstraint(MOTION_ID, "Look", EYES, LIMB, 2, ALWAYS, target=(eyes[0] + 3.0, eyes[1], 1.0)))
+    wishes.insert(5, BalanceConstraint(MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS))
+    abdomen = BodyPoint(BodyPart.ABDOMEN)
+    bend = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment(BodyPart.ABDOMEN)])[0]
+    wishes.append(OrientationConstraint(MOTION_ID, "Abdomen", abdomen, WITH_TRUNK, 3, ALWAYS, target=tuple(bend)))
+    return tuple(wishes)
+
+
+def _fitted(counts: list[int], costs: list[float]) -> Growth:
+    slope, fixed = np.polyfit(counts, costs, 1)
+    left = np.array(costs) - (fixed + slope * np.array(counts))
+    return Growth(counts, costs, float(fixed), float(slope), float(1.0 - left.var() / np.var(costs)))
