@@ -8,16 +8,18 @@ from studio.resources_folder import example_captures_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 REAL = ROOT.parent / "shared" / "captures" / "bvh"
-IN_PLACE = (
+CHOSEN = (
     "varied/accad_female1_D3_ConversationGestures.bvh",
     "varied/accad_male2_A6_BoxLift.bvh",
+    "varied/accad_female1_B03_Walk1.bvh",
     "strikes/accad_male2_E1_JabLeft.bvh",
+    "strikes/accad_male2_G2_FrontKick.bvh",
 )
-"""Bodies that stay where they are, as the targets do: gestures at 30 Hz, a box lifted at 120 Hz, a short jab."""
-BUNDLED = ("reach_grasp.bvh", "straight_punch.bvh", "front_kick.bvh")
+"""Gestures at 30 Hz, a box lifted at 120 Hz, a walk, and a punch and a kick as in the papers."""
+BUNDLED = ("reach_grasp.bvh", "walk_turn.bvh", "straight_punch.bvh", "front_kick.bvh")
 
 
 def load_clips() -> dict[str, ReadyCapture]:
     """The clips by name."""
-    folder, names = (REAL, IN_PLACE) if REAL.is_dir() else (example_captures_folder(), BUNDLED)
+    folder, names = (REAL, CHOSEN) if REAL.is_dir() else (example_captures_folder(), BUNDLED)
     return {Path(name).stem: ready_capture(folder / name, GUESS_ALL) for name in names}

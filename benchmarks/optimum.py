@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from studio.cli.bench_cases import Task, places_of
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
@@ -29,23 +30,23 @@ KEPT = 5e-4
 
 
 def excess(
-    constraints: Sequence[Constraint], standing: Standing, residuals: FloatArray, frames: Sequence[int]
+    task: Task, constraints: Sequence[Constraint], standing: Standing, residuals: FloatArray, frames: Sequence[int]
 ) -> FloatArray:
     """(N,) metres by which wrists miss their targets more than they need, at some frames: root mean squares.
 
-    ``constraints`` are positions of wrists, all of one priority, and perhaps a balance above them; ``residuals`` (C, F)
-    what the solver left of them.
+    ``constraints`` of the task are positions of wrists, all of one priority, and perhaps a balance above them;
+    ``residuals`` (C, F) what the solver left of them.
     """
     wrists = [row for row, each in enumerate(constraints) if isinstance(each, PositionConstraint)]
     misses = [np.sqrt(np.mean(residuals[wrists, frame] ** 2)) for frame in frames]
-    least = [_Frame(constraints, standing, frame).least_miss() for frame in frames]
+    least = [_Frame(task, constraints, standing, frame).least_miss() for frame in frames]
     return np.array(misses) - np.array(least)
 
 
 class _Frame:
     """One frame of a standing body whose trunk, clavicles and root may move as far as the constraints' chains allow."""
 
-    def __init__(self, constraints: Sequence[Constraint], standing: Standing, frame: int) -> None:
+    def __init__(self, task: Task, constraints: Sequence[Constraint], standing: Standing, frame: int) -> None:
         self.body, self.layout = standing.morphology, standing.morphology.layout
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]
@@ -56,7 +57,7 @@ class _Frame:
         self.limits = np.array([free[segment] for segment in self.segments])
         self.root_is_free = ROOT in free
         self.sides = [int(each.point.part.startswith("right")) for each in wrists]
-        self.targets = np.array([each.target for each in wrists])
+        self.targets = np.array([places_of(task, each)[frame] for each in wrists])
         self.reaches = self.body.arm.sum(axis=1)[self.sides]
         self.ankles = standing.footing.ankles[:, frame]
         planted = standing.footing.states[:, frame] != 0

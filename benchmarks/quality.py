@@ -52,7 +52,7 @@ def quality(task: Task, source: AdaptedMotion) -> Quality:
         reachable = reachable_miss((*balances, task.highest), task, adapted, standing)
     else:
         frames = np.linspace(0, adapted.frame_count - 1, SAMPLES).astype(int).tolist()
-        beyond = 1e3 * excess(request.constraints, standing, adapted.residuals, frames)
+        beyond = 1e3 * excess(task, request.constraints, standing, adapted.residuals, frames)
         excesses = float(np.nanmedian(beyond)), float(np.nanmax(beyond))
     balance = None
     if balances:
@@ -78,7 +78,7 @@ def reachable_miss(constraints: Sequence[Constraint], task: Task, adapted: Adapt
     rows = [task.request.constraints.index(each) for each in constraints]
     missed = adapted.residuals[rows[-1]]
     doubtful = [int(frame) for frame in np.argsort(missed)[-SAMPLES:] if missed[frame] > REACHED]
-    owed = excess(constraints, standing, adapted.residuals[rows], doubtful) if doubtful else np.zeros(1)
+    owed = excess(task, constraints, standing, adapted.residuals[rows], doubtful) if doubtful else np.zeros(1)
     return float(1e3 * max(missed[missed <= REACHED].max(initial=0.0), np.nanmax(owed)))
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clips import ROOT
-from studio.cli.bench_cases import Task
+from studio.cli.bench_cases import Task, places_of
 from studio.core.character_skeleton import character_poses, character_skeleton, joint_points
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -85,7 +85,7 @@ def problem(task: Task) -> dict[str, Any]:
         "rotations": poses.local_rotations[frames],
         "roots": poses.local_translations[frames, 0],
         "wishes": np.array([points.index(point_indices(place.point, body.layout)[0]) for place in places]),
-        "targets": np.array([place.target for place in places]),
+        "targets": np.array([places_of(task, place)[frames] for place in places]),
         "priorities": np.array([place.priority for place in places]),
         "free": free,
         "holds_feet": bool(request.contacts),

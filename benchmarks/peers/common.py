@@ -86,12 +86,12 @@ def answer(problem: Problem, make: Callable[[Problem], Solver]) -> dict[str, Any
     """Time and judge one solver on one problem."""
     solver, frames = make(problem), range(len(problem.rotations))
     misses, slides, balances = [], [], []
-    first = problem.wishes[int(np.argmin(problem.priorities))]
+    first = int(np.argmin(problem.priorities))
     for frame in frames:
         before = problem.forward(frame)[0]
         solver.solve(frame)
         after = solver.places()
-        misses.append(np.linalg.norm(after[first] - problem.targets[int(np.argmin(problem.priorities))]))
+        misses.append(np.linalg.norm(after[problem.wishes[first]] - problem.targets[first, frame]))
         slides.append(np.linalg.norm(after[problem.feet] - before[problem.feet], axis=1).max())
         balances.append(np.linalg.norm((problem.centre(after) - problem.centre(before))[:2]))
     times = []

@@ -18,10 +18,9 @@ class Mink:
         self.configuration = mink.Configuration(mujoco.MjModel.from_xml_string(model_of(problem)))
         model = self.configuration.model
         self.wishes = []
-        for wish, target, priority in zip(problem.wishes, problem.targets, problem.priorities, strict=True):
+        for wish, priority in zip(problem.wishes, problem.priorities, strict=True):
             cost = 0.01 ** (priority - problem.priorities.min())
             task = mink.FrameTask(problem.names[wish], "body", position_cost=cost, orientation_cost=0.0)
-            task.set_target(mink.SE3.from_translation(target))
             self.wishes.append(task)
         self.feet = [mink.FrameTask(problem.names[foot], "body", HELD, HELD) for foot in problem.feet]
         self.balance = mink.ComTask(np.array([HELD, HELD, 0.0]))
@@ -45,6 +44,8 @@ class Mink:
         configuration.update(np.concatenate([problem.roots[frame], quaternions.ravel()]))
         for foot in self.feet:
             foot.set_target_from_configuration(configuration)
+        for task, target in zip(self.wishes, problem.targets[:, frame], strict=True):
+            task.set_target(mink.SE3.from_translation(target))
         self.balance.set_target_from_configuration(configuration)
         for _ in range(TURNS):
             velocity = mink.solve_ik(

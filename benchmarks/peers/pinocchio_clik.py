@@ -52,7 +52,9 @@ class Clik:
         for _ in range(TURNS):
             pin.computeJointJacobians(model, data, q)
             rows, errors = [], []
-            for wish, target, priority in zip(problem.wishes, problem.targets, problem.priorities, strict=True):
+            for wish, target, priority in zip(
+                problem.wishes, problem.targets[:, frame], problem.priorities, strict=True
+            ):
                 error = target - data.oMi[self.joints[wish]].translation
                 weight = 0.01 ** (priority - problem.priorities.min())
                 length = np.linalg.norm(error)

@@ -42,7 +42,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "capture",
         nargs="?",
         type=Path,
-        help="a human motion that stays in place, as the targets do; a bundled one by default",
+        help="a human motion; a bundled one by default",
     )
     parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE", help="adult_woman by default")
     parser.add_argument("--runs", type=int, default=9, metavar="N", help="runs of which the median counts; 9")

@@ -1,7 +1,7 @@
 """What ``bench`` measures: whole clips on one character, each as the studio does it.
 
-The tasks are those by which the papers' authors tell their times. Each is a list of wishes that stand still in front
-of a body that stays in place, so that how far they lie beyond its reach can be measured, and is.
+The tasks are those by which the papers' authors tell their times. Their targets move as the body does, each always as
+far before its shoulder, so that how far they lie beyond its reach can be said, and measured.
 """
 
 from dataclasses import dataclass, replace
@@ -14,21 +14,26 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import normalized
 from studio.core.solver.adapt import Standing, hold, stand
-from studio.core.solver.request import AdaptRequest
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.tracks import Track
 
 FloatArray = NDArray[np.float64]
 
 FRAMES = 1200
 """Length of the clips that are adapted."""
 BEYOND = 0.1
-"""Metres by which the second task lies beyond the arm's reach: the median over the clip, solved with the arm alone."""
+"""Metres by which a target lies beyond the arm's reach: in every frame, as the arm alone is solved."""
+NEAR = 0.8
+"""Arm lengths from the shoulder to what can be reached."""
 FAR = 2.0
 """Arm lengths from the shoulder: out of reach with every limit of the joints lifted, too."""
 ASIDE = 0.15
@@ -62,34 +67,40 @@ class Task:
 
 
 def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], body: Morphology) -> tuple[Task, ...]:
-    """The issue of the papers' tables on one clip and one body, from the easiest to the worst."""
+    """The rows of the table on one clip and one body, from the easiest to the worst."""
     right, left = 1, 0
     standing = stand(motion, body, contacts, Ground())
-    bare = AdaptRequest(motion, body)
-    held = AdaptRequest(motion, body, contacts)
+    near, beyond = before_shoulder(standing, right, NEAR), beyond_arm(standing, right)
+    far = [before_shoulder(standing, side, FAR) for side in (left, right)]
+    tracks = {
+        _follow("near"): near,
+        _follow("beyond"): beyond,
+        _follow("left"): far[left],
+        _follow("right"): far[right],
+    }
+    bare = AdaptRequest(motion, body, tracks={follow: _track(places) for follow, places in tracks.items()})
+    held = replace(bare, contacts=contacts)
     balance = BalanceConstraint(MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)
-    near = wrist(right, before_shoulder(standing, right, 0.8), LIMB)
-    strict = wrist(right, before_shoulder(standing, right, 0.8), WITH_TRUNK)
-    beyond = wrist(right, beyond_arm(standing, right), WITH_TRUNK, 1)
-    far = tuple(wrist(side, before_shoulder(standing, side, FAR), WHOLE, 1) for side in (left, right))
+    reachable, strict = wrist(right, "near", LIMB), wrist(right, "near", WITH_TRUNK)
+    elbow, aside = elbow_aside(hold(standing, (strict,), tracks=bare.tracks), right)
     return (
-        Task("+ one reachable limb", replace(bare, constraints=(near,)), 34.0, 2.0),
-        Task("the same, feet held", replace(held, constraints=(near,)), 34.0),
+        Task("+ one reachable limb", replace(bare, constraints=(reachable,)), 34.0, 2.0),
+        Task("the same, feet held", replace(held, constraints=(reachable,)), 34.0),
         Task(
             "+ arm, clavicle and trunk, 10 cm beyond reach, feet held, balance",
-            replace(held, constraints=(balance, beyond)),
+            replace(held, constraints=(balance, wrist(right, "beyond", WITH_TRUNK, 1))),
             40.0,
             8.0,
         ),
         Task(
             "wrist strictly before elbow, same arm",
-            replace(held, constraints=(strict, elbow_aside(standing, right, strict))),
+            replace(held, constraints=(strict, elbow), tracks={**bare.tracks, _follow("aside"): aside}),
             None,
             6.0,
         ),
         Task(
             "worst: two unreachable wrists, planted feet, balance",
-            replace(held, constraints=(balance, *far)),
+            replace(held, constraints=(balance, wrist(left, "left", WHOLE, 1), wrist(right, "right", WHOLE, 1))),
             115.0,
             15.0,
             reachable=False,
@@ -110,42 +121,61 @@ def clip_of(ready: ReadyCapture, longest: int = FRAMES) -> tuple[NormalizedMotio
     return NormalizedMotion(motion.name, motion.frame_rate, channels, motion.spine_places), contacts
 
 
-def wrist(side: int, place: FloatArray, chain: Chain, priority: int = 0) -> PositionConstraint:
-    """A wrist that is to be at ``place`` (3,) all the time."""
-    return _position(FOREARMS[side], place, chain, priority)
+def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionConstraint:
+    """A wrist that is to be at the ``target`` all the time."""
+    return _position(FOREARMS[side], target, chain, priority)
 
 
 def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
-    """(3,) ``reach`` arm lengths before, and a little outside and below, the middle of where a shoulder is."""
-    body = standing.morphology
-    shoulder = np.median(standing.positions[:, body.layout.collar(side) + 1], axis=0)
-    yaw = np.median(standing.motion.channels[:, at.YAW])
-    forward, leftward = np.array([np.cos(yaw), np.sin(yaw), 0.0]), np.array([-np.sin(yaw), np.cos(yaw), 0.0])
-    way = 0.9 * forward + (0.3 - 0.6 * side) * leftward - np.array([0.0, 0.0, 0.2])
-    return np.asarray(shoulder + reach * body.arm[side].sum() * way / np.linalg.norm(way))
+    """(F, 3) places ``reach`` arm lengths before, and a little outside and below, a shoulder."""
+    length = float(standing.morphology.arm[side].sum())
+    return np.asarray(_shoulder(standing, side) + reach * length * _ways(standing, side))
 
 
 def beyond_arm(standing: Standing, side: int) -> FloatArray:
-    """(3,) a place that the arm alone misses by ``BEYOND``, as solved: the median over the clip."""
-    reach, length = 1.1, float(standing.morphology.arm[side].sum())
-    for _ in range(4):
-        alone = hold(standing, (wrist(side, before_shoulder(standing, side, reach), LIMB),))
-        reach += (BEYOND - float(np.median(alone.residuals[0]))) / length
-    return before_shoulder(standing, side, reach)
+    """(F, 3) places that the arm alone misses by ``BEYOND``, as it is solved."""
+    far = before_shoulder(standing, side, FAR)
+    missed = hold(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
+    return far - (missed - BEYOND)[:, None] * _ways(standing, side)
 
 
-def elbow_aside(standing: Standing, side: int, held: Constraint) -> PositionConstraint:
-    """An elbow of lower priority, wanted ``ASIDE`` further from the line shoulder-wrist than it can be."""
-    layout = standing.morphology.layout
-    solved = hold(standing, (held,)).positions
-    shoulder, elbow, end = (np.median(solved[:, layout.collar(side) + k], axis=0) for k in (1, 2, 3))
-    axis = (end - shoulder) / np.linalg.norm(end - shoulder)
-    out = elbow - shoulder - (elbow - shoulder) @ axis * axis
-    place = elbow + ASIDE * out / np.linalg.norm(out)
-    return _position(UPPER_ARMS[side], place, held.chain, held.priority + 1)
+def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
+    """An elbow of lower priority, and where it is wanted: ``ASIDE`` further from the line shoulder-wrist than it is."""
+    layout = solved.morphology.layout
+    shoulder, elbow, end = (solved.positions[:, layout.collar(side) + k] for k in (1, 2, 3))
+    axis = normalized(end - shoulder)
+    out = elbow - shoulder
+    out = normalized(out - np.sum(out * axis, axis=1, keepdims=True) * axis)
+    return _position(UPPER_ARMS[side], "aside", WITH_TRUNK, 1), _track(elbow + ASIDE * out)
 
 
-def _position(part: BodyPart, place: FloatArray, chain: Chain, priority: int) -> PositionConstraint:
-    target = (float(place[0]), float(place[1]), float(place[2]))
+def _shoulder(standing: Standing, side: int) -> FloatArray:
+    return standing.positions[:, standing.morphology.layout.collar(side) + 1]
+
+
+def _ways(standing: Standing, side: int) -> FloatArray:
+    """(F, 3) unit directions forwards, a little outwards and down."""
+    yaw = standing.motion.channels[:, at.YAW]
+    forward, out = 0.9, 0.3 - 0.6 * side
+    x, y = forward * np.cos(yaw) - out * np.sin(yaw), forward * np.sin(yaw) + out * np.cos(yaw)
+    return normalized(np.stack([x, y, np.full(len(yaw), -0.2)], axis=1))
+
+
+def _follow(target: str) -> FollowTracked:
+    return FollowTracked(target)
+
+
+def _track(places: FloatArray) -> Track:
+    return Track(places, np.eye(3)[None])
+
+
+def _position(part: BodyPart, target: str, chain: Chain, priority: int) -> PositionConstraint:
     point = BodyPoint(part, at_end=True)
-    return PositionConstraint(MOTION_ID, part.label, point, chain, priority, ALWAYS, target=target)
+    return PositionConstraint(MOTION_ID, part.label, point, chain, priority, ALWAYS, target=_follow(target))
+
+
+def places_of(task: Task, constraint: PositionConstraint) -> FloatArray:
+    """(F, 3) where a task's position is wanted."""
+    if not isinstance(constraint.target, FollowTracked):
+        raise TypeError(f"'{constraint.name}' is no target of a task.")
+    return task.request.tracks[constraint.target].places

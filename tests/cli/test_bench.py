@@ -57,7 +57,7 @@ def test_the_wrist_that_is_called_ten_centimetres_beyond_is_missed_by_so_much_by
     task = _named(tasks, "10 cm")
     balance, wrist = task.request.constraints
     alone = adapt(replace(task.request, constraints=(replace(wrist, chain=LIMB, priority=0),))).residuals[0]
-    assert np.median(alone) == pytest.approx(BEYOND, abs=1e-3)
+    assert np.allclose(alone, BEYOND, atol=2e-3)
     assert np.median(adapt(task.request).residuals[1]) < 1e-3
     assert balance.priority < wrist.priority
 
@@ -67,13 +67,13 @@ def test_the_elbow_that_is_called_lower_is_missed_and_takes_nothing_from_its_wri
     wrist, elbow = request.constraints
     both, alone = adapt(request).residuals, adapt(replace(request, constraints=(wrist,))).residuals
     assert elbow.priority > wrist.priority
-    assert np.median(both[1]) > ASIDE / 2
+    assert both[1].min() > ASIDE / 2
     assert (both[0] <= alone[0] + 2e-4).all()
 
 
 def test_what_is_called_worst_is_out_of_reach_all_the_time(tasks):
     request = _named(tasks, "worst").request
-    assert np.median(adapt(request).residuals[1:], axis=1).min() > 0.05
+    assert adapt(request).residuals[1:].min() > 0.05
 
 
 def test_jobs_are_timed_for_one_of_what_they_do_and_the_best_is_no_longer_than_the_median():
