@@ -136,7 +136,7 @@ def beyond_arm(standing: Standing, side: int) -> FloatArray:
     """(F, 3) places that the arm alone misses by ``BEYOND``, as it is solved."""
     far = before_shoulder(standing, side, FAR)
     missed = hold(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
-    return far - (missed - BEYOND)[:, None] * _ways(standing, side)
+    return np.asarray(far - (missed - BEYOND)[:, None] * _ways(standing, side))
 
 
 def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
