@@ -7,6 +7,8 @@ from pathlib import Path
 
 from studio.cli.adapt_report import Record, character_report
 from studio.cli.adaptation import MOTION_ID, ReadyCapture, chosen_characters, make_folder, ready_capture
+from studio.cli.batch_summary import rows_of, write_rows
+from studio.cli.export_options import add_export_options, export_options
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json, print_table
 from studio.core.character import Character
@@ -14,6 +16,7 @@ from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptRequest
 from studio.io.constraint_file import ConstraintFile, read_constraints
 from studio.io.export import format_for, take_of_actor, take_of_adapted, write_take
+from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
 from studio.io.report_file import write_json
 
@@ -48,6 +51,7 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--format", default="bvh", metavar="SUFFIX", help="kind of the files; bvh by default")
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
+    add_export_options(parser)
     add_import_options(parser)
 
 
@@ -55,6 +59,7 @@ def run(arguments: Namespace) -> int:
     """Adapt, export, report."""
     report = adapt_file(arguments.capture, import_options(arguments), asked_by(arguments), arguments.out)
     write_json(arguments.out / "report.json", report)
+    write_rows(arguments.out / "report.csv", rows_of([{**report, "name": arguments.capture.stem}]))
     if arguments.json:
         print_json(report)
     else:
@@ -70,6 +75,7 @@ class Asked:
     """None is the body that a capture was recorded from, whatever the capture."""
     constraints: Path | None
     suffix: str
+    options: ExportOptions
     all_frames: bool
 
 
@@ -81,7 +87,7 @@ def asked_by(arguments: Namespace) -> Asked:
     characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
     if others or not characters:
         characters |= chosen_characters(others)
-    return Asked(characters, arguments.constraints, suffix, arguments.all_frames)
+    return Asked(characters, arguments.constraints, suffix, export_options(arguments), arguments.all_frames)
 
 
 def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
@@ -99,13 +105,20 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
         "frame_rate": ready.capture.frame_rate,
         "contacts": "detected" if given.contacts is None else "given",
         "characters": [
-            adapt_to(character, key, ready, given, folder / f"{ready.capture.name}_{key}{asked.suffix}")
+            adapt_to(character, key, ready, given, folder / f"{ready.capture.name}_{key}{asked.suffix}", asked.options)
             for key, character in asked.characters.items()
         ],
     }
 
 
-def adapt_to(character: Character | None, key: str, ready: ReadyCapture, given: ConstraintFile, path: Path) -> Record:
+def adapt_to(
+    character: Character | None,
+    key: str,
+    ready: ReadyCapture,
+    given: ConstraintFile,
+    path: Path,
+    options: ExportOptions,
+) -> Record:
     """One character's file, or the actor's own for None, and its part of the report."""
     contacts = ready.contacts if given.contacts is None else given.contacts
     constraints = tuple(each for each in given.constraints if each.enabled)
@@ -116,7 +129,7 @@ def adapt_to(character: Character | None, key: str, ready: ReadyCapture, given: 
         take = take_of_actor(adapted, ready.actor, ready.capture, request)
     else:
         take = take_of_adapted(character.name, adapted, character, request)
-    write_take(take, path)
+    write_take(options.applied_to(take, path), path)
     return {"name": key, "file": str(path), **record}
 
 

@@ -38,12 +38,17 @@ def rows_of(records: Sequence[Record]) -> list[Row]:
 def write_summary(folder: Path, records: Sequence[Record]) -> None:
     """``summary.csv`` and ``summary.html`` in ``folder``. Raises StudioError when they cannot be written."""
     rows = rows_of(records)
+    write_rows(folder / "summary.csv", rows)
+    write_whole(folder / "summary.html", _page(records, rows).encode())
+
+
+def write_rows(path: Path, rows: Sequence[Row]) -> None:
+    """Rows as CSV with a line of titles. Raises StudioError when they cannot be written."""
     table = StringIO()
     writer = csv.DictWriter(table, COLUMNS)
     writer.writeheader()
     writer.writerows(rows)
-    write_whole(folder / "summary.csv", table.getvalue().encode())
-    write_whole(folder / "summary.html", _page(records, rows).encode())
+    write_whole(path, table.getvalue().encode())
 
 
 def _rows(record: Record) -> list[Row]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from studio.cli.adaptation import MOTION_ID
+from studio.cli.export_options import add_export_options, export_options
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
 from studio.io.export import format_for, take_of_capture, write_take
@@ -17,6 +18,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("source", type=Path, metavar="IN", help="any capture that the studio reads")
     parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format")
     parser.add_argument("--json", action="store_true", help="one object: what was written, guessed and repaired")
+    add_export_options(parser)
     add_import_options(parser)
 
 
@@ -25,7 +27,8 @@ def run(arguments: Namespace) -> int:
     format_for(arguments.target)
     capture = load_capture(arguments.source, import_options(arguments))
     annotations = load_annotations(arguments.source, capture, MOTION_ID)
-    written = write_take(take_of_capture(capture, annotations), arguments.target)
+    take = export_options(arguments).applied_to(take_of_capture(capture, annotations), arguments.target)
+    written = write_take(take, arguments.target)
     joints = int(np.count_nonzero(~capture.skeleton.end_sites))
     guesses = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in capture.guesses]
     if arguments.json:

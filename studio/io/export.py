@@ -123,7 +123,10 @@ def format_for(path: Path, job: str = "motion_writer") -> Format:
 
 
 def write_take(take: Take, path: Path, progress: Progress = lambda share, text: None) -> Format:
-    """Write a take in the format that the suffix of ``path`` asks for, which is returned. Raises StudioError."""
+    """Write a take in the format that the suffix of ``path`` asks for, which is returned. Raises StudioError.
+
+    ``progress`` hears a share from 0 to 1 and may raise to cancel; the file is then as it was, or absent.
+    """
     chosen = format_for(path)
     chosen.write_motion(path, take, progress)
     return chosen

@@ -138,6 +138,16 @@ OWN_FORMATS = (
         motion_writer="studio.io.usd_writer:write_take",
     ),
     Format(
+        name="Table of joints",
+        suffixes=(".csv",),
+        motion_writer="studio.io.joint_tables:write_csv",
+    ),
+    Format(
+        name="NumPy arrays of joints",
+        suffixes=(".npz",),
+        motion_writer="studio.io.joint_tables:write_npz",
+    ),
+    Format(
         name="X3D",
         suffixes=(".x3d",),
         sniff="studio.io.hanim:is_x3d",

@@ -1,0 +1,39 @@
+"""What the user chooses of a file that is written, beside its kind."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from studio.core.errors import StudioError
+from studio.core.joint_skin import character_skin
+from studio.core.zero_pose import t_pose, with_zero_pose
+from studio.io.export import Take
+from studio.io.joint_names import with_joint_names
+
+REST_POSES = {"t": "T-pose", "own": "the body's own"}
+"""In which pose every angle of a file is zero, by key."""
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """What is empty stays as the take has it: a T-pose and HumanIK's names for characters, its own for a capture."""
+
+    joint_names: str = ""
+    """A key of ``joint_names.joint_namings``."""
+    rest_pose: str = ""
+    """A key of ``REST_POSES``, for BVH: ``own`` is the pose in which a character's skin is bound, or the file's own."""
+
+    def applied_to(self, take: Take, path: Path) -> Take:
+        """``take`` as it shall be written to ``path``. Raises StudioError where a choice does not fit."""
+        capture = take.capture
+        if self.rest_pose:
+            if path.suffix.lower() != ".bvh":
+                raise StudioError(f"{path.name}: only BVH has a rest pose to choose; others keep the skin's own.")
+            if self.rest_pose not in REST_POSES:
+                raise StudioError(f"There is no rest pose '{self.rest_pose}'. Choose {', '.join(REST_POSES)}.")
+            if self.rest_pose == "t" and take.character is None:
+                capture = with_zero_pose(capture, t_pose(capture))
+            elif self.rest_pose == "own" and take.character is not None:
+                capture = with_zero_pose(capture, character_skin(take.character).bind_rotations)
+        if self.joint_names:
+            capture = with_joint_names(capture, self.joint_names)
+        return take if capture is take.capture else replace(take, capture=capture)

@@ -1,0 +1,66 @@
+"""What other programs call the joints of a body: ``resources/joint_names``, for files that are written."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+from studio.core.canonical import BodyPart
+from studio.core.capture import Capture
+from studio.core.errors import StudioError
+from studio.resources_folder import resources_folder
+
+_SIDES = ({"side": "left", "Side": "Left", "s": "l", "S": "L"}, {"side": "right", "Side": "Right", "s": "r", "S": "R"})
+
+
+@dataclass(frozen=True)
+class JointNaming:
+    """The names that one group of programs gives: one for each part, and one for each vertebra above the pelvis."""
+
+    name: str
+    parts: Mapping[BodyPart, str]
+    spine: tuple[str, ...]
+    """From below; the last, with a number in it, names all that follow."""
+
+    def vertebra(self, place: int) -> str:
+        """The name of the spine joint at ``place``, 1 right above the pelvis."""
+        pattern = self.spine[min(place, len(self.spine)) - 1]
+        return pattern.format(n=place - 1, nn=f"{place:02}", nnn=f"{place:03}")
+
+
+@lru_cache(maxsize=1)
+def joint_namings() -> Mapping[str, JointNaming]:
+    """All tables by their key, the most usual first."""
+    files = sorted((resources_folder() / "joint_names").glob("*.json"), key=lambda path: path.stem)
+    return {path.stem: _naming(json.loads(path.read_text(encoding="utf-8"))) for path in files}
+
+
+def with_joint_names(capture: Capture, key: str) -> Capture:
+    """The same capture with the names of one table; joints that play no part keep theirs.
+
+    Raises StudioError when there is no such table, or no body map to say what the joints are.
+    """
+    namings = joint_namings()
+    if key not in namings:
+        raise StudioError(f"There are no joint names called '{key}'. Choose {', '.join(namings)}.")
+    body = capture.body_map
+    if body is None:
+        raise StudioError(f"'{capture.name}' has no body map, so its joints cannot be given other names.")
+    given = {joint: namings[key].parts[part] for part, joint in body.parts.items() if part in namings[key].parts}
+    given |= {joint: namings[key].vertebra(place) for place, joint in enumerate(body.spine) if place}
+    taken = set(given.values())
+    names = []
+    for joint, own in enumerate(capture.skeleton.names):
+        name = given.get(joint, own)
+        while joint not in given and name in taken:
+            name += "_"
+        taken.add(name)
+        names.append(name)
+    return replace(capture, skeleton=replace(capture.skeleton, names=tuple(names)))
+
+
+def _naming(record: Mapping[str, Mapping[str, str]]) -> JointNaming:
+    parts = {
+        BodyPart(key.format(**side)): name.format(**side) for key, name in record["parts"].items() for side in _SIDES
+    }
+    return JointNaming(str(record["name"]), parts, tuple(record["spine"]))
