@@ -9,6 +9,7 @@ from studio.cli.adapt_report import Record, character_report
 from studio.cli.adaptation import MOTION_ID, ReadyCapture, chosen_characters, make_folder, ready_capture
 from studio.cli.batch_summary import rows_of, write_rows
 from studio.cli.export_options import add_export_options, export_options
+from studio.cli.following import with_tracks
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json, print_table
 from studio.core.character import Character
@@ -50,6 +51,7 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files; made if missing")
     parser.add_argument("--format", default="bvh", metavar="SUFFIX", help="kind of the files; bvh by default")
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
+    parser.add_argument("--by-frame", action="store_true", help="put into the report what happens in every frame, too")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
     add_export_options(parser)
     add_import_options(parser)
@@ -77,6 +79,7 @@ class Asked:
     suffix: str
     options: ExportOptions
     all_frames: bool
+    by_frame: bool
 
 
 def asked_by(arguments: Namespace) -> Asked:
@@ -87,7 +90,8 @@ def asked_by(arguments: Namespace) -> Asked:
     characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
     if others or not characters:
         characters |= chosen_characters(others)
-    return Asked(characters, arguments.constraints, suffix, export_options(arguments), arguments.all_frames)
+    options = export_options(arguments)
+    return Asked(characters, arguments.constraints, suffix, options, arguments.all_frames, arguments.by_frame)
 
 
 def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
@@ -97,6 +101,14 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
     if asked.constraints is not None:
         given = read_constraints(asked.constraints, MOTION_ID)
         check_frames(given, ready, asked.constraints)
+    contacts = ready.contacts if given.contacts is None else given.contacts
+    constraints = tuple(each for each in given.constraints if each.enabled)
+    bodies = {key: each.morphology if each else ready.actor.morphology for key, each in asked.characters.items()}
+    requests = with_tracks(
+        {key: AdaptRequest(ready.motion, body, contacts, constraints) for key, body in bodies.items()},
+        ready.capture,
+        given.props,
+    )
     make_folder(folder)
     return {
         "source": str(path),
@@ -105,31 +117,22 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
         "frame_rate": ready.capture.frame_rate,
         "contacts": "detected" if given.contacts is None else "given",
         "characters": [
-            adapt_to(character, key, ready, given, folder / f"{ready.capture.name}_{key}{asked.suffix}", asked.options)
-            for key, character in asked.characters.items()
+            adapt_to(character, key, ready, requests[key], asked, folder) for key, character in asked.characters.items()
         ],
     }
 
 
 def adapt_to(
-    character: Character | None,
-    key: str,
-    ready: ReadyCapture,
-    given: ConstraintFile,
-    path: Path,
-    options: ExportOptions,
+    character: Character | None, key: str, ready: ReadyCapture, request: AdaptRequest, asked: Asked, folder: Path
 ) -> Record:
     """One character's file, or the actor's own for None, and its part of the report."""
-    contacts = ready.contacts if given.contacts is None else given.contacts
-    constraints = tuple(each for each in given.constraints if each.enabled)
-    body = character.morphology if character else ready.actor.morphology
-    request = AdaptRequest(ready.motion, body, contacts, constraints)
-    adapted, record = character_report(request, ready.source, ready.capture.first_frame)
+    path = folder / f"{ready.capture.name}_{key}{asked.suffix}"
+    adapted, record = character_report(request, ready.source, ready.capture.first_frame, by_frame=asked.by_frame)
     if character is None:
         take = take_of_actor(adapted, ready.actor, ready.capture, request)
     else:
         take = take_of_adapted(character.name, adapted, character, request)
-    write_take(options.applied_to(take, path), path)
+    write_take(asked.options.applied_to(take, path), path)
     return {"name": key, "file": str(path), **record}
 
 
@@ -149,13 +152,13 @@ def print_report(report: Record) -> None:
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]
     print_table(titles, rows)
     lines = [
-        [each["name"], record["name"], _residual(each), _yes(each["reached"])]
+        [each["name"], record["name"], _residual(each), _yes(each["reached"]), ", ".join(each["kept_by"]) or "-"]
         for record in report["characters"]
         for each in record["constraints"]
     ]
     if lines:
         print()
-        print_table(("constraint", "character", "residual", "reached"), lines)
+        print_table(("constraint", "character", "residual", "reached", "kept off by"), lines)
     print("\nWritten:", *(record["file"] for record in report["characters"]), sep="\n  ")
 
 

@@ -3,6 +3,8 @@
 import math
 import statistics
 import time
+from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,11 +12,13 @@ from numpy.typing import NDArray
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import Constraint
+from studio.core.contacts import FootPoint
 from studio.core.metrics import acceleration_ratio, foot_quality
 from studio.core.rotations import from_matrix, inverse, multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.footing import foot_states, freedom
 from studio.core.solver.packing import limb_of
+from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 Record = dict[str, Any]
@@ -23,24 +27,33 @@ FloatArray = NDArray[np.float64]
 REACHED_MM, REACHED_DEG = 0.2, 0.1
 """Millimetres and degrees within which a target counts as met."""
 FULLY = 1.0 - 1e-9
+OTHERS = {NOBODY: None, CONTACTS: "contacts", LIMITS: "joint limits", REACH: "reach"}
+"""Who else than another constraint keeps one from being met."""
 QUIET = 1.0
 """Radians a second: a source peak below it counts as this."""
 TIMED_RUNS = 3
 
 
-def character_report(request: AdaptRequest, source: AdaptedMotion, first_frame: int) -> tuple[AdaptedMotion, Record]:
+def character_report(
+    request: AdaptRequest, source: AdaptedMotion, first_frame: int, *, by_frame: bool = False
+) -> tuple[AdaptedMotion, Record]:
     """The adapted motion from ``first_frame`` on, and the figures that are reported of it."""
     adapted = adapt(request, first_frame)
     quality = foot_quality(adapted, request.contacts, request.ground)
-    record = {
+    report = report_of(request, adapted)
+    record: Record = {
         "slide_mm": 1000.0 * quality.slide,
         "float_mm": 1000.0 * max(quality.rise, 0.0),
         "penetration_mm": 1000.0 * max(quality.penetration, 0.0),
         "acceleration_ratio": acceleration_ratio(adapted, source),
         "speed_ratio": speed_ratio(adapted, source),
         "microseconds_per_frame": 1e6 * seconds_to_adapt(request) / request.motion.frame_count,
-        "constraints": constraint_records(request, adapted),
+        "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
+        "mass_margin_mm": _least(1000.0 * report.mass_margins),
+        "constraints": constraint_records(request, adapted, report, by_frame),
     }
+    if by_frame:
+        record["by_frame"] = frame_records(report)
     return adapted, record
 
 
@@ -54,14 +67,51 @@ def seconds_to_adapt(request: AdaptRequest) -> float:
     return statistics.median(times)
 
 
-def constraint_records(request: AdaptRequest, adapted: AdaptedMotion) -> list[Record]:
-    """For each constraint its worst residual while fully active, and whether the target was met."""
+def frame_records(report: Report) -> Record:
+    """What feet, knees and balance did, a number a frame from the first that was adapted; null where there is none."""
+    slides, depths = 1000.0 * report.slides, 1000.0 * np.maximum(-report.heights, 0.0)
+    return {
+        "slide_mm": {point.value: _numbers(row) for point, row in zip(FootPoint, slides, strict=True)},
+        "penetration_mm": {point.value: _numbers(row) for point, row in zip(FootPoint, depths, strict=True)},
+        "knee_speed_deg": {
+            side: _numbers(np.degrees(row)) for side, row in zip(("left", "right"), report.knee_speeds, strict=True)
+        },
+        "mass_margin_mm": _numbers(1000.0 * report.mass_margins),
+    }
+
+
+def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool) -> list[Record]:
+    """For each constraint its worst residual while fully active, whether the target was met, and who kept it from that.
+
+    With ``by_frame`` also the residual and by whom it was kept off in every frame, null where there is none.
+    """
     records = []
     for row, active in enumerate(full_activity(request)[:, adapted.first_frame :]):
         constraint = request.constraints[row]
         residual = float(adapted.residuals[row, active].max()) if active.any() else None
-        records.append({"name": constraint.name, "kind": constraint.kind, **residual_record(constraint, residual)})
+        kept_by = [_winner(int(code), request.constraints) for code in report.winners[row]]
+        counts = Counter(name for name in kept_by if name is not None)
+        factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
+        record = {"name": constraint.name, "kind": constraint.kind, **residual_record(constraint, residual)}
+        record["kept_by"] = dict(counts.most_common())
+        if by_frame:
+            record["by_frame"] = {"residual": _numbers(factor * adapted.residuals[row]), "kept_by": kept_by}
+        records.append(record)
     return records
+
+
+def _winner(code: int, constraints: Sequence[Constraint]) -> str | None:
+    return constraints[code].name if code >= 0 else OTHERS[code]
+
+
+def _numbers(values: FloatArray) -> list[float | None]:
+    """To a thousandth, with null where there is no number: JSON has none for that."""
+    return [round(value, 3) if math.isfinite(value) else None for value in values.tolist()]
+
+
+def _least(values: FloatArray) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(known.min()) if len(known) else None
 
 
 def residual_record(constraint: Constraint, residual: float | None) -> Record:

@@ -33,15 +33,28 @@ class FootQuality:
 
 def foot_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FootQuality:
     """Slide, float and penetration of the soles during ``contacts`` (frames counted in the whole motion)."""
-    slide = rise = depth = 0.0
+    slides, heights = foot_tracks(adapted, contacts, ground)
+    if not np.isfinite(slides).any():
+        return FootQuality(0.0, 0.0, 0.0)
+    rise, depth = float(np.nanmax(heights)), float(np.nanmax(-heights))
+    return FootQuality(float(np.nanmax(slides)), max(rise, 0.0), max(depth, 0.0))
+
+
+def foot_tracks(
+    adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """Slides and heights above the ground (4, F) in metres, NaN where a point does not stand.
+
+    A row each of ``FootPoint``; a slide is how far ankle or toe joint have moved since their contact began.
+    """
+    slides, heights = np.full((2, len(FootPoint), adapted.frame_count), np.nan)
     for contact in contacts:
         first = max(contact.first - adapted.first_frame, 0)
         stop = min(contact.last + 1 - adapted.first_frame, adapted.frame_count)
         if stop > first:
-            moved, heights = _standing(adapted, contact.point, slice(first, stop), ground)
-            slide = max(slide, moved)
-            rise, depth = max(rise, float(heights.max())), max(depth, float(-heights.min()))
-    return FootQuality(slide, rise, depth)
+            row, span = tuple(FootPoint).index(contact.point), slice(first, stop)
+            slides[row, span], heights[row, span] = _standing(adapted, contact.point, span, ground)
+    return slides, heights
 
 
 def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
@@ -49,8 +62,8 @@ def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
     return mass_path(adapted.positions, adapted.morphology)
 
 
-def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Ground) -> tuple[float, FloatArray]:
-    """How far a heel or ball moves along the ground in one contact, and its heights (F,) above it.
+def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Ground) -> tuple[FloatArray, FloatArray]:
+    """How far (F,) a heel or ball has moved along the ground in one contact, and its heights (F,) above it.
 
     Where the foot lies over an edge the ground is the plane of what it stands on.
     """
@@ -63,7 +76,7 @@ def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Gro
     normal = planes.normals[0]
     joint = ankle if point.is_heel else toe
     way = joint - joint[0]
-    moved = np.linalg.norm(way - (way @ normal)[:, None] * normal, axis=1).max()
+    moved = np.linalg.norm(way - (way @ normal)[:, None] * normal, axis=1)
     if point.is_heel:
         sole = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
     else:
@@ -72,7 +85,21 @@ def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Gro
         heights = (sole - [*soles[0, 1], planes.heights[0]]) @ normal
     else:
         heights = (sole[:, 2] - ground.height_at(sole)) * normal[2]
-    return float(moved), heights
+    return np.asarray(moved), heights
+
+
+def knee_speeds(adapted: AdaptedMotion) -> FloatArray:
+    """(2, F) rad/s: how fast the left and right knee bend or stretch; a popping knee is a narrow peak."""
+    layout = adapted.morphology.layout
+    if adapted.frame_count < 2:
+        return np.zeros((2, adapted.frame_count))
+    speeds = []
+    for side in range(2):
+        hip, knee, ankle = (adapted.positions[:, layout.hip(side) + step] for step in range(3))
+        thigh, shank = knee - hip, ankle - knee
+        bend = np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.sum(thigh * shank, axis=1))
+        speeds.append(np.abs(np.gradient(bend)) * adapted.frame_rate)
+    return np.array(speeds)
 
 
 def angular_acceleration(rotations: FloatArray, frame_rate: float) -> FloatArray:

@@ -9,24 +9,28 @@ Each constraint is the record that a project holds for it (``entity_json``), wit
                       "activation": {"start": 0.5, "full": 0.8, "full_end": 1.2, "end": 1.5, "shape": "quintic"}}],
      "contacts": {"left_heel": [[0, 41]], "left_toe": [], "right_heel": [[12, 60]], "right_toe": []}}
 
-``priority`` and ``chain`` may be left out, and so may ``contacts``, which are then detected.
+``priority`` and ``chain`` may be left out, and so may ``contacts``, which are then detected. A target may follow one
+of the file's ``props``, ``{"box": {"position": [0.4, 0, 0.8]}}``, by its id.
 """
 
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.objections import objection
+from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.core.errors import StudioError
+from studio.core.project import Prop
 from studio.io.entity_json import CONSTRAINT_KINDS, entity_of, entity_record
 from studio.io.value_json import Json, unknown_fields
 
-_MEMBERS = ("constraints", "contacts")
+_MEMBERS = ("constraints", "contacts", "props")
 _LARGEST = 1e6
 _IDS = {"id", "schema", "kind", "motion_id"}
 _RECORDS = ("point", "chain", "activation", "target", "other", "distance", "place", "centre", "heading")
@@ -35,10 +39,11 @@ _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
 @dataclass(frozen=True)
 class ConstraintFile:
-    """What such a file holds; ``contacts`` is None where it says nothing about them."""
+    """What such a file holds; ``contacts`` is None where it says nothing about them, ``props`` are by id."""
 
     constraints: tuple[Constraint, ...]
     contacts: tuple[ContactInterval, ...] | None
+    props: Mapping[str, Prop] = field(default_factory=dict)
 
 
 def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
@@ -60,7 +65,12 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
             raise StudioError(f"{path}, constraints[{place}]: {sentence}")
     constraints.sort(key=lambda constraint: constraint.priority)
     contacts = contacts_of(record["contacts"], motion_id, str(path)) if "contacts" in record else None
-    return ConstraintFile(tuple(constraints), contacts)
+    props = _props(record.get("props", {}), str(path))
+    for constraint in constraints:
+        for follow in follows_of(constraint):
+            if isinstance(follow, FollowProp) and follow.prop_id not in props:
+                raise StudioError(f"{path}: '{constraint.name}' follows prop '{follow.prop_id}', which is not there.")
+    return ConstraintFile(tuple(constraints), contacts, props)
 
 
 def _parsed(path: Path) -> Json:
@@ -138,6 +148,24 @@ def contacts_of(record: Json, motion_id: str, where: str) -> tuple[ContactInterv
             except ValueError as error:
                 raise StudioError(f"{where}, contacts, {foot}[{place}]: {error}") from error
     return tuple(contacts)
+
+
+def _props(record: Json, where: str) -> dict[str, Prop]:
+    if not isinstance(record, dict):
+        raise StudioError(f"{where}, props: expected a record of props by id.")
+    props = {}
+    for key, item in record.items():
+        if not isinstance(item, dict):
+            raise StudioError(f"{where}, props, {key}: expected a record, not {str(item)[:40]!r}.")
+        if strange := sorted(item.keys() - {"name", "size", "position", "heading"}):
+            raise StudioError(f"{where}, props, {key}: '{strange[0]}' is not known here. Correct its name.")
+        try:
+            found = entity_of("props", {"name": key, **item}, _no_member)
+        except (ValueError, TypeError) as error:
+            raise StudioError(f"{where}, props, {key}, {error}") from error
+        assert isinstance(found, Prop)
+        props[key] = found
+    return props
 
 
 def _no_member(_name: str) -> Any:

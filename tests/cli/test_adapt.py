@@ -1,6 +1,7 @@
 """`adapt`: files and a report for every character."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -200,3 +201,71 @@ def test_the_actor_is_a_character_on_the_captures_own_joints(tmp_path, capsys):
 def test_a_kind_of_file_that_there_is_not_is_refused_before_anything_is_read(tmp_path, capsys):
     assert main(["adapt", "missing.bvh", "--format", "xyz", "--out", str(tmp_path)]) == 1
     assert "Let it end with .bvh" in capsys.readouterr().err
+
+
+def test_a_number_a_frame_is_reported_on_request_and_who_kept_a_constraint_from_being_met(capsys, kick, tmp_path):
+    second = {**WRIST, "name": "Second", "target": [0.4, 0.3, 1.3], "priority": 1}
+    arguments = ("--character", "adult_woman", "--constraints", constraint_file(tmp_path, WRIST, second))
+    _, report = adapt(capsys, kick, tmp_path / "out", *arguments, "--by-frame")
+    [record], frames = report["characters"], report["frames"]
+    first, second = record["constraints"]
+    assert first["kept_by"] == {}
+    assert max(second["kept_by"], key=second["kept_by"].get) == "Right wrist"
+    kept = second["by_frame"]["kept_by"]
+    assert len(kept) == len(second["by_frame"]["residual"]) == frames
+    assert kept.count("Right wrist") == second["kept_by"]["Right wrist"]
+    worst = max(number for number in second["by_frame"]["residual"] if number is not None)
+    assert worst >= second["residual_mm"] - 1e-3
+    by_frame = record["by_frame"]
+    assert all(len(row) == frames for row in by_frame["slide_mm"].values())
+    assert max(number or 0.0 for row in by_frame["slide_mm"].values() for number in row) == pytest.approx(
+        record["slide_mm"], abs=1e-3
+    )
+    assert len(by_frame["mass_margin_mm"]) == len(by_frame["knee_speed_deg"]["left"]) == frames
+    _, plain = adapt(capsys, kick, tmp_path / "out", *arguments)
+    assert "by_frame" not in plain["characters"][0]
+    assert plain["characters"][0]["mass_margin_mm"] == record["mass_margin_mm"]
+
+
+def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_other(capsys, kick, tmp_path):
+    always = {"start": -1, "full": -1, "full_end": 99, "end": 99}
+    chain = {"trunk": 1, "root": 1}
+    asked = [
+        {
+            "kind": "look_at", "name": name, "priority": place, "activation": always, "chain": {"end_segment": 1},
+            "point": {"part": "head", "offset": [0.08, 0, 0.09 + 0.01 * place]}, "target": target,
+        }
+        for place, (name, target) in enumerate([
+            ("Box", {"kind": "follow_prop", "prop_id": "box", "offset": [0, 0, 0.2]}),
+            ("Hand", {"kind": "follow_tracked", "joint": "RightHand"}),
+        ])
+    ]  # fmt: skip
+    lead = {"kind": "follow_performer", "performer_id": "child", "point": WRIST["point"]}
+    follow = {**WRIST, "name": "Follow", "target": lead, "activation": always, "chain": chain, "priority": 5}
+    file = constraint_file(tmp_path, *asked, follow, props={"box": {"position": [6.0, 0.2, 1.0]}})
+    arguments = ("--character", "adult_woman", "child", "--constraints", file, "--by-frame")
+    code, report = adapt(capsys, kick, tmp_path / "out", *arguments)
+    assert code == 0
+    woman, child = report["characters"]
+    looks, _, follows = (each["by_frame"]["residual"] for each in woman["constraints"])
+    assert np.median([number for number in looks if number is not None]) < 0.1
+    assert np.median([number for number in follows if number is not None]) < 0.2
+    assert child["constraints"][2]["residual_mm"] is None  # it would follow its own wrist
+
+
+@pytest.mark.parametrize(
+    ("target", "sentence"),
+    [
+        ({"kind": "follow_prop", "prop_id": "gone"}, "'Right wrist' follows prop 'gone', which is not there"),
+        ({"kind": "follow_tracked", "joint": "RightHnd"}, "'Right wrist' follows a joint that is not there.*RightHand"),
+        (
+            {"kind": "follow_performer", "performer_id": "giant", "point": {"part": "head"}},
+            "'Right wrist' follows 'giant', who is not among the characters: child",
+        ),
+    ],
+)
+def test_what_is_followed_and_not_there_is_named(capsys, walk, tmp_path, target, sentence):
+    file = constraint_file(tmp_path, {**WRIST, "target": target})
+    arguments = ["adapt", str(walk), "--character", "child", "--constraints", str(file), "--out", str(tmp_path)]
+    assert main(arguments) == 1
+    assert re.search(sentence, capsys.readouterr().err)

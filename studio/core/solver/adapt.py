@@ -45,6 +45,14 @@ class Standing:
     rotations: FloatArray
 
 
+@dataclass(frozen=True)
+class Bound:
+    """By what a body is bound beside its constraints."""
+
+    by_contacts: bool = True
+    by_limits: bool = True
+
+
 def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
     """The motion on the body of ``request``, frames ``first`` to ``last`` (both included, all by default).
 
@@ -73,10 +81,13 @@ def hold(
     first: int = 0,
     last: int | None = None,
     tracks: Tracks = MappingProxyType({}),
+    *,
+    bound: Bound = Bound(),
 ) -> AdaptedMotion:
     """Solve ``constraints`` on a standing motion, frames ``first`` to ``last`` (both included) (K05 section 9).
 
     ``tracks`` over the whole motion for all that they follow beyond the body itself; StudioError where one is missing.
+    ``bound`` lets a report ask what would be without the feet's contacts or the joints' limits.
     """
     window = slice(first, standing.motion.frame_count if last is None else last + 1)
     positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
@@ -89,7 +100,7 @@ def hold(
             for follow in own:
                 known[follow] = point_track(follow.point, follow.turn, positions, rotations, standing.morphology)
             positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
-            _solve(standing, constraints, window, known, residuals, positions, rotations)
+            _solve(standing, constraints, window, known, bound, residuals, positions, rotations)
     return AdaptedMotion(standing.morphology, standing.motion.frame_rate, first, positions, rotations, residuals)
 
 
@@ -119,6 +130,7 @@ def _solve(
     constraints: Sequence[Constraint],
     window: slice,
     tracks: Tracks,
+    bound: Bound,
     residuals: FloatArray,
     positions: FloatArray,
     rotations: FloatArray,
@@ -127,13 +139,18 @@ def _solve(
     motion, body = standing.motion, standing.morphology
     times = np.arange(motion.frame_count)[window] / motion.frame_rate
     activations = constraint_activations(constraints, standing.footing, motion.frame_rate)[:, window]
+    leash = (
+        leashes(standing.footing, motion.frame_rate)[:, window]
+        if bound.by_contacts
+        else np.full((2, len(times)), np.inf)
+    )
     joints = free_joints([constraint.chain for constraint in constraints], body.layout)
     solve_frames(
         *pack(constraints, joints, body.layout, Targets(times, tracks, lambda: mass_path(positions, body))),
         np.ascontiguousarray(activations),
-        np.ascontiguousarray(leashes(standing.footing, motion.frame_rate)[:, window]),
+        np.ascontiguousarray(leash),
         (motion.channels[window], *_legs(standing.footing, window)),
-        (body.packed[None], segment_masses(body.layout), joints.limits),
+        (body.packed[None], segment_masses(body.layout), joints.limits if bound.by_limits else joints.limits + np.inf),
         residuals,
         positions,
         rotations,

@@ -1,6 +1,6 @@
 """Performers on one stage: what each is asked, whom it follows, and where that is at each of its frames."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -36,7 +36,8 @@ def asked_of(project: Project, performer_id: str) -> tuple[Constraint, ...]:
     """
     clips = project.performers[performer_id].clips
     constraints = project.constraints_of(clips[0].motion_id).values() if clips else ()
-    return tuple(_concerning(each, project, performer_id) for each in constraints if each.enabled)
+    playing = {key for key, performer in project.performers.items() if performer.clips}
+    return tuple(concerning(each, performer_id, playing) for each in constraints if each.enabled)
 
 
 def leaders_of(project: Project, performer_id: str) -> set[str]:
@@ -165,18 +166,17 @@ def leader_frames(
     return np.clip(leader.first + (stage - leader.start) * leader_rate, leader.first, leader.last)
 
 
-def _concerning(constraint: Constraint, project: Project, performer_id: str) -> Constraint:
-    """A constraint as one performer has it."""
+def concerning(constraint: Constraint, performer_id: str, playing: Container[str]) -> Constraint:
+    """A constraint as one performer has it, of those that are ``playing``; see ``asked_of``."""
     changes: dict[str, Any] = {}
     for name in (each.name for each in fields(constraint)):
         value = getattr(constraint, name)
         if not isinstance(value, FollowPerformer):
             continue
-        leader = project.performers.get(value.performer_id)
         same = value.point.part == constraint.point.part if constraint.kind == "orientation" else (
             value.point == constraint.point
         )  # fmt: skip
-        if leader is None or not leader.clips or (value.performer_id == performer_id and same):
+        if value.performer_id not in playing or (value.performer_id == performer_id and same):
             changes |= {name: _nowhere(constraint), "activation": NEVER}
         elif value.performer_id == performer_id:
             changes[name] = FollowBody(value.point, value.turn)

@@ -1,0 +1,76 @@
+"""What the characters of one run follow: props of the constraint file, joints of the capture, each other."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from studio.core.capture import Capture
+from studio.core.constraints.balance import Support
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.target import follows_of
+from studio.core.errors import StudioError
+from studio.core.placement import Placement
+from studio.core.project import Prop
+from studio.core.solver.adapt import adapt
+from studio.core.solver.following import performer_track, prop_track, tracked_track
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stage import concerning
+from studio.core.solver.tracks import Track
+
+HERE = Placement()
+"""All characters stand in one place here: where the motion does."""
+
+
+def with_tracks(
+    requests: Mapping[str, AdaptRequest], capture: Capture, props: Mapping[str, Prop]
+) -> dict[str, AdaptRequest]:
+    """The requests, by character, with the tracks of what their constraints follow.
+
+    Of several characters that are followed each follows how the others move without constraints. Raises StudioError
+    naming the constraint where somebody or something followed is not there.
+    """
+    constraints = next(iter(requests.values())).constraints if requests else ()
+    leaders = _leaders(constraints, requests)
+    asked = {
+        key: replace(request, constraints=tuple(concerning(each, key, requests) for each in constraints))
+        for key, request in requests.items()
+    }
+    bare = {key: adapt(replace(asked[key], constraints=())) for key in leaders} if len(leaders) > 1 else {}
+    led = {key: _following(asked[key], bare, capture, props) for key in leaders}
+    motions = {key: adapt(request) for key, request in led.items()}
+    return {key: led[key] if key in led else _following(asked[key], motions, capture, props) for key in asked}
+
+
+def _leaders(constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest]) -> list[str]:
+    leaders: dict[str, None] = {}
+    for constraint in constraints:
+        for follow in follows_of(constraint):
+            if isinstance(follow, FollowPerformer):
+                if follow.performer_id not in requests:
+                    raise StudioError(
+                        f"'{constraint.name}' follows '{follow.performer_id}', who is not among the characters:"
+                        f" {', '.join(requests)}."
+                    )
+                leaders[follow.performer_id] = None
+    return list(leaders)
+
+
+def _following(
+    request: AdaptRequest, motions: Mapping[str, AdaptedMotion], capture: Capture, props: Mapping[str, Prop]
+) -> AdaptRequest:
+    tracks: dict[Follow | Support, Track] = {}
+    for constraint in request.constraints:
+        for follow in follows_of(constraint):
+            match follow:
+                case FollowPerformer():
+                    motion = motions[follow.performer_id]
+                    rows = range(motion.frame_count)
+                    tracks[follow] = performer_track(follow.point, follow.turn, motion, rows, HERE, HERE)
+                case FollowProp():
+                    tracks[follow] = prop_track(follow, props[follow.prop_id], HERE)
+                case FollowTracked():
+                    try:
+                        tracks[follow] = tracked_track(follow, capture)
+                    except StudioError as error:
+                        raise StudioError(f"'{constraint.name}' follows a joint that is not there. {error}") from error
+    return replace(request, tracks=tracks)

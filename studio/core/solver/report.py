@@ -1,0 +1,127 @@
+"""What became of every constraint in every frame, and of the feet, the knees and the balance: arrays for plots.
+
+Who kept a constraint from being met is found by asking what would be without: each other constraint of its priority or
+a higher one, the contacts of the feet, the limits of the joints. The one without which most of the miss would be gone
+is named; where nobody's absence helps, the body reaches no further.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import Constraint
+from studio.core.metrics import centre_of_mass, foot_tracks, knee_speeds
+from studio.core.solver.adapt import Bound, Standing, constraint_activations, hold, stand
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.support import outlines, support_margins
+from studio.core.solver.tracks import Tracks
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+NOBODY, CONTACTS, LIMITS, REACH = -1, -2, -3, -4
+"""Who kept a constraint from being met, beside the row of another one: nobody (it is met, or not asked), the feet that
+stand, how far joints turn, the measures of the body and the chain that may move."""
+MET = {"m": 2e-4, "rad": float(np.radians(0.1))}
+"""What counts as met, by unit."""
+WORTH = 0.05
+"""Part of a miss that an absence has to take away to have mattered."""
+
+
+@dataclass(frozen=True, eq=False)
+class Report:
+    """Of C constraints over F frames.
+
+    ``residuals`` (C, F) metres or radians, NaN where not active; ``winners`` (C, F) who kept each from being met: the
+    row of a constraint, or one of the names above; ``slides`` and ``heights`` (4, F) metres, rows as ``FootPoint``, NaN
+    where a point does not stand; ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre of mass to
+    the edge of what is stood on, negative outside, NaN in flight.
+    """
+
+    residuals: FloatArray
+    winners: IntArray
+    slides: FloatArray
+    heights: FloatArray
+    knee_speeds: FloatArray
+    mass_margins: FloatArray
+
+
+def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
+    """All there is to say of ``adapted``, the answer to ``request`` in any window."""
+    standing = stand(request.motion, request.morphology, request.contacts, request.ground)
+    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    areas = outlines(adapted.positions, adapted.rotations, standing.footing.states[:, window], adapted.morphology)
+    slides, heights = foot_tracks(adapted, request.contacts, request.ground)
+    return Report(
+        adapted.residuals,
+        winners(standing, request.constraints, request.tracks, adapted),
+        slides,
+        heights,
+        knee_speeds(adapted),
+        support_margins(areas, centre_of_mass(adapted)[:, :2]),
+    )
+
+
+def winners(standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion) -> IntArray:
+    """(C, F) who kept each constraint from being met; see ``Report``."""
+    residuals, first = adapted.residuals, adapted.first_frame
+    if not constraints:
+        return np.empty(residuals.shape, dtype=np.int64)
+    last = first + adapted.frame_count - 1
+    limits = np.array([[MET[each.unit]] for each in constraints]).reshape(-1, 1)
+    missed = residuals > limits
+    found = np.where(missed, REACH, NOBODY)
+    best = np.maximum(limits, WORTH * np.nan_to_num(residuals))
+
+    def weigh(name: int, rows: list[int], asked: Sequence[Constraint], bound: Bound) -> None:
+        """Solve for ``asked`` alone, the constraints of ``rows``, and note where that is better than any so far."""
+        without = np.full(residuals.shape, np.inf)
+        without[rows] = hold(standing, asked, first, last, tracks, bound=bound).residuals
+        gain = np.where(missed, residuals - without, 0.0)
+        better = gain > best
+        found[better], best[better] = name, gain[better]
+
+    if missed.any():
+        everybody = list(range(len(constraints)))
+        weigh(CONTACTS, everybody, constraints, Bound(by_contacts=False))
+        weigh(LIMITS, everybody, constraints, Bound(by_limits=False))
+        ranks = np.array([each.priority for each in constraints])
+        for row in everybody:
+            others = [other for other in everybody if other != row]
+            if missed[others][ranks[others] >= ranks[row]].any():
+                weigh(row, others, [constraints[other] for other in others], Bound())
+        for row in np.flatnonzero((found == REACH).any(axis=1)).tolist():
+            _weigh_together(row, standing, constraints, tracks, adapted, found, best)
+    found[_yielding(standing, constraints, slice(first, last + 1))] = CONTACTS
+    return found
+
+
+def _weigh_together(
+    row: int,
+    standing: Standing,
+    constraints: Sequence[Constraint],
+    tracks: Tracks,
+    adapted: AdaptedMotion,
+    found: IntArray,
+    best: FloatArray,
+) -> None:
+    """Where several stand in the way, and none of them alone, the first of them is named."""
+    first, own = adapted.first_frame, constraints[row]
+    alone = hold(standing, [own], first, first + adapted.frame_count - 1, tracks).residuals[0]
+    helped = (found[row] == REACH) & (adapted.residuals[row] - alone > best[row])
+    above = [k for k, each in enumerate(constraints) if k != row and each.priority <= own.priority]
+    for other in sorted(above, key=lambda k: constraints[k].priority):
+        here = helped & np.isfinite(adapted.residuals[other])
+        found[row, here] = other
+        helped &= ~here
+
+
+def _yielding(standing: Standing, constraints: Sequence[Constraint], window: slice) -> NDArray[np.bool_]:
+    """(C, F) where a constraint on a leg gives way to that leg's contacts."""
+    rate = standing.motion.frame_rate
+    times = np.arange(standing.motion.frame_count)[window] / rate
+    wanted = np.array([each.activation.at(times) for each in constraints])
+    given = constraint_activations(constraints, standing.footing, rate)[:, window]
+    return np.asarray(given < wanted - 1e-9)

@@ -1,0 +1,96 @@
+"""A report says by how much each constraint is missed in every frame, and who kept it from being met."""
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.contacts import FootPoint
+from studio.core.ground import Ground
+from studio.core.metrics import foot_quality
+from studio.core.morphology import Morphology
+from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
+from tests.core.test_targets import CONTACTS as STANDS
+from tests.core.test_targets import WALK, every_body
+
+FIRST, LAST = 25, 40
+PELVIS = BodyPoint(BodyPart.PELVIS)
+
+
+def reported(body: Morphology, *constraints: Constraint) -> tuple[AdaptedMotion, Report]:
+    request = AdaptRequest(WALK, body, STANDS, constraints)
+    adapted = adapt(request, FIRST, LAST)
+    return adapted, report_of(request, adapted)
+
+
+def beside(body: Morphology, point: BodyPoint, *way: float) -> tuple[float, ...]:
+    return tuple(place_of(point, adapt(AdaptRequest(WALK, body, STANDS)))[30] + np.array(way))
+
+
+@every_body
+def test_what_is_met_was_kept_by_nobody_and_what_is_too_far_by_the_bodys_reach(body: Morphology) -> None:
+    near = ask(PositionConstraint, RIGHT, ALL, target=beside(body, RIGHT, 0.05, 0.0, 0.05))
+    far = ask(PositionConstraint, LEFT, Chain(), 1, target=beside(body, LEFT, 0.0, 3.0, 0.0))
+    adapted, report = reported(body, near, far)
+    assert report.residuals is adapted.residuals
+    assert (report.winners[0] == NOBODY).all()
+    assert (report.winners[1] == REACH).all()
+
+
+@every_body
+def test_a_higher_constraint_on_the_same_wrist_is_named(body: Morphology) -> None:
+    first = ask(PositionConstraint, RIGHT, ALL, 0, target=beside(body, RIGHT, 0.05, 0.0, 0.05))
+    bystander = ask(PositionConstraint, LEFT, ALL, 0, target=beside(body, LEFT, 0.02, 0.0, 0.02))
+    second = ask(PositionConstraint, RIGHT, ALL, 1, target=beside(body, RIGHT, -0.05, 0.0, 0.1))
+    _, report = reported(body, first, bystander, second)
+    assert (report.winners[:2] == NOBODY).all()
+    assert (report.winners[2] == 0).all()
+
+
+@every_body
+def test_feet_that_stand_are_named_where_they_hold_the_pelvis_and_where_a_foot_is_to_leave(body: Morphology) -> None:
+    up = ask(PositionConstraint, PELVIS, Chain(0, 0, 0, 0, 1), target=beside(body, PELVIS, 0.0, 0.0, 0.3))
+    foot = BodyPoint(BodyPart.LEFT_SHANK, at_end=True)
+    kick = ask(PositionConstraint, foot, Chain(1, 0, 0, 0, 0.5), 1, target=beside(body, foot, 0.3, 0.0, 0.3))
+    adapted, report = reported(body, up, kick)
+    missed = adapted.residuals[0] > 2e-4
+    assert missed.any()
+    assert (report.winners[0][missed] == CONTACTS).all()
+    standing = np.isfinite(report.slides[:2]).any(axis=0)
+    assert standing.any()
+    assert (report.winners[1][standing] == CONTACTS).all()
+
+
+def test_joints_that_turn_no_further_are_named() -> None:
+    back = ask(OrientationConstraint, BodyPoint(BodyPart.THORAX), Chain(0, 0, 0, 1, 0), target=(0, 0, 1, 0))
+    _, report = reported(BODIES["tall_man"], back)
+    assert (report.winners == LIMITS).all()
+
+
+@every_body
+def test_the_arrays_have_a_number_a_frame_and_say_what_the_worst_values_say(body: Morphology) -> None:
+    balance = ask(BalanceConstraint, PELVIS, Chain(0, 0, 0, 1, 1))
+    adapted, report = reported(body, balance)
+    frames = adapted.frame_count
+    assert report.slides.shape == report.heights.shape == (len(FootPoint), frames)
+    assert report.knee_speeds.shape == (2, frames)
+    assert report.mass_margins.shape == (frames,)
+    quality = foot_quality(adapted, STANDS, Ground())
+    assert np.nanmax(report.slides) == pytest.approx(quality.slide)
+    assert max(np.nanmax(-report.heights), 0.0) == pytest.approx(quality.penetration)
+    assert report.knee_speeds.max() < 20.0
+    assert (np.isfinite(report.mass_margins) == np.isfinite(report.slides).any(axis=0)).all()
+    assert np.nanmax(report.mass_margins) < 0.3
+
+
+def test_a_motion_without_constraints_or_contacts_is_reported_too() -> None:
+    request = AdaptRequest(WALK, BODIES["child"])
+    report = report_of(request, adapt(request, FIRST, LAST))
+    assert report.winners.shape == (0, LAST - FIRST + 1)
+    assert np.isnan(report.mass_margins).all()
