@@ -242,7 +242,7 @@ def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_othe
     ]  # fmt: skip
     lead = {"kind": "follow_performer", "performer_id": "child", "point": WRIST["point"]}
     follow = {**WRIST, "name": "Follow", "target": lead, "activation": always, "chain": chain, "priority": 5}
-    file = constraint_file(tmp_path, *asked, follow, props={"box": {"position": [6.0, 0.2, 1.0]}})
+    file = constraint_file(tmp_path, *asked, follow, props={"box": {"position": [0.0, 5.0, 1.0]}})
     arguments = ("--character", "adult_woman", "child", "--constraints", file, "--by-frame")
     code, report = adapt(capsys, kick, tmp_path / "out", *arguments)
     assert code == 0
