@@ -6,7 +6,9 @@ import multiprocessing
 import os
 import re
 import signal
+from argparse import ArgumentParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 from distributed import Client, LocalCluster
@@ -17,13 +19,16 @@ from studio.cli.main import main
 from studio.io.export import write_capture
 from tests.builders import make_capture
 
-ASKED = {
-    "character": ["child"],
-    "constraints": None,
-    "format": "bvh",
-    "all_frames": False,
-    **dict.fromkeys(("unit", "up_axis", "frame_rate", "floor", "reference", "body_map")),
-}
+
+def asked_by(*words: str) -> dict[str, Any]:
+    """What a job is told of the command line."""
+    parser = ArgumentParser()
+    batch.add_arguments(parser)
+    told = vars(parser.parse_args(["captures", "--out", "out", *words]))
+    return {key: value for key, value in told.items() if key not in ("folder", "out", "json", "scheduler", "workers")}
+
+
+ASKED = asked_by("--character", "child")
 
 
 @pytest.fixture
