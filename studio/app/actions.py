@@ -81,8 +81,8 @@ FILE = (
     ),
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture; or drop it here"),
     Action(
-        "export", "File", "Export adapted motion…", files.export_motion, ("Ctrl+E",),
-        "Write the selected bodies, or all that are shown, as BVH", _performing,
+        "export", "File", "Export…", files.export, ("Ctrl+E",),
+        "Write the selected bodies, or all that are shown; the motion itself; a film of the view", _performing,
     ),
     Action("batch", "File", "Adapt a folder…", files.adapt_folder,
            tooltip="Every capture of a folder, on many processes", ends_group=True),

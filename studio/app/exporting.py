@@ -1,12 +1,20 @@
-"""Adapted motions out to files, in the background."""
+"""Motions out to files, in the background: adapted ones, and the motion itself without a body."""
 
 import re
 from collections.abc import Callable
 from pathlib import Path
 
 from studio.app.workbench import Workbench
+from studio.cli.render import performances
+from studio.core.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.io.export import take_of_adapted, write_take
+from studio.core.project import Project
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.io.export import Take, take_of_adapted, take_of_capture, write_take
+from studio.io.export_options import ExportOptions
+
+Progress = Callable[[float, str], None]
+ADAPTING_SHARE = 0.3
 
 
 def chosen_performers(bench: Workbench) -> list[str]:
@@ -17,36 +25,70 @@ def chosen_performers(bench: Workbench) -> list[str]:
     return selected or ready
 
 
-def file_name(bench: Workbench, performer_id: str) -> str:
+def file_name(project: Project, performer_id: str, suffix: str = ".bvh") -> str:
     """``front_kick tall man.bvh``: the motion and who performs it."""
-    project = bench.document.project
     performer = project.performers[performer_id]
     motion = project.motions[performer.clips[0].motion_id]
-    return re.sub(r'[\\/:*?"<>|]', "_", f"{motion.name} {performer.name.lower()}.bvh")
+    return safe_name(f"{motion.name} {performer.name.lower()}{suffix}")
 
 
-def export(bench: Workbench, paths: dict[str, Path]) -> int:
-    """Write each performer's newest result; returns the task."""
-    project = bench.document.project
-    jobs = []
-    for key, path in paths.items():
-        adapted = bench.live.result(key)
-        performer = project.performers[key]
-        if adapted is None:
-            raise StudioError(f"{performer.name} is still being adapted. Export again in a moment.")
-        jobs.append((adapted, project.characters[performer.character_id], performer.name, path))
+def safe_name(name: str) -> str:
+    """A name that every system allows."""
+    return re.sub(r'[\\/:*?"<>|]', "_", name)
 
-    def work(progress: Callable[[float, str], None]) -> list[Path]:
-        for place, (adapted, character, name, path) in enumerate(jobs):
-            progress(place / len(jobs), path.name)
-            write_take(take_of_adapted(name, adapted, character), path)
-        return [path for *_, path in jobs]
 
-    task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(_words(written)))
+def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | None = None) -> int:
+    """Adapt anew what the project asks of these performers and write their clips; returns the task."""
+    project, chosen = bench.document.project, options or ExportOptions()
+
+    def work(progress: Progress) -> list[Path]:
+        progress(0.0, "Adapting")
+        made = performances(project)
+        each_share = (1.0 - ADAPTING_SHARE) / len(paths)
+        for place, (key, path) in enumerate(paths.items()):
+            if key not in made:
+                raise StudioError(f"{project.performers[key].name} has no motion of a human body to be exported.")
+            take = take_of_performer(project, key, *made[key])
+            begun = ADAPTING_SHARE + place * each_share
+            write_take(chosen.applied_to(take, path), path, partly(progress, begun, each_share))
+        return list(paths.values())
+
+    task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(words_of(written)))
     return task
 
 
-def _words(written: list[Path]) -> str:
+def take_of_performer(project: Project, performer_id: str, request: AdaptRequest, adapted: AdaptedMotion) -> Take:
+    """The clip of one performer on its character."""
+    performer = project.performers[performer_id]
+    clip = performer.clips[0]
+    character = project.characters[performer.character_id]
+    return take_of_adapted(performer.name, adapted.frames(clip.first, clip.last), character, request)
+
+
+def export_motion(bench: Workbench, path: Path) -> int:
+    """Write the active motion as it was captured, with its contacts and constraints; returns the task."""
+    project, motion_id = bench.document.project, bench.document.active_motion_id
+    if motion_id is None:
+        raise StudioError("No motion plays: there is none to export.")
+    capture = project.captures[project.motions[motion_id].capture_id]
+    contacts = tuple(project.contacts_of(motion_id).values())
+    take = take_of_capture(capture, Annotations(contacts, tuple(project.constraints_of(motion_id).values())))
+
+    def work(progress: Progress) -> list[Path]:
+        write_take(take, path, progress)
+        return [path]
+
+    task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(words_of(written)))
+    return task
+
+
+def partly(progress: Progress, begun: float, share: float) -> Progress:
+    """Progress of a part of the job, which begins at ``begun`` and is ``share`` of the whole."""
+    return lambda done, text: progress(begun + share * done, text)
+
+
+def words_of(written: list[Path]) -> str:
+    """``Exported kick.bvh to /home/…``."""
     if len(written) == 1:
         return f"Exported {written[0].name} to {written[0].parent}."
     return f"Exported {len(written)} files to {written[0].parent}."

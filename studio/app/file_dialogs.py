@@ -26,11 +26,13 @@ def ask_file(bench: Workbench, title: str, kind: str, then: Callable[[Path], obj
     return _open(bench, dialog, then)
 
 
-def ask_new_file(bench: Workbench, title: str, kind: str, name: str, then: Callable[[Path], object]) -> QFileDialog:
-    """A file to be written; the system asks before one is overwritten."""
+def ask_new_file(
+    bench: Workbench, title: str, kind: str, name: str, then: Callable[[Path], object], suffix: str = "studio"
+) -> QFileDialog:
+    """A file to be written, given ``suffix`` if it has none; the system asks before one is overwritten."""
     dialog = _make(bench, title, kind)
     dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
-    dialog.setDefaultSuffix("studio" if kind == PROJECTS else "bvh")
+    dialog.setDefaultSuffix(suffix)
     dialog.selectFile(name)
     return _open(bench, dialog, then)
 

@@ -24,7 +24,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.stage import asked_of, followed_by, tracks_of, with_leaders
 from studio.core.staging import staged
-from studio.io.film import write_film
+from studio.io.film import write_moving
 from studio.io.png import write_png
 from studio.io.project_file import read_project
 
@@ -37,7 +37,13 @@ LARGEST = 8192
 def add_arguments(parser: ArgumentParser) -> None:
     """What to draw, as what, how large."""
     parser.add_argument("source", type=Path, metavar="PROJECT|CAPTURE", help="a .studio project or a capture")
-    parser.add_argument("--out", type=Path, required=True, metavar="PNG|MP4", help="the picture or the film")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="PNG|MP4|FOLDER",
+        help="the picture or the film; a new folder for a picture a frame",
+    )
     parser.add_argument(
         "--character",
         nargs="+",
@@ -72,8 +78,10 @@ def moment(text: str) -> float:
 def run(arguments: Namespace) -> int:
     """Stage, adapt, draw."""
     suffix = arguments.out.suffix.lower()
-    if suffix not in (".png", ".mp4"):
-        raise StudioError(f"{arguments.out.name} says no kind of picture. Let it end with .png or .mp4.")
+    if suffix not in (".png", ".mp4", ""):
+        raise StudioError(
+            f"{arguments.out.name} says no kind of picture. Let it end with .png, .mp4, or without a dot."
+        )
     if not 1.0 <= arguments.film_rate <= 240.0:
         raise StudioError(f"{arguments.film_rate:g} is no rate for a film: 1 to 240 frames a second.")
     project = staged_project(arguments)
@@ -90,7 +98,7 @@ def run(arguments: Namespace) -> int:
         times = [frame / arguments.film_rate for frame in range(int(duration * arguments.film_rate) + 1)]
         frames = renderer("film")(project, results, times, arguments.size)
         told = counted(frames, len(times), progress_line(), arguments.out.name)
-        write_film(arguments.out, told, arguments.size, arguments.film_rate)
+        write_moving(arguments.out, told, arguments.size, arguments.film_rate)
     return _say(arguments, len(times), len(results))
 
 
@@ -107,6 +115,11 @@ def staged_project(arguments: Namespace) -> Project:
 
 def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
     """The adapted motion of every visible performer that has a clip of a human motion."""
+    return {key: adapted for key, (_, adapted) in performances(project).items()}
+
+
+def performances(project: Project) -> dict[str, tuple[AdaptRequest, AdaptedMotion]]:
+    """What was asked and what came of it, of every visible performer that has a clip of a human motion."""
     motions = {
         key: normalize(project.captures[motion.capture_id])[0]
         for key, motion in project.motions.items()
@@ -117,13 +130,15 @@ def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
         for key, performer in project.performers.items()
         if performer.visible and performer.clips and performer.clips[0].motion_id in motions
     ]
+    requests: dict[str, AdaptRequest] = {}
     results: dict[str, AdaptedMotion] = {}
     bare = partial(_bare, project, motions)
     for key in with_leaders(project, shown):
         if project.performers[key].clips[0].motion_id in motions:
             followed = followed_by(project, key, results.get, bare) or ()
-            results[key] = adapt(replace(request_of(project, key, motions), tracks=tracks_of(followed)))
-    return {key: results[key] for key in shown}
+            requests[key] = replace(request_of(project, key, motions), tracks=tracks_of(followed))
+            results[key] = adapt(requests[key])
+    return {key: (requests[key], results[key]) for key in shown}
 
 
 def request_of(project: Project, performer_id: str, motions: Mapping[str, NormalizedMotion]) -> AdaptRequest:

@@ -1,4 +1,4 @@
-"""Films as MP4 files, written by the ffmpeg that imageio-ffmpeg brings along."""
+"""Films: MP4 files, written by the ffmpeg that imageio-ffmpeg brings along, or folders of pictures."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,7 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.io.png import write_pictures
 from studio.io.replacing import replacing
+
+
+def write_moving(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int, int], frame_rate: float) -> None:
+    """A film where ``path`` ends with .mp4, else a new folder of pictures, one a frame. Raises StudioError."""
+    if path.suffix.lower() == ".mp4":
+        write_film(path, frames, size, frame_rate)
+    else:
+        write_pictures(path, frames)
 
 
 def write_film(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int, int], frame_rate: float) -> None:

@@ -2,12 +2,13 @@
 
 import struct
 import zlib
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.replacing import write_whole
+from studio.io.replacing import new_folder, write_whole
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -25,6 +26,16 @@ def png_bytes(pixels: NDArray[np.uint8]) -> bytes:
 def write_png(path: Path, pixels: NDArray[np.uint8]) -> None:
     """Write a picture, whole or not at all. Raises StudioError when it cannot be written."""
     write_whole(path, png_bytes(pixels))
+
+
+def write_pictures(folder: Path, frames: Iterable[NDArray[np.uint8]]) -> None:
+    """A new folder of pictures ``name_0001.png`` and on, one a frame; it appears whole or not at all.
+
+    Raises StudioError when there is something in it already, or it cannot be written.
+    """
+    with new_folder(folder) as part:
+        for number, pixels in enumerate(frames, 1):
+            (part / f"{folder.name}_{number:04d}.png").write_bytes(png_bytes(pixels))
 
 
 def _chunk(kind: bytes, content: bytes) -> bytes:

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import secrets
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -61,6 +62,31 @@ def write_whole(path: Path, content: bytes) -> None:
     """Put ``content`` in the place of ``path``, or leave what is there. Raises as ``replacing_all`` does."""
     with replacing(path) as part:
         part.write_bytes(content)
+
+
+@contextmanager
+def new_folder(path: Path) -> Iterator[Path]:
+    """A folder to be filled in the block, which then appears as ``path``; nothing of it stays when the block raises.
+
+    Raises StudioError where there is something already that is no empty folder, and as ``replacing_all`` does.
+    """
+    target = Path(os.path.realpath(path))
+    part = part_of(target)
+    try:
+        if target.exists() and (not target.is_dir() or any(target.iterdir())):
+            raise StudioError(f"'{path}' is there already and not empty. {_UNTOUCHED} Choose a new folder.")
+        part.mkdir()
+        yield part
+        for item in part.iterdir():
+            _see_onto_disk(item)
+        if target.exists():
+            target.rmdir()
+        os.replace(part, target)
+        _see_folder_onto_disk(target.parent)
+    except OSError as error:
+        raise _refusal(target, error) from error
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
 
 
 def part_of(path: Path) -> Path:

@@ -187,6 +187,16 @@ class Choice(QComboBox):
         self._values.append(value)
         self.addItem(text)
 
+    def clear_all(self) -> None:
+        """Nothing to choose from any more."""
+        self._values.clear()
+        self.clear()
+
+    @property
+    def value(self) -> object:
+        """What is chosen now."""
+        return self._values[self.currentIndex()]
+
     def offers(self, value: object) -> bool:
         """Whether it is there to be chosen."""
         return value in self._values

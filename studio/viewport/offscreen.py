@@ -1,6 +1,6 @@
 """Pictures and films of a project without a window: for the command line, thumbnails and the user guide."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterable, Mapping
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
@@ -40,7 +40,7 @@ def render_video(
     size: tuple[int, int],
     camera: OrbitCamera | None = None,
     trail: BodyPoint | None = None,
-) -> Iterator[Pixels]:
+) -> Generator[Pixels, None, None]:
     """One picture as ``render_frame``'s for each of ``times`` (seconds), all with the same camera."""
     return _frames(project, results, times, size, camera, trail, FILM_SAMPLES)
 
@@ -53,7 +53,7 @@ def _frames(
     camera: OrbitCamera | None,
     trail: BodyPoint | None,
     samples: int,
-) -> Iterator[Pixels]:
+) -> Generator[Pixels, None, None]:
     scene = StageScene()
     try:
         for time in times:

@@ -312,12 +312,12 @@ class Viewport(Canvas):
     def _paths(self) -> list[StagePath]:
         project, selected = self._document.project, self._document.selection.of("performers")
         return [
-            *trails(project, self.posed, self._trail_point()),
+            *trails(project, self.posed, self.trail_point()),
             *selection_rings(project, self.posed, selected),
             *contact_marks(project, self.posed),
         ]
 
-    def _trail_point(self) -> BodyPoint | None:
+    def trail_point(self) -> BodyPoint | None:
         """The point whose paths are drawn: the selected constraint's, else the picked joint's."""
         if not self._chips.trails.isChecked():
             return None

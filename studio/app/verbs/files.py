@@ -3,8 +3,9 @@
 import re
 from pathlib import Path
 
-from studio.app import exporting, importing, sample
-from studio.app.file_dialogs import PROJECTS, ask_file, ask_folder, ask_new_file, motions
+from studio.app import importing, sample
+from studio.app.export_dialog import open_export_dialog
+from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, motions
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
@@ -89,21 +90,9 @@ def import_motion(bench: Workbench) -> None:
     ask_file(bench, "Import motion", motions("capture_reader"), lambda path: importing.import_motion(bench, path))
 
 
-def export_motion(bench: Workbench) -> None:
-    """The selected bodies that are shown, else all that are: one to a file, several to a folder."""
-    keys = exporting.chosen_performers(bench)
-    if not keys:
-        raise StudioError("Nothing to export: no character with a motion is shown. Show one, then export again.")
-    if len(keys) == 1:
-        name = exporting.file_name(bench, keys[0])
-        kind = motions("motion_writer")
-        ask_new_file(bench, "Export adapted motion", kind, name, lambda path: exporting.export(bench, {keys[0]: path}))
-        return
-
-    def into(folder: Path) -> None:
-        exporting.export(bench, {key: folder / exporting.file_name(bench, key) for key in keys})
-
-    ask_folder(bench, "Export adapted motions into a folder", into)
+def export(bench: Workbench) -> None:
+    """Ask what goes out, and as what."""
+    open_export_dialog(bench)
 
 
 def adapt_folder(bench: Workbench) -> None:

@@ -1,6 +1,6 @@
 """What is asked of the solver and what it answers: values that any thread may hold."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,3 +47,14 @@ class AdaptedMotion:
     @property
     def frame_count(self) -> int:
         return len(self.positions)
+
+    def frames(self, first: int, last: int) -> "AdaptedMotion":
+        """Frames ``first`` to ``last`` of the whole motion, both included, as far as they are there."""
+        rows = slice(max(first - self.first_frame, 0), last + 1 - self.first_frame)
+        return replace(
+            self,
+            first_frame=self.first_frame + rows.start,
+            positions=self.positions[rows],
+            rotations=self.rotations[rows],
+            residuals=self.residuals[:, rows],
+        )

@@ -1,0 +1,217 @@
+"""One dialog for everything that goes out of the window: what, as which kind of file, and how."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLabel, QVBoxLayout
+
+from studio.app import exporting, filming
+from studio.app.file_dialogs import ask_folder, ask_new_file
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.io.export_options import REST_POSES, ExportOptions
+from studio.io.joint_names import joint_namings
+from studio.io.registry import known_formats
+from studio.panels.fields import Choice, Section
+
+WIDTH = 420
+
+
+class What(Enum):
+    """What can go out."""
+
+    ADAPTED = "Adapted motion"
+    MOTION = "Motion without a body"
+    FILM = "The 3D view"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file for one of them."""
+
+    what: What
+    suffix: str
+    text: str
+
+
+SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
+RATES = (24.0, 25.0, 30.0, 60.0)
+HINTS = {
+    ".bvh": "Joints and angles: read by nearly every program.",
+    ".s4d": "The motion as it was captured, with its contacts and constraints, for any body.",
+    ".glb": "Joints, skin, materials and animation in one file.",
+    ".gltf": "The same as GLB, as text.",
+    ".usd": "Joints, skin and animation for USD pipelines; without textures.",
+    ".csv": "Where every joint is at every frame, and by how much constraints are missed.",
+    ".npz": "The same as CSV, for NumPy.",
+    ".mp4": "The range of the timeline, from the present camera.",
+    "": "A PNG picture a frame, in a new folder.",
+}
+
+
+def kinds() -> tuple[Kind, ...]:
+    """Every kind of file that can be written, by what it holds."""
+    motions = [
+        Kind(What.ADAPTED, suffix, f"{each.name} ({suffix})")
+        for each in known_formats().that_can("motion_writer")
+        for suffix in each.suffixes
+        if suffix not in (".usda", ".usdc")  # .usd is either
+    ]
+    return (
+        *motions,
+        Kind(What.MOTION, ".s4d", "S4D (.s4d)"),
+        Kind(What.FILM, ".mp4", "Film (.mp4)"),
+        Kind(What.FILM, "", "Pictures (.png)"),
+    )
+
+
+class ExportDialog(QDialog):
+    """Asks what and how; the system's dialog then asks where."""
+
+    def __init__(self, bench: Workbench) -> None:
+        super().__init__(bench.window)
+        self._bench, self._kinds = bench, kinds()
+        self.setObjectName("export_dialog")
+        self.setWindowTitle("Export")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.what = Choice("What", [(what, what.value) for what in self._offered()])
+        self.kind = Choice("As", ())
+        self.names = Choice(
+            "Names of joints", [("", "As they are"), *((key, each.name) for key, each in joint_namings().items())]
+        )
+        self.rest = Choice("Rest pose", [("", "As it is"), *REST_POSES.items()])
+        self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in SIZES])
+        self.rate = Choice("Frames a second", [(rate, f"{rate:g} Hz") for rate in RATES])
+        self.rate.show_value(30.0)
+        self.hint = QLabel()
+        self.hint.setProperty("role", "hint")
+        self.hint.setWordWrap(True)
+        self._rows = Section("Export")
+        self._labels = {
+            choice: self._rows.add_row(choice.accessibleName(), choice)
+            for choice in (self.what, self.kind, self.names, self.rest, self.picture_size, self.rate)
+        }
+        self._rows.add_wide(self.hint)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
+        self.go = buttons.addButton("Export…", QDialogButtonBox.ButtonRole.AcceptRole)
+        buttons.accepted.connect(self._ask_where)
+        buttons.rejected.connect(self.reject)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(8, 0, 12, 12)
+        column.setSpacing(16)
+        column.addWidget(self._rows)
+        column.addWidget(buttons)
+        self.setMinimumWidth(WIDTH)
+        self.what.chosen.connect(self._show_kinds)
+        self.kind.chosen.connect(self._show_options)
+        self._show_kinds(self.what.value)
+
+    def choose(self, what: What, suffix: str) -> None:
+        """Choose as the user would, by what it holds and its suffix."""
+        self.what.show_value(what)
+        self._show_kinds(what)
+        self.kind.show_value(next(each for each in self._kinds if (each.what, each.suffix) == (what, suffix)))
+        self._show_options(self.kind.value)
+
+    @property
+    def options(self) -> ExportOptions:
+        """What is chosen of the file, for what is shown."""
+        chosen = self.kind.value
+        assert isinstance(chosen, Kind)
+        names, rest = str(self.names.value), str(self.rest.value)
+        return ExportOptions(names if self._names_matter(chosen) else "", rest if chosen.suffix == ".bvh" else "")
+
+    def _offered(self) -> list[What]:
+        """What there is to be exported now."""
+        performing = exporting.chosen_performers(self._bench)
+        motion = self._bench.document.active_motion_id
+        there = {
+            What.ADAPTED: bool(performing),
+            What.MOTION: motion is not None,
+            What.FILM: bool(performing) and self._bench.viewport is not None,
+        }
+        return [what for what in What if there[what]]
+
+    def _show_kinds(self, what: object) -> None:
+        self.kind.clear_all()
+        for each in self._kinds:
+            if each.what is what:
+                self.kind.add(each, each.text)
+        self._show_options(self.kind.value)
+
+    def _show_options(self, kind: object) -> None:
+        assert isinstance(kind, Kind)
+        shown = {
+            self.names: self._names_matter(kind),
+            self.rest: kind.suffix == ".bvh",
+            self.picture_size: kind.what is What.FILM,
+            self.rate: kind.what is What.FILM,
+        }
+        for choice, is_shown in shown.items():
+            choice.setVisible(is_shown)
+            self._labels[choice].setVisible(is_shown)
+        self.hint.setText(HINTS.get(kind.suffix, ""))
+
+    @staticmethod
+    def _names_matter(kind: Kind) -> bool:
+        return kind.what is What.ADAPTED
+
+    def _ask_where(self) -> None:
+        """The system's dialog; what is exported stays as it was chosen, whatever it becomes meanwhile."""
+        kind = self.kind.value
+        assert isinstance(kind, Kind)
+        match kind.what:
+            case What.ADAPTED:
+                _ask_adapted(self._bench, kind.suffix, self.options)
+            case What.MOTION:
+                _ask_motion(self._bench, kind.suffix)
+            case What.FILM:
+                size, rate = self.picture_size.value, self.rate.value
+                assert isinstance(size, tuple)
+                assert isinstance(rate, float)
+                _ask_film(self._bench, kind.suffix, size, rate)
+        self.accept()
+
+
+def open_export_dialog(bench: Workbench) -> ExportDialog:
+    """Show the dialog; StudioError where there is nothing to export."""
+    if not exporting.chosen_performers(bench) and bench.document.active_motion_id is None:
+        raise StudioError("Nothing to export: no character with a motion is shown. Show one, then export again.")
+    dialog = ExportDialog(bench)
+    dialog.open()
+    return dialog
+
+
+def _ask_adapted(bench: Workbench, suffix: str, options: ExportOptions) -> None:
+    """One body to a file, several to a folder."""
+    project, keys = bench.document.project, exporting.chosen_performers(bench)
+    names = {key: exporting.file_name(project, key, suffix) for key in keys}
+    if len(keys) == 1:
+        [(key, name)] = names.items()
+        _ask_file(bench, suffix, name, lambda path: exporting.export(bench, {key: path}, options))
+        return
+    ask_folder(
+        bench,
+        f"Export {len(keys)} adapted motions into a folder",
+        lambda folder: exporting.export(bench, {key: folder / name for key, name in names.items()}, options),
+    )
+
+
+def _ask_motion(bench: Workbench, suffix: str) -> None:
+    motion = bench.document.project.motions[str(bench.document.active_motion_id)]
+    name = exporting.safe_name(motion.name + suffix)
+    _ask_file(bench, suffix, name, lambda path: exporting.export_motion(bench, path))
+
+
+def _ask_film(bench: Workbench, suffix: str, size: tuple[int, int], rate: float) -> None:
+    motion_id = bench.document.active_motion_id
+    name = exporting.safe_name(bench.document.project.motions[motion_id].name if motion_id else "film")
+    _ask_file(bench, suffix, name + suffix, lambda path: filming.film(bench, path, size, rate))
+
+
+def _ask_file(bench: Workbench, suffix: str, name: str, then: Callable[[Path], object]) -> None:
+    kind = f"Files of this kind (*{suffix})" if suffix else "New folder (*)"
+    ask_new_file(bench, "Export", kind, name, then, suffix.lstrip("."))
