@@ -79,9 +79,8 @@ def run(arguments: Namespace) -> int:
     """Stage, adapt, draw."""
     suffix = arguments.out.suffix.lower()
     if suffix not in (".png", ".mp4", ""):
-        raise StudioError(
-            f"{arguments.out.name} says no kind of picture. Let it end with .png, .mp4, or without a dot."
-        )
+        sentence = "says no kind of picture. Let it end with .png or .mp4, or name a new folder for many pictures."
+        raise StudioError(f"{arguments.out.name} {sentence}")
     if not 1.0 <= arguments.film_rate <= 240.0:
         raise StudioError(f"{arguments.film_rate:g} is no rate for a film: 1 to 240 frames a second.")
     project = staged_project(arguments)

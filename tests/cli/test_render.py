@@ -58,6 +58,13 @@ def test_a_film_has_its_progress_on_standard_error(capsys, walk, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["walk.bvh", "walk.mp4"]
 
 
+def test_a_folder_gets_a_picture_for_every_frame(capsys, walk, tmp_path):
+    command = ["render", str(walk), "--out", str(tmp_path / "shots"), "--size", "160x90", "--character", "child"]
+    assert main([*command, "--film-rate", "10"]) == 0
+    assert "5 pictures" in capsys.readouterr().out
+    assert sorted(path.name for path in (tmp_path / "shots").iterdir())[-1] == "shots_0005.png"
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
