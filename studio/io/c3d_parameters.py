@@ -3,6 +3,7 @@
 Layout by the C3D user guide (c3d.org): records of a group or parameter, each with the way to the next one.
 """
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -18,6 +19,7 @@ Order = Literal["Intel", "DEC", "MIPS"]
 _PROCESSORS: dict[int, Order] = {84: "Intel", 85: "DEC", 86: "MIPS"}
 _SIZES = {-1: 1, 1: 1, 2: 2, 4: 4}
 _MOST_RECORDS = 16384
+_MOST_DIMENSIONS = 7
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,8 @@ class Numbers:
             return np.frombuffer(content, ">f4" if self.order == "MIPS" else "<f4")
         words = np.frombuffer(content, "<u2").reshape(-1, 2)
         swapped = (words[:, 0].astype(np.uint32) << 16) | words[:, 1]
-        return np.asarray(swapped.view(np.float32) * np.float32(0.25))
+        with np.errstate(invalid="ignore"):  # signalling NaN
+            return np.asarray(swapped.view(np.float32) * np.float32(0.25))
 
 
 @dataclass
@@ -112,6 +115,8 @@ def _read_records(name: str, content: bytes, start: int, found: Parameters) -> N
         label = _text(content[title : body - 2]).upper()
         step = int(found.numbers.integers(content[body - 2 : body])[0]) & 0xFFFF
         following = body - 2 + step
+        if step and following < body + (1 if group < 0 else 2):
+            raise StudioError(f"{name}, byte {at}: parameter '{label[:20]}' leads back into itself. Export it again.")
         if group < 0:
             names[-group] = label
         elif group > 0:
@@ -119,8 +124,6 @@ def _read_records(name: str, content: bytes, start: int, found: Parameters) -> N
             waiting.append((group, label, _value(name, label, content, body, end, found)))
         if step == 0:
             break
-        if following < body:
-            raise StudioError(f"{name}, byte {at}: parameter '{label[:20]}' leads back into itself. Export it again.")
         at = following
     for group, label, value in waiting:
         found.groups.setdefault(names.get(group, f"GROUP {group}"), {}).setdefault(label, value)
@@ -134,8 +137,8 @@ def _value(name: str, label: str, content: bytes, body: int, end: int, found: Pa
     start = body + 2 + dimensions
     shape = tuple(content[body + 2 : start])
     size = _SIZES.get(kind)
-    count = int(np.prod([float(n) for n in shape])) if start <= end else 0
-    if size is None or dimensions > 7 or start > end or start + count * size > end:
+    count = math.prod(shape) if dimensions <= _MOST_DIMENSIONS else 0
+    if size is None or dimensions > _MOST_DIMENSIONS or start > end or start + count * size > end:
         found.repairs.append(
             f"{name}, byte {body}: parameter '{label[:20]}' does not fit into the bytes it has and was left out."
         )

@@ -1,6 +1,6 @@
 """From a marker take to a capture: the body found, axes and floor guessed as for any other file, all of it listed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,10 +29,11 @@ def capture_of_take(take: MarkerTake, options: ImportOptions, repairs: Sequence[
     """The body that the take shows, or its bare markers where they do not make one; raises StudioError."""
     take, guesses = _in_unit(take, options)
     there = _there(take)
+    followed = None
+    lacking = f"{', '.join(there.lacking()[:6])} and others are missing"
     if there.has_legs() or there.has_arms():
-        capture = _body(take, options, guesses)
-    else:
-        capture = _cloud(take, there.lacking(), options, guesses)
+        take, followed, lacking = _believable(take, options, guesses)
+    capture = _cloud(take, lacking, options, guesses) if followed is None else _body(take, followed, options, guesses)
     if options.body_map and capture.body_map:
         capture = capture.with_body_map(options.body_map)
     return replace(capture, repairs=(*repairs, *capture.repairs), markers=take)
@@ -51,9 +52,7 @@ def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list
     return replace(take, trial=replace(take.trial, unit=options.unit)), []
 
 
-def _body(take: MarkerTake, options: ImportOptions, guesses: list[Guess]) -> Capture:
-    followed = follow(take)
-    take, followed = _believable(take, followed, options, guesses)
+def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
     trial = take.trial
     up_axis = _up_axis(followed, options, guesses)
     turn = AXES[up_axis].T
@@ -83,24 +82,33 @@ def _body(take: MarkerTake, options: ImportOptions, guesses: list[Guess]) -> Cap
 
 
 def _believable(
-    take: MarkerTake, followed: FollowedBody, options: ImportOptions, guesses: list[Guess]
-) -> tuple[MarkerTake, FollowedBody]:
-    """With another unit where the file's own makes the body a giant or a dwarf."""
-    legs = "left_hip" in followed.joints
-    names = ("hip", "knee", "ankle") if legs else ("shoulder", "elbow", "wrist")
-    near, middle, far = (followed.joints[f"left_{name}"] for name in names)
-    bones = np.linalg.norm(middle - near, axis=1) + np.linalg.norm(far - middle, axis=1)
-    length = float(np.median(bones)) * (1.0 if legs else 1.5)
-    if options.unit is not None or _LEG[0] < length < _LEG[1]:
-        return take, followed
+    take: MarkerTake, options: ImportOptions, guesses: list[Guess]
+) -> tuple[MarkerTake, FollowedBody | None, str]:
+    """The body that is followed, in another unit where the file's own makes it a giant or a dwarf.
+
+    None, and why, where no unit makes it human: the map cannot be right.
+    """
+    followed = follow(take)
+    length = _limb_length(followed.joints)
+    if length > 0.0 and (options.unit is not None or _LEG[0] < length < _LEG[1]):
+        return take, followed, ""
     raw = length / take.trial.metres
     fits = [unit for unit, metres in METRES.items() if _LEG[0] < raw * metres < _LEG[1]]
+    tall = f"{length / 0.491:.3g} m tall"
     if not fits:
-        return take, followed
-    reason = f"In {take.trial.unit}, as the file says, the body would be {length / 0.491:.3g} m tall."
-    guesses.append(Guess("unit", fits[0], reason))
+        return take, None, f"with the map '{take.marker_map.name}' the body would be {tall}"
+    guesses.append(Guess("unit", fits[0], f"In {take.trial.unit}, as the file says, the body would be {tall}."))
     take = replace(take, trial=replace(take.trial, unit=fits[0]))
-    return take, follow(take)
+    return take, follow(take), ""
+
+
+def _limb_length(joints: Mapping[str, FloatArray]) -> float:
+    """Metres of a leg; where only arms are shown, what a leg would measure."""
+    legs = "left_hip" in joints
+    names = ("hip", "knee", "ankle") if legs else ("shoulder", "elbow", "wrist")
+    near, middle, far = (joints[f"left_{name}"] for name in names)
+    bones = np.linalg.norm(middle - near, axis=1) + np.linalg.norm(far - middle, axis=1)
+    return float(np.median(bones)) * (1.0 if legs else 1.5)
 
 
 def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> str:
@@ -199,7 +207,7 @@ def _body_guesses(
     return guesses
 
 
-def _cloud(take: MarkerTake, lacking: tuple[str, ...], options: ImportOptions, guesses: list[Guess]) -> Capture:
+def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list[Guess]) -> Capture:
     """Every marker as a joint of its own under one root: what is known, until somebody says which is which."""
     trial = take.trial
     labels = tuple(seen_labels(trial, take.subject))
@@ -227,7 +235,7 @@ def _cloud(take: MarkerTake, lacking: tuple[str, ...], options: ImportOptions, g
         Guess(
             "marker map",
             "not complete",
-            f"Which markers are which is not known: {', '.join(lacking[:6])} and others are missing. "
+            f"Which markers are which is not known: {lacking}. "
             "Say it under Markers; the map can be saved and used again.",
         ),
         Guess("up axis", up_axis, "Without a body nothing tells what is up; most laboratories have Z up."),

@@ -15,6 +15,8 @@ def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
     The mean shape is found by laying all frames over the first complete one (Kabsch 1976).
     """
     whole = np.isfinite(markers).all(axis=(1, 2))
+    if not whole.any():
+        return np.full((len(markers), 3), np.nan), np.full((len(markers), 3, 3), np.nan)
     shape = markers[whole][0] - markers[whole][0].mean(axis=0)
     middles = markers.mean(axis=1)
     turns = np.full((len(markers), 3, 3), np.nan)

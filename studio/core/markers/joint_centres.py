@@ -155,6 +155,6 @@ def _shoulder(tracks: Tracks, measures: Measures, marker: FloatArray, own: SideM
     below = [tracks[role] for role in ("left_front_hip", "right_front_hip", "left_hip", "right_hip") if role in tracks]
     if not below:
         return marker
-    middle = 0.5 * (tracks["left_shoulder"] + tracks["right_shoulder"])
+    middle = np.mean([tracks[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in tracks], axis=0)
     down = normalized(np.mean(below, axis=0) - middle)
     return marker + own.shoulder * down

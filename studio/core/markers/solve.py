@@ -37,6 +37,9 @@ _UPPER_ARM, _FOREARM, _HAND = 0.186, 0.146, 0.1
 _THIGH, _SHANK, _ANKLE, _FOOT = 0.245, 0.246, 0.039, 0.11
 _SHOULDER, _HIP = 0.105, 0.052
 _LEG = _THIGH + _SHANK
+_SHORTEST_TRUNK = 0.15
+_SHORTEST_BONE = 0.01
+"""Metres left to a bone whose ends are marked at one place."""
 _SPINE_BASE, _CHEST = 0.2, 0.55
 """Where the two spine joints lie between hips and neck."""
 _BAND_TO_CROWN = 0.09
@@ -114,17 +117,19 @@ class _Body:
         rotations = np.empty((count, skeleton.joint_count, 4))
         translations = np.tile(skeleton.offsets, (count, 1, 1))
         translations[:, 0] = self.trunk.hips
+        axes = {name: _mended(own) for name, own in self.axes.items()}
         for joint, name in enumerate(_NAMES):
             parent = _PARENTS[name]
-            own = self.axes.get(name, self.axes.get(parent))  # ends have none
+            own = axes.get(name, axes.get(parent))  # ends have none
             assert own is not None
-            rotations[:, joint] = from_matrix(np.swapaxes(self.axes[parent], -1, -2) @ own if parent else own)
+            rotations[:, joint] = from_matrix(np.swapaxes(axes[parent], -1, -2) @ own if parent else own)
         return PoseSequence(rotations, translations)
 
     def _lay_trunk(self) -> bool:
         """Spine, chest, neck and head; whether the head is shown."""
         trunk = self.trunk
         length = float(np.median(np.linalg.norm(trunk.neck - trunk.hips, axis=-1)))
+        length = max(length, _SHORTEST_TRUNK * self.stature)
         base = _up(_SPINE_BASE * length)
         below_neck = _up((1.0 - _CHEST) * length)
         bend = normalized(trunk.neck - trunk.thorax @ below_neck - trunk.hips - trunk.pelvis @ base)
@@ -143,7 +148,7 @@ class _Body:
             return False
         band = np.mean([self.tracks[name] for name in HEAD if name in self.tracks], axis=0)
         joint = band - head @ _up(0.5 * float(np.median(np.linalg.norm(band - self.trunk.neck, axis=-1))))
-        self._aim("Neck", self.trunk.thorax, "Head", joint - self.trunk.neck)
+        self._aim("Neck", self.trunk.thorax, "Head", joint - self.trunk.neck, _up(1.0))
         self.axes["Head"] = head
         self.offsets["HeadEnd"] = _median_in(head, band - joint) + _up(_BAND_TO_CROWN)
         return True
@@ -155,7 +160,8 @@ class _Body:
         reach = _median_in(thorax, self.joints[f"{side}_shoulder"] - chest)
         base = self.offsets["Neck"] + 0.15 * (reach - self.offsets["Neck"])
         self.offsets[f"{name}Shoulder"] = base
-        self._aim(f"{name}Shoulder", thorax, f"{name}Arm", self.joints[f"{side}_shoulder"] - chest - thorax @ base)
+        bone = self.joints[f"{side}_shoulder"] - chest - thorax @ base
+        self._aim(f"{name}Shoulder", thorax, f"{name}Arm", bone, np.array([0.0, out, 0.0]))
         for joint, near, far in ((f"{name}ForeArm", "shoulder", "elbow"), (f"{name}Hand", "elbow", "wrist")):
             self.offsets[joint] = np.array([0.0, out * self._length(f"{side}_{near}", f"{side}_{far}"), 0.0])
         shoulder = chest + thorax @ base + self.axes[f"{name}Shoulder"] @ self.offsets[f"{name}Arm"]
@@ -190,7 +196,10 @@ class _Body:
         foot = foot_axes(self.joints, self.tracks, side, shank)
         self.axes |= {f"{name}{bone}": axes for bone, axes in (("UpLeg", thigh), ("Leg", shank), ("Foot", foot))}
         self.axes[f"{name}Toe"] = foot
-        self.offsets[f"{name}UpLeg"] = _median_in(pelvis, self.joints[f"{side}_hip"] - self.trunk.hips)
+        hip = _median_in(pelvis, self.joints[f"{side}_hip"] - self.trunk.hips)
+        if np.linalg.norm(hip) < _SHORTEST_BONE:
+            hip = np.array([0.0, (_HIP if side == "left" else -_HIP) * self.stature, 0.0])
+        self.offsets[f"{name}UpLeg"] = hip
         self.offsets[f"{name}Leg"] = -_up(length)
         self.offsets[f"{name}Foot"] = -_up(self._length(f"{side}_knee", f"{side}_ankle"))
         toe = self.tracks.get(f"{side}_toe")
@@ -219,16 +228,20 @@ class _Body:
         spine = self.trunk.hips + self.trunk.pelvis @ self.offsets["Spine"]
         return np.asarray(spine + self.axes["Spine"] @ self.offsets["Chest"])
 
-    def _aim(self, joint: str, carrier: FloatArray, child: str, bone: FloatArray) -> None:
-        """Turn ``joint`` from its carrier's axes so that its bone to ``child`` points along ``bone`` (F, 3)."""
+    def _aim(self, joint: str, carrier: FloatArray, child: str, bone: FloatArray, usual: FloatArray) -> None:
+        """Turn ``joint`` from its carrier's axes so that its bone to ``child`` points along ``bone`` (F, 3).
+
+        ``usual`` (3,) is where it points in them when it has no length.
+        """
         local = np.einsum("fji,fj->fi", carrier, bone)
-        usual = np.median(local, axis=0)
-        length = float(np.median(np.linalg.norm(bone, axis=-1)))
-        self.offsets[child] = length * normalized(usual)
-        self.axes[joint] = carrier @ shortest_arc(normalized(usual), normalized(local))
+        middle = np.median(local, axis=0)
+        rest = normalized(middle) if np.linalg.norm(middle) > _SHORTEST_BONE else usual
+        self.offsets[child] = max(float(np.median(np.linalg.norm(bone, axis=-1))), _SHORTEST_BONE) * rest
+        self.axes[joint] = carrier @ shortest_arc(rest, normalized(local))
 
     def _length(self, near: str, far: str) -> float:
-        return float(np.median(np.linalg.norm(self.joints[far] - self.joints[near], axis=-1)))
+        shown = float(np.median(np.linalg.norm(self.joints[far] - self.joints[near], axis=-1)))
+        return max(shown, _SHORTEST_BONE)
 
     def _bone(self, joint: str) -> float:
         return float(np.linalg.norm(self.offsets[joint]))
@@ -271,6 +284,20 @@ def _half(rotations: FloatArray) -> FloatArray:
     """Half of each turn (F, 3, 3): the sum with no turn at all, made a rotation again."""
     u, _, v = np.linalg.svd(rotations + np.eye(3))
     return np.asarray(u @ v)
+
+
+def _mended(axes: FloatArray) -> FloatArray:
+    """The axes (F, 3, 3); as in the nearest frame where markers that lie on one another span none."""
+    whole = np.flatnonzero(np.linalg.det(axes) > 0.5)
+    if len(whole) == len(axes):
+        return axes
+    if not len(whole):
+        return np.tile(np.eye(3), (len(axes), 1, 1))
+    frames = np.arange(len(axes))
+    after = np.clip(np.searchsorted(whole, frames), 0, len(whole) - 1)
+    before = np.maximum(after - 1, 0)
+    nearer = np.where(frames - whole[before] < whole[after] - frames, before, after)
+    return np.asarray(axes[whole[nearer]])
 
 
 def _median_in(axes: FloatArray, vectors: FloatArray) -> FloatArray:
