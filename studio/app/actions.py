@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from studio.app import recovery
+from studio.app import casting, recovery
 from studio.app.verbs import editing, files, playback, view
 from studio.app.verbs.constraining import adder
 from studio.app.workbench import Workbench
@@ -80,6 +80,8 @@ FILE = (
         "Write the next numbered version beside this one", ends_group=True,
     ),
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture; or drop it here"),
+    Action("import_character", "File", "Import character…", files.import_character, ("Ctrl+Shift+I",),
+           "Read an H-Anim, glTF or VRM character or one of our own; or drop it here"),
     Action(
         "export", "File", "Export…", files.export, ("Ctrl+E",),
         "Write the selected bodies, or all that are shown; the motion itself; a film of the view", _performing,
@@ -110,6 +112,8 @@ EDIT = (
 CHARACTER = (
     Action("hide", "Character", "Hide or show", editing.hide, ("H",), "Hide the selected bodies, or show them",
            _with_bodies),
+    Action("make_character", "Character", "Make the actor a character", casting.make_active_actor_character,
+           tooltip="The actor of the motion that plays, as a character of the same measures", enabled=_performing),
     Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every body", _with_bodies),
 )  # fmt: skip
 

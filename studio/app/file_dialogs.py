@@ -16,7 +16,16 @@ EVERYTHING = "All files (*)"
 
 def motions(job: str) -> str:
     """The kinds of files of which the studio is a ``capture_reader``, or a ``motion_writer``, as dialogs say it."""
-    return f"Motions ({' '.join(f'*{suffix}' for suffix in known_formats().suffixes(job))})"
+    return f"Motions ({_patterns(job)})"
+
+
+def characters(job: str) -> str:
+    """The kinds of files of which the studio is a ``character_reader``."""
+    return f"Characters ({_patterns(job)})"
+
+
+def _patterns(job: str) -> str:
+    return " ".join(f"*{suffix}" for suffix in known_formats().suffixes(job))
 
 
 def ask_file(bench: Workbench, title: str, kind: str, then: Callable[[Path], object]) -> QFileDialog:

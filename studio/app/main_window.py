@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent, QResizeEvent
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QVBoxLayout, QWidget
 
-from studio.app import importing
+from studio.app import casting, importing
 from studio.app.action_set import ActionSet
 from studio.app.top_bar import TopBar
 from studio.app.verbs import files
@@ -198,6 +198,7 @@ class MainWindow(QMainWindow):
         self.status.progress.told.connect(self._show_progress)
         self.library.wanted.connect(lambda capture: importing.perform_capture(bench, capture))
         self.inspector.reimport_wanted.connect(self._reimport)
+        self.inspector.character_wanted.connect(lambda capture: casting.make_actor_character(bench, capture))
         document.entity_changed.connect(lambda collection, key: importing.keep_corrections(bench, collection, key))
 
     def _restore_layout(self) -> None:

@@ -1,21 +1,23 @@
-"""``convert``: a motion in another file format, with its own joints and frame rate."""
+"""``convert``: a motion in another file format, with its own joints and frame rate; or a character."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 import numpy as np
 
-from studio.cli.adaptation import MOTION_ID
+from studio.cli.adaptation import MOTION_ID, ready_capture
 from studio.cli.export_options import add_export_options, export_options
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
+from studio.io.character_file import actor_character
 from studio.io.export import format_for, take_of_capture, write_take
-from studio.io.importing import load_annotations, load_capture
+from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
+from studio.io.registry import ReadCharacter, format_of, known_formats
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """What to read and what to write."""
-    parser.add_argument("source", type=Path, metavar="IN", help="any capture that the studio reads")
+    parser.add_argument("source", type=Path, metavar="IN", help="any capture or character that the studio reads")
     parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format")
     parser.add_argument("--json", action="store_true", help="one object: what was written, guessed and repaired")
     add_export_options(parser)
@@ -24,6 +26,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Read, write, and say what had to be guessed or repaired on the way."""
+    if _writes_characters(arguments.target):
+        return _convert_character(arguments)
     format_for(arguments.target)
     capture = load_capture(arguments.source, import_options(arguments))
     annotations = load_annotations(arguments.source, capture, MOTION_ID)
@@ -52,3 +56,46 @@ def run(arguments: Namespace) -> int:
         for sentence in sentences:
             print(f"  {kind:<9} {sentence}")
     return 0
+
+
+def _writes_characters(target: Path) -> bool:
+    """Whether the file is to hold a character: its suffix is that of a character and of no motion."""
+    known = known_formats()
+    suffix = target.suffix.lower()
+    return suffix in known.suffixes("character_writer") and suffix not in known.suffixes("motion_writer")
+
+
+def _convert_character(arguments: Namespace) -> int:
+    """A character's file, or the actor of a capture, as a character in another format."""
+    read = _character_of(arguments.source, import_options(arguments))
+    written = format_for(arguments.target, "character_writer")
+    written.write_character(arguments.target, read.character, lambda share, text: None)
+    guesses = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses]
+    body = read.character.morphology
+    if arguments.json:
+        print_json(
+            {
+                "ok": True,
+                "source": str(arguments.source),
+                "file": str(arguments.target),
+                "format": written.name,
+                "stature": body.stature,
+                "vertices": len(read.character.skin.vertices),
+                "assumptions": guesses,
+                "repairs": list(read.repairs),
+            }
+        )
+        return 0
+    print(f"{arguments.target}: {written.name}, '{read.character.name}', {body.stature:.2f} m tall.")
+    for kind, sentences in (("guessed", guesses), ("repaired", read.repairs)):
+        for sentence in sentences:
+            print(f"  {kind:<9} {sentence}")
+    return 0
+
+
+def _character_of(source: Path, options: ImportOptions) -> ReadCharacter:
+    if format_of(source, "capture_reader", "character_reader").character_reader:
+        return load_character(source, options)
+    ready = ready_capture(source, options)
+    capture = ready.capture
+    return ReadCharacter(actor_character(capture.name, ready.actor.morphology), capture.guesses, capture.repairs)

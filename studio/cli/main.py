@@ -69,7 +69,7 @@ def make_parser(verb: str | None) -> ArgumentParser:
 
 def opened() -> tuple[str, ...]:
     """The suffixes of what the window opens when it is named without a verb."""
-    return (".studio", *known_formats().suffixes("capture_reader"))
+    return (".studio", *known_formats().suffixes("capture_reader", "character_reader"))
 
 
 def report(error: StudioError, as_json: bool) -> None:

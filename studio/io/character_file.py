@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from studio.core.appearance import Appearance, Material
 from studio.core.character import Character
 from studio.core.errors import StudioError
+from studio.core.mannequin.tailoring import tailored
 from studio.core.morphology import Morphology, Proportions
 from studio.core.skin import Blending, SkinnedMesh
 from studio.io.importing import ImportOptions
@@ -107,6 +108,11 @@ def bundled_characters() -> Mapping[str, Character]:
     folder = resources_folder() / "characters"
     order = json.loads((folder / "index.json").read_text(encoding="utf-8"))
     return {name: read_character(folder / f"{name}.json") for name in order}
+
+
+def actor_character(name: str, body: Morphology, colour: str = "#7FB4E6") -> Character:
+    """A measured actor as a character of the same measures, in the skin of a bundled body of no marked build."""
+    return tailored(name, colour, body, [bundled_characters()[pattern] for pattern in ("tall_man", "child")])
 
 
 def mesh_bytes(mesh: SkinnedMesh) -> bytes:

@@ -199,7 +199,7 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     triangles = np.concatenate([piece.triangles + start for piece, start in zip(pieces, first, strict=False)])
     appearance = _appearance(pieces)
     skin = bound_mesh(measures, stance, root, vertices, normals, triangles, shares, appearance)
-    character = Character(figure.name, _colour(appearance), measures, skin)
+    character = Character(figure.name.replace("_", " "), _colour(appearance), measures, skin)
     return ReadCharacter(character, tuple(guesses), tuple(repairs), body.body_map.to_json(body.skeleton))
 
 

@@ -13,7 +13,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.body_map_section import BodyMapSection
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 
 UNITS = (("m", "metres"), ("cm", "centimetres"), ("mm", "millimetres"), ("inch", "inches"), ("cmu", "5.64 cm units"))
 REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
@@ -25,10 +25,15 @@ class CaptureEditor(Editor):
 
     reimport_wanted = Signal(str, object)
     """Capture id, {option: value}."""
+    character_wanted = Signal(str)
+    """Capture id: its actor is to become a character."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         self._facts = Section("Capture")
+        self._actor = press_button("Make a character", lambda: self.character_wanted.emit(self.entity_id), "link")
+        self._actor.setToolTip("The captured actor as a character of exactly these measures")
+        self._facts.head.addWidget(self._actor)
         self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}
         for name, value in self._values.items():
             self._facts.add_row(name, value)
@@ -84,6 +89,7 @@ class CaptureEditor(Editor):
         )
         for label, text in zip(self._values.values(), facts, strict=True):
             label.setText(text)
+        self._actor.setEnabled(capture.body_map is not None)
         self._reference.show_value(None)
         _show(self._unit, capture.unit)
         _show(self._axis, capture.up_axis)

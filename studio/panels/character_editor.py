@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QLineEdit
 
 from studio.core.character import Character
 from studio.core.morphology import Morphology, Proportions
+from studio.core.skin import Blending
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
@@ -16,6 +17,7 @@ from studio.panels.sliders import ValueSlider
 LOW, HIGH = 0.5, 1.6
 CENTIMETRES = 100.0
 BUILD = Proportions()
+BLENDINGS = ((Blending.LINEAR, "Linear blending"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
 PRESETS: dict[str, Proportions] = {
     "As built": BUILD,
     "Child": Proportions(stature=0.68, head=1.35, thighs=0.92, shanks=0.92, hands=0.95, shoulders=0.9),
@@ -56,6 +58,9 @@ class BodySection(Section):
         self._preset.setPlaceholderText("Own measures")
         self._preset.chosen.connect(self._choose)
         self.add_row("Preset", self._preset)
+        self._blending = Choice("Skin bends by", BLENDINGS)
+        self._blending.chosen.connect(self._blend)
+        self.add_row("Skin bends by", self._blending)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
 
     @property
@@ -80,6 +85,7 @@ class BodySection(Section):
             words = f"{metres:.2f} m" if name == "stature" else f"{metres * CENTIMETRES:.1f} cm"
             slider.show_value(getattr(character.proportions, name), words)
         self._preset.show_value(character.proportions)
+        self._blending.show_value(character.blending)
 
     def _set(self, name: str, words: str, factor: float) -> None:
         proportions = replace(self._character.proportions, **{name: factor})
@@ -87,6 +93,11 @@ class BodySection(Section):
 
     def _choose(self, values: Proportions) -> None:
         self._put(values, f"Give {self._character.name} the body '{self._preset.currentText().lower()}'")
+
+    def _blend(self, blending: Blending) -> None:
+        make = lambda: replace(self._character, blending=blending)  # noqa: E731
+        text = f"Bend the skin of {self._character.name} by {dict(BLENDINGS)[blending].lower()}"
+        self._editor.put_other("characters", self._character_id(), make, text)
 
     def _put(self, proportions: Proportions, text: str) -> None:
         make = lambda: replace(self._character, proportions=proportions)  # noqa: E731

@@ -30,6 +30,8 @@ class Inspector(QScrollArea):
 
     reimport_wanted = Signal(str, object)
     """Capture id, {option: value}: the file is to be read otherwise."""
+    character_wanted = Signal(str)
+    """Capture id: its actor is to become a character."""
 
     def __init__(self, document: Document, live: Live) -> None:
         super().__init__()
@@ -57,6 +59,7 @@ class Inspector(QScrollArea):
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
             self.editor.reimport_wanted.connect(self.reimport_wanted)
+            self.editor.character_wanted.connect(self.character_wanted)
         self.setWidget(self.editor)
 
     def _make(self, collection: str, entity_id: str) -> Editor:

@@ -10,7 +10,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.character_editor import BodySection
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, labelled
 
 FAR = 1000.0
 
@@ -27,6 +27,9 @@ class PerformerEditor(Editor):
         self._name = QLineEdit()
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
+        self._cast = Choice("Played by", [])
+        self._cast.chosen.connect(self._recast)
+        section.add_row("Played by", self._cast)
         self._plays: QLabel = labelled("", "value")
         section.add_row("Plays", self._plays)
         self._x, self._y = (
@@ -41,9 +44,8 @@ class PerformerEditor(Editor):
         self.finish()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """A performer is shown with its character."""
-        mine = ("characters", self.entity.character_id) if self.entity else None
-        return super().concerns(collection, entity_id) or (collection, entity_id) == mine
+        """A performer is shown with its character and those that could take its place."""
+        return super().concerns(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:
         """Fetch everything."""
@@ -53,6 +55,10 @@ class PerformerEditor(Editor):
         with QSignalBlocker(self._visible):
             self._visible.setChecked(performer.visible)
         self._name.setText(performer.name)
+        self._cast.clear_all()
+        for key, each in self.document.project.characters.items():
+            self._cast.add(key, each.name)
+        self._cast.show_value(performer.character_id)
         motions = self.document.project.motions
         self._plays.setText(", ".join(motions[clip.motion_id].name for clip in performer.clips) or "nothing yet")
         self._x.show_value(performer.position[0])
@@ -67,6 +73,10 @@ class PerformerEditor(Editor):
         name = self._name.text().strip()
         if name and name != self.entity.name:
             self.change(f"Rename {self.entity.name}", name=name)
+
+    def _recast(self, character_id: str) -> None:
+        name = self.document.project.characters[character_id].name
+        self.change(f"Let {name} play {self.entity.name}", character_id=character_id)
 
     def _mover(self, axis: int) -> Callable[[float], None]:
         def move(metres: float) -> None:

@@ -3,13 +3,14 @@
 import re
 from pathlib import Path
 
-from studio.app import importing, sample
+from studio.app import casting, importing, sample
 from studio.app.export_dialog import open_export_dialog
-from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, motions
+from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
 from studio.io.project_file import ChangedOnDisk, OpenedProject, read_project
+from studio.io.registry import format_of
 
 NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
@@ -30,11 +31,20 @@ def open_project(bench: Workbench) -> None:
 
 
 def open_path(bench: Workbench, path: Path) -> None:
-    """A project takes the place of this one; a capture comes into this one."""
+    """A project takes the place of this one; a capture or a character comes into this one."""
     if path.suffix.lower() == ".studio":
         bench.window.when_saved(lambda: _open(bench, path))
+    elif _is_character(path):
+        casting.import_character(bench, path)
     else:
         importing.import_motion(bench, path)
+
+
+def _is_character(path: Path) -> bool:
+    try:
+        return bool(format_of(path, "capture_reader", "character_reader").character_reader)
+    except StudioError as error:
+        raise StudioError(f"{error} {importing.UNCHANGED}") from error
 
 
 def save(bench: Workbench) -> None:
@@ -88,6 +98,12 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
 def import_motion(bench: Workbench) -> None:
     """Ask which."""
     ask_file(bench, "Import motion", motions("capture_reader"), lambda path: importing.import_motion(bench, path))
+
+
+def import_character(bench: Workbench) -> None:
+    """Ask which."""
+    kind = characters("character_reader")
+    ask_file(bench, "Import character", kind, lambda path: casting.import_character(bench, path))
 
 
 def export(bench: Workbench) -> None:

@@ -54,6 +54,8 @@ def same_value(first: Any, second: Any) -> bool:
         return False
     if isinstance(first, np.ndarray):
         return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
+    if isinstance(first, tuple):
+        return len(first) == len(second) and all(map(same_value, first, second))
     if is_dataclass(first):
         return all(same_value(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
     return bool(first == second)

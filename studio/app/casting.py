@@ -1,0 +1,90 @@
+"""Characters in: read from files or made of a capture's actor, put on the stage playing what the others play."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from studio.app.importing import UNCHANGED
+from studio.app.workbench import Workbench
+from studio.core.character import Character
+from studio.core.errors import StudioError
+from studio.core.normalized.normalize import normalize
+from studio.core.project import Performer
+from studio.document import colours
+from studio.document.document import Document
+from studio.io.character_file import actor_character
+from studio.io.importing import GUESS_ALL, load_character
+from studio.io.registry import ReadCharacter
+
+APART = 1.2
+"""Metres from the outermost performer to a new one."""
+
+
+def import_character(bench: Workbench, path: Path) -> int:
+    """Read a character file, then put the character on the stage; returns the task."""
+
+    def done(read: ReadCharacter) -> None:
+        put_character(bench.document, marked(read.character, bench.document), f"Import {path.name}")
+        _tell(bench, path.name, read)
+
+    def work(progress: Callable[[float, str], None]) -> ReadCharacter:
+        try:
+            return load_character(path, GUESS_ALL, progress)
+        except StudioError as error:
+            raise StudioError(f"{error} {UNCHANGED}") from error
+
+    task: int = bench.runner.run(f"Opening {path.name}", work, done)
+    return task
+
+
+def marked(character: Character, document: Document) -> Character:
+    """One that shows its materials' colours is known in lists and plots by a colour that no other has."""
+    if character.skin.appearance is None:
+        return character
+    return replace(character, colour=colours.character_colour(len(document.project.characters)))
+
+
+def make_active_actor_character(bench: Workbench) -> None:
+    """The actor of the motion that plays becomes a character."""
+    motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
+    if motion is not None:
+        make_actor_character(bench, motion.capture_id)
+
+
+def make_actor_character(bench: Workbench, capture_id: str) -> None:
+    """The actor of a capture becomes a character of the same measures, on the stage."""
+    document = bench.document
+    capture = document.project.captures[capture_id]
+    colour = colours.character_colour(len(document.project.characters))
+    text = f"Make the actor of {capture.name} a character"
+
+    def work(progress: Callable[[float, str], None]) -> Character:
+        progress(0.1, f"Measuring the actor of {capture.name}")
+        _, actor = normalize(capture)
+        return actor_character(f"Actor of {capture.name}", actor.morphology, colour)
+
+    bench.runner.run(text, work, lambda character: put_character(document, character, text))
+
+
+def put_character(document: Document, character: Character, text: str) -> str:
+    """The character, and a performer that plays it beside the others, selected: one undo step."""
+    project = document.project
+    active = project.performers.get(document.active_performer_id or "")
+    side = max((other.position[1] for other in project.performers.values()), default=-APART)
+    with document.group(text):
+        character_id = document.add("characters", character, text)
+        clips = active.clips if active else ()
+        performer = Performer(character.name, character_id, clips, (0.0, side + APART))
+        performer_id = document.add("performers", performer, text)
+    document.selection.set(("performers", performer_id))
+    return performer_id
+
+
+def _tell(bench: Workbench, source: str, read: ReadCharacter) -> None:
+    """What had to be repaired; without repairs, what went wrong before is past."""
+    if not read.repairs:
+        bench.window.strip.clear()
+        return
+    count, first = len(read.repairs), read.repairs[0].removeprefix(f"{source}, ")
+    sentence = f"{source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
+    bench.window.strip.say(sentence, ("Close", bench.window.strip.clear))
