@@ -13,7 +13,7 @@ from studio.core.capture import Guess
 from studio.core.character import Character
 from studio.core.embodiment import bound_mesh, measured, measured_by_mesh, segment_weights, segments_of_joints
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyMap
+from studio.core.humanoid import LIMBS, BodyMap
 from studio.core.reference_pose import faults
 from studio.core.skeleton import Skeleton
 from studio.core.standing import standing_points
@@ -59,7 +59,10 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
     guesses = list(body.guesses)
     if len(bodies) > 1 and body is not bodies[0]:
         guesses.append(Guess("reference pose", "as shown", "The pose in which the skin was bound is not human."))
-    return _embodied(body, guesses)
+    try:
+        return _embodied(body, guesses)
+    except ValueError as error:
+        raise StudioError(f"{body.figure.source}: its body or its skin makes no sense. {error}") from error
 
 
 def _body(figure: Figure, options: ImportOptions) -> _Body:
@@ -71,11 +74,24 @@ def _body(figure: Figure, options: ImportOptions) -> _Body:
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
     body_map, guess = _find(figure, skeleton, options)
+    _check_limbs(figure, body_map)
     to_world = _upright(figure, body_map, options.up_axis)
     leg = _leg(figure.positions, body_map)
     scale, unit_guess = _scale(figure, leg, options.unit)
     guesses = [each for each in (guess, unit_guess) if each is not None]
     return _Body(figure, skeleton, body_map, scale * figure.positions @ to_world.T, scale * to_world, tuple(guesses))
+
+
+def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
+    """Every bone of the limbs has a length that is seen beside the others."""
+    for limb, parts in LIMBS.items():
+        joints = [body_map[part] for part in parts]
+        bones = np.linalg.norm(np.diff(figure.positions[joints], axis=0), axis=1)
+        if bones.min() <= 1e-3 * bones.max():
+            names = ", ".join(figure.joint_names[joint] for joint in joints)
+            raise StudioError(
+                f"{figure.source}: a bone of the {limb} ({names}) has no length. Choose other joints for it."
+            )
 
 
 def _rooted(figure: Figure) -> Figure:

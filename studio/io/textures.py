@@ -33,6 +33,8 @@ def decoded(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:
                 shown = picture.convert("RGB")
                 shown.thumbnail((largest, largest))
                 return np.asarray(shown)
+    except Image.DecompressionBombError as error:
+        raise ValueError("it claims more pixels than can be true") from error
     except UnidentifiedImageError as error:
         raise ValueError("it is neither PNG nor JPEG") from error
     except (OSError, SyntaxError, ArithmeticError, LookupError, TypeError, MemoryError) as error:

@@ -128,7 +128,7 @@ def _place_arm_ends(
         points[:, layout.wrist(side)] = positions[:, forearm if end is None else end]
     ends = () if wrist is None else skeleton.children[wrist]
     along = points[:, layout.wrist(side)] - positions[:, forearm]
-    finger = positions[:, list(ends)].mean(axis=1) if ends else points[:, layout.wrist(side)]
+    finger = positions[:, list(ends)].mean(axis=1) if ends else points[:, layout.wrist(side)].copy()
     short = np.linalg.norm(finger - points[:, layout.wrist(side)], axis=1) < 0.01
     finger[short] = points[short, layout.wrist(side)] + 0.4 * along[short]
     points[:, layout.wrist(side) + 1] = finger

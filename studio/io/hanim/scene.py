@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 
 FloatArray = NDArray[np.float64]
 
-DEEPEST = 200
+DEEPEST = 120
 """Levels of nesting; a body of H-Anim's finest level has some 60."""
 MOST_VISITS = 300_000
 """Nodes shown in all, those that USE shows again counted again."""

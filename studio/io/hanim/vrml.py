@@ -204,7 +204,7 @@ class _Parser:
         if token is None:
             raise self._ended()
         if token.kind == "wrong":
-            raise StudioError(f"{self._where(token)}: a text is not closed, or a sign is out of place.")
+            raise self._wrong(token)
         self._next = next(self._tokens, None)
         return token
 
@@ -212,6 +212,8 @@ class _Parser:
         token = self._next
         if token is None:
             raise self._ended()
+        if token.kind == "wrong":
+            raise self._wrong(token)
         if token.kind != kind:
             raise StudioError(
                 f"{self._where(token)}: a name was expected, not '{token.text[:20].strip()}'. Export the file again."
@@ -239,6 +241,11 @@ class _Parser:
             self._lines += self._text.count("\n", self._counted, token.start)
             self._counted = token.start
         return f"{self._name}, line {self._lines}"
+
+    def _wrong(self, token: _Token) -> StudioError:
+        return StudioError(
+            f"{self._where(token)}: a text is not closed, or a sign is out of place. Copy the file anew."
+        )
 
     def _ended(self) -> StudioError:
         return StudioError(f"{self._name} is cut off: a brace or bracket is still open at its end. Copy it anew.")

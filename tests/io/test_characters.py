@@ -1,0 +1,168 @@
+"""Character files of every format give the same body; what is put right is told."""
+
+import base64
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.appearance import Material
+from studio.core.skin import bound_pose
+from studio.io.character_file import read_character, write_character
+from studio.io.importing import ImportOptions, load_character
+from studio.io.registry import ReadCharacter
+from tests.io.character_files import PIXEL, PLACES, Gltf, vrml, x3d
+
+FILES = {
+    "plain.gltf": lambda: Gltf().gltf(),
+    "plain.glb": lambda: Gltf().glb(),
+    "version0.vrm": lambda: Gltf(vrm=0).glb(),
+    "version1.vrm": lambda: Gltf(vrm=1).glb(),
+    "skin.wrl": lambda: vrml().encode(),
+    "skin.x3dv": lambda: vrml(header="\ufeff#X3D V3.0 utf8\r\nPROFILE Immersive\r\nCOMPONENT H-Anim:1").encode(),
+    "segments.wrl": lambda: vrml(skinned=False).encode(),
+    "skin.x3d": lambda: x3d().encode(),
+}
+
+
+def read(tmp_path: Path, content: bytes, name: str = "hero.glb", **options: object) -> ReadCharacter:
+    path = tmp_path / name
+    path.write_bytes(content)
+    return load_character(path, ImportOptions(**options))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_format_gives_the_same_body(tmp_path: Path, name: str):
+    found = read(tmp_path, FILES[name](), name)
+    build = found.character.build
+    assert build.leg == pytest.approx(np.array([[0.4, 0.42], [0.4, 0.42]]), abs=1e-6)
+    assert build.arm == pytest.approx(np.array([[0.27, 0.25], [0.27, 0.25]]), abs=1e-6)
+    assert build.layout.spine_count == 3
+    assert build.ankle_height == pytest.approx([0.08, 0.08], abs=1e-6)
+    assert found.repairs == ()
+    positions, _ = bound_pose(found.character.skin, build)
+    left_wrist = positions[build.layout.wrist(0)] - positions[0]
+    assert left_wrist == pytest.approx([0.0, 0.7, 0.47], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_each_vertex_goes_with_the_segment_of_its_joint(tmp_path: Path, name: str):
+    character = read(tmp_path, FILES[name](), name).character
+    skin, build = character.skin, character.build
+    positions, _ = bound_pose(skin, build)
+    proximal = positions[list(build.layout.proximal_points())]
+    near = np.linalg.norm(skin.vertices - proximal[skin.segments[:, 0]], axis=1)
+    assert near.max() < 0.09
+    assert (skin.weights[:, 0] == 1.0).all()
+
+
+def test_a_figure_on_its_back_in_centimetres_stands_up_in_metres(tmp_path: Path):
+    made = Gltf()
+    lying = {"children": [0], "rotation": [-(0.5**0.5), 0.0, 0.0, 0.5**0.5], "scale": [100.0, 100.0, 100.0]}
+    made.root["nodes"].append(lying)
+    found = read(tmp_path, made.glb())
+    assert found.character.build.leg[0] == pytest.approx([0.4, 0.42], abs=1e-6)
+    assert [guess.value for guess in found.guesses if guess.subject == "unit"] == ["cm"]
+    assert found.character.skin.vertices[:, 2].max() == pytest.approx(PLACES[:, 1].max() + 0.04, abs=1e-5)
+
+
+def test_joints_without_names_are_found_by_the_shape_of_the_body(tmp_path: Path):
+    made = Gltf()
+    for node in made.root["nodes"]:
+        node.pop("name", None)
+    found = read(tmp_path, made.glb())
+    assert found.joints["left_hand"] == "node 7"
+    assert found.joints["right_foot"] == "node 17"
+    assert found.joints["head"] == "node 4"
+    assert any("by shape" in guess.value for guess in found.guesses)
+
+
+def test_the_user_says_what_the_file_does_not(tmp_path: Path):
+    found = read(tmp_path, Gltf().glb(), body_map={"head": "neck"}, unit="0.5")
+    assert found.joints["head"] == "neck"
+    assert found.character.build.leg[0] == pytest.approx([0.2, 0.21], abs=1e-6)
+
+
+def test_weights_that_do_not_sum_to_one_are_made_to(tmp_path: Path):
+    made = Gltf()
+    shares = np.tile([7.0, 0.0, 0.0, 0.0], (len(PLACES) * 8, 1)).astype("<f4")
+    made.root["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = made.add(shares, "VEC4")
+    assert (read(tmp_path, made.glb()).character.skin.weights[:, 0] == 1.0).all()
+
+
+def test_vertices_without_any_weight_are_told(tmp_path: Path):
+    made = Gltf()
+    shares = np.zeros((len(PLACES) * 8, 4), "<f4")
+    shares[9:, 0] = 1.0
+    made.root["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = made.add(shares, "VEC4")
+    assert read(tmp_path, made.glb()).repairs == ("9 vertices had no weight; they go with the first joint.",)
+
+
+def test_a_sparse_accessor_replaces_what_it_names(tmp_path: Path):
+    made = Gltf()
+    accessor = made.root["accessors"][0]
+    places = made.add(np.array([[0]], "<u2"), "SCALAR")
+    values = made.add(np.array([[0.0, 1.9, 0.0]], "<f4"), "VEC3")
+    accessor["sparse"] = {
+        "count": 1,
+        "indices": {"bufferView": places, "componentType": 5123},
+        "values": {"bufferView": values},
+    }
+    assert read(tmp_path, made.glb()).character.skin.vertices[0, 2] == pytest.approx(1.9, abs=1e-6)
+
+
+def test_a_buffer_and_a_picture_beside_the_file_are_read(tmp_path: Path):
+    made = Gltf()
+    made.root["buffers"] = [{"byteLength": len(made.binary), "uri": "hero%20data.bin"}]
+    made.root["images"] = [{"uri": "face.png"}]
+    (tmp_path / "hero data.bin").write_bytes(made.binary)
+    (tmp_path / "face.png").write_bytes(PIXEL)
+    look = read(tmp_path, made.gltf(), "hero.gltf").character.skin.appearance
+    assert look is not None
+    [material] = look.materials
+    assert isinstance(material, Material)
+    assert material.texture is not None
+    assert material.texture.tobytes() == PIXEL
+
+
+def test_what_lies_in_a_drawn_hand_is_left_out_and_told(tmp_path: Path):
+    made = Gltf()
+    axe = {"POSITION": 0}
+    made.root["meshes"].append({"primitives": [{"attributes": axe, "indices": 4}]})
+    made.root["nodes"].append({"name": "axe", "mesh": 1})
+    made.root["nodes"][7]["children"] = [len(made.root["nodes"]) - 1]
+    found = read(tmp_path, made.glb())
+    assert found.repairs == ("What it holds in its hands was left out: axe.",)
+    assert len(found.character.skin.vertices) == 8 * len(PLACES)
+
+
+def test_points_of_a_skin_that_no_joint_moves_go_with_the_nearest_and_are_told(tmp_path: Path):
+    text = vrml().replace("skinCoordIndex [ 32 33 34 35 36 37 38 39 ]", "skinCoordIndex [ ]", 1)
+    found = read(tmp_path, text.encode(), "hero.wrl")
+    assert found.repairs == ("8 points of the skin had no joint; they go with the nearest one.",)
+    assert found.character.build.head > 0.03
+
+
+@pytest.mark.parametrize("name", ["plain.glb", "skin.x3d"])
+def test_in_our_own_file_nothing_of_it_is_lost(tmp_path: Path, name: str):
+    character = read(tmp_path, FILES[name](), name).character
+    write_character(character, tmp_path / "own.json")
+    again = read_character(tmp_path / "own.json")
+    assert again.build == character.build
+    assert np.array_equal(again.skin.stance, character.skin.stance)  # type: ignore[arg-type]
+    one, other = again.skin.appearance, character.skin.appearance
+    assert one is not None
+    assert other is not None
+    assert np.array_equal(one.coordinates, other.coordinates)
+    assert [each.colour for each in one.materials] == [each.colour for each in other.materials]
+    for mine, theirs in zip(one.materials, other.materials, strict=True):
+        assert (mine.texture is None) == (theirs.texture is None)
+        assert mine.texture is None or np.array_equal(mine.texture, theirs.texture)
+
+
+def test_data_uris_are_read_as_base64(tmp_path: Path):
+    made = Gltf()
+    made.root["images"] = [{"uri": "data:image/png;base64," + base64.b64encode(b"no picture").decode()}]
+    found = read(tmp_path, json.dumps(json.loads(made.gltf())).encode(), "hero.gltf")
+    assert found.repairs == ("hero.gltf, images[0]: the picture was left out, it is neither PNG nor JPEG.",)
