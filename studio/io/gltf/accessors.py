@@ -32,7 +32,8 @@ class Accessors:
         """Finite numbers; whole ones that are ``normalized`` come as fractions of their largest."""
         record = self._records[index]
         array = self._array(record, width)
-        numbers = array.astype(np.float64)
+        with np.errstate(invalid="ignore"):  # numbers that are none are refused below
+            numbers = array.astype(np.float64)
         if record.flag("normalized") and array.dtype.kind in "iu":
             numbers = np.maximum(numbers / float(2 ** (8 * array.dtype.itemsize - (array.dtype.kind == "i")) - 1), -1.0)
         if not np.isfinite(numbers).all() or (np.abs(numbers) > _ABSURD).any():

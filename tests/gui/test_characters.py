@@ -1,0 +1,145 @@
+"""Characters as a person brings them: dropped on the window, made of an actor, played by others, saved and back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+from PySide6.QtGui import QDropEvent
+from PySide6.QtTest import QTest
+
+from studio.app.application import make_application, make_window
+from studio.app.settings import Settings
+from studio.core.appearance import Material
+from studio.core.skin import Blending
+from studio.document.commands.replace import same_value
+from studio.document.document import Document
+from studio.io.importing import load_character
+from studio.io.project_file import new_document_id, read_project, write_project
+from studio.viewport.bodies import BodyVisual
+from tests.builders import make_project
+from tests.io.character_files import PIXEL, Gltf, vrml
+
+PATIENCE = 30_000
+
+
+@pytest.fixture
+def window(qtbot, tmp_path):
+    make_application()
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project(characters=2)))
+    with qtbot.waitExposed(window):
+        window.show()
+    yield window
+    window.leave()
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+@pytest.fixture
+def hero(tmp_path):
+    path = tmp_path / "my_hero.glb"
+    path.write_bytes(Gltf().glb())
+    return path
+
+
+def drop(qtbot, window, path):
+    content = QMimeData()
+    content.setUrls([QUrl.fromLocalFile(str(path))])
+    event = QDropEvent(
+        QPointF(400, 300), Qt.DropAction.CopyAction, content, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+    )
+    window.dropEvent(event)
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+
+
+def newest(window):
+    """The performer that is selected and its character."""
+    project = window.bench.document.project
+    [key] = window.bench.document.selection.of("performers")
+    return project.performers[key], project.characters[project.performers[key].character_id]
+
+
+def test_a_dropped_character_stands_beside_the_others_and_plays_with_them_as_one_undo_step(qtbot, window, hero):
+    document = window.bench.document
+    before = document.project
+    others = list(before.performers.values())
+    drop(qtbot, window, hero)
+    performer, character = newest(window)
+    assert window.strip.text == ""
+    assert (performer.name, character.name) == ("my hero", "my hero")
+    assert performer.clips == others[0].clips
+    assert performer.position[1] > max(other.position[1] for other in others) + 1.0
+    assert document.history == ("Import my_hero.glb",)
+    document.undo_stack.undo()
+    assert same_value(document.project, before)
+
+
+def test_what_was_repaired_is_told_in_the_strip(qtbot, window, tmp_path):
+    path = tmp_path / "hero.wrl"
+    path.write_text(vrml().replace("skinCoordIndex [ 32 33 34 35 36 37 38 39 ]", "skinCoordIndex [ ]", 1))
+    drop(qtbot, window, path)
+    assert window.strip.text.startswith("hero.wrl was read with 1 repair: 8 points of the skin had no joint")
+
+
+def test_a_bad_character_leaves_the_project_as_it_was(qtbot, window, hero):
+    before = window.bench.document.project
+    hero.write_bytes(hero.read_bytes()[:-100])
+    drop(qtbot, window, hero)
+    assert "my_hero.glb is cut off" in window.strip.text
+    assert window.strip.text.endswith("Your project was not changed.")
+    assert window.bench.document.project is before
+
+
+def test_the_actor_of_a_capture_becomes_a_character_of_the_same_measures_with_one_click(qtbot, window):
+    document = window.bench.document
+    [capture_id] = document.project.captures
+    document.selection.set(("captures", capture_id))
+    window.inspector.editor._actor.click()
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+    performer, character = newest(window)
+    assert performer.name == "Actor of walk"
+    assert character.build.leg == pytest.approx(np.array([[0.43, 0.42], [0.43, 0.42]]), abs=0.05)
+    assert len(document.history) == 1
+    heights = character.skin.vertices[:, 2]
+    assert heights.max() - heights.min() == pytest.approx(character.build.stature, rel=0.06)
+
+
+def test_another_character_can_play_a_performer(qtbot, window, hero):
+    drop(qtbot, window, hero)
+    document = window.bench.document
+    _, character = newest(window)
+    first = next(iter(document.project.performers))
+    document.selection.set(("performers", first))
+    cast = window.inspector.editor._cast
+    cast.setCurrentIndex(cast.findText("my hero"))
+    cast.activated.emit(cast.currentIndex())
+    played = document.project.performers[first].character_id
+    assert document.project.characters[played] is character
+
+
+def test_nothing_of_a_character_is_lost_in_the_project_file(qtbot, window, hero, tmp_path):
+    drop(qtbot, window, hero)
+    project = window.bench.document.project
+    [key] = set(project.characters) - {"character 0", "character 1"}
+    dual = replace(project.characters[key], blending=Blending.DUAL_QUATERNIONS)
+    project = project.with_entity("characters", key, dual)
+    write_project(tmp_path / "saved.studio", project, new_document_id())
+    opened = read_project(tmp_path / "saved.studio")
+    assert opened.problems == ()
+    assert same_value(opened.project.characters[key], dual)
+    look = opened.project.characters[key].skin.appearance
+    assert look.materials[0].texture.tobytes() == PIXEL
+
+
+def test_each_material_is_drawn_in_its_colour_and_texture(tmp_path):
+    made = Gltf()
+    made.root["materials"].append({"pbrMetallicRoughness": {"baseColorFactor": [1.0, 0.0, 0.0, 1.0]}})
+    primitive = made.root["meshes"][0]["primitives"][0]
+    made.root["meshes"][0]["primitives"].append({**primitive, "material": 1})
+    (tmp_path / "hero.glb").write_bytes(made.glb())
+    character = load_character(tmp_path / "hero.glb").character
+    textured, red = BodyVisual(character).skin_actors
+    assert textured.texture is not None
+    assert red.texture is None
+    assert red.prop.color.hex_rgb == "#ff0000"
+    assert isinstance(character.skin.appearance.materials[1], Material)
