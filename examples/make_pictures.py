@@ -1,9 +1,11 @@
-"""Make the pictures and the film of README and guide: python examples/make_pictures.py [FOLDER] [NAME...]."""
+"""Make the pictures and the film of the documents: python examples/make_pictures.py [FOLDER] [NAME...]."""
 
 import sys
 from pathlib import Path
 
+from pictured.bodies import bodies, priorities
 from pictured.encode import write_film, write_picture
+from pictured.figures import FIGURES, write_figure
 from pictured.kick_film import FRAME_RATE, KickFilm
 from pictured.shots import constrain, import_report, sliders, timeline, window
 
@@ -14,16 +16,20 @@ STILLS = {
     "timeline": timeline,
     "import_report": import_report,
     "sliders": sliders,
+    "method_bodies": bodies,
+    "method_priorities": priorities,
 }
 
 
 def main(arguments: list[str]) -> None:
     """Make each picture into the folder, by default docs/pictures."""
     folder = Path(arguments[0]) if arguments else Path(__file__).parent.parent / "docs" / "pictures"
-    names = arguments[1:] or [*STILLS, "kick"]
+    names = arguments[1:] or [*STILLS, *FIGURES, "kick"]
     for name in names:
         if name == "kick":
             write_film(folder / "kick.gif", KickFilm().images, FRAME_RATE, FILM_WIDTH)
+        elif name in FIGURES:
+            write_figure(folder / f"{name}.svg", FIGURES[name]())
         else:
             write_picture(folder / f"{name}.png", STILLS[name]())
 

@@ -1,0 +1,194 @@
+"""The figures of docs/method.md: drawn from what the kernels and the solver answer, not from memory."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pictured.session import example
+from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve, EaseShape, ease
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.ground import Ground
+from studio.core.grounds.steps import Steps
+from studio.core.kernels.legs import hip_heights
+from studio.core.kernels.limb import place_limb, soft_reach
+from studio.core.metrics import angular_acceleration
+from studio.core.morphology import Morphology
+from studio.core.solver.adapt import hold, stand
+from studio.core.solver.footing import STANDING_REACH, SWINGING_REACH
+from studio.io.character_file import bundled_characters
+from studio.io.importing import GUESS_ALL
+
+BLUE, RED, GREEN, GREY, INK = "#2F6FB3", "#C8553D", "#4B8B3B", "#9AA4AE", "#22272E"
+mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fonttype": "path"})
+
+
+def limb_frame() -> Figure:
+    """An arm in its own frame, from the side and along the line from shoulder to wrist."""
+    upper, lower, distance, aside = 0.30, 0.26, 0.47, 0.06
+    points, turns = np.empty((2, 3)), np.empty((2, 3, 3))
+    twist = np.zeros(2)
+    place_limb(np.zeros(3), np.eye(3), distance, upper, lower, aside, 1.0, twist, np.empty((3, 3)), points, *turns)
+    (x, y, z), radius = points[0], float(np.hypot(points[0, 0], points[0, 1]))
+    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
+    side, front = figure.subplots(1, 2, width_ratios=[1.6, 1.0])
+    side.plot([0, z, distance], [0, radius, 0], color=INK, linewidth=3, marker="o")
+    side.plot([0, distance], [0, 0], color=GREY, linestyle="--")
+    side.plot([z, z], [0, radius], color=BLUE)
+    _say(side, (0, 0), "R  shoulder, hip", (-8, -16))
+    _say(side, (z, radius), "elbow, knee", (-20, 8))
+    _say(side, (distance, 0), "E  wrist, ankle", (8, -4))
+    _say(side, (z / 2, radius / 2), "L1", (-16, 4))
+    _say(side, ((z + distance) / 2, radius / 2), "L2", (6, 4))
+    _say(side, (z / 2, 0), "z", (0, 4))
+    _say(side, (z, radius / 2), "ρ", (4, -4), BLUE)
+    _say(side, (0.45 * distance, 0), "D = (1 - slack) (L1 + L2)", (-30, -16))
+    circle = np.linspace(0.0, 2.0 * np.pi, 100)
+    front.plot(radius * np.cos(circle), radius * np.sin(circle), color=GREY, linestyle="--")
+    front.plot([0, x], [0, y], color=INK, linewidth=3, marker="o")
+    front.plot([x, x], [0, y], color=BLUE)
+    front.plot([0, x], [0, 0], color=RED, linewidth=2)
+    for way, name in (((1, 0), "x  hinge"), ((0, 1), "y  side of the bend")):
+        end = 0.22 * way[0], 0.22 * way[1]
+        front.annotate("", end, (0, 0), arrowprops={"arrowstyle": "->", "color": GREY})
+        _say(front, end, name, (-10 * way[0], 5), GREY)
+    front.set(xlim=(-0.17, 0.3), ylim=(-0.17, 0.25))
+    _say(front, (x / 2, 0), "x: off-plane", (-18, -14), RED)
+    _say(front, (x, y / 2), "y = ± √(ρ² - x²)", (34, -2), BLUE)
+    for axes, title in ((side, "from the side"), (front, "along z, from the root joint")):
+        axes.set_title(title, color=GREY)
+        axes.set_aspect("equal")
+        axes.axis("off")
+    side.margins(x=0.2, y=0.15)
+    return figure
+
+
+def reach_sharing() -> Figure:
+    """How far a limb stretches when more is asked, and how fast its elbow opens then."""
+    asked = np.linspace(0.85, 1.2, 1400)
+    figure = Figure(figsize=(9.0, 3.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    hard = np.minimum(asked, 1.0)
+    left.plot(asked, hard, color=GREY, linestyle="--", label="as far as it goes")
+    right.plot(asked[1:], np.diff(_opening(hard)) / np.diff(asked), color=GREY, linestyle="--")
+    for comfort, colour, who in ((SWINGING_REACH, RED, "leg in the air"), (STANDING_REACH, BLUE, "leg that stands")):
+        soft = np.array([soft_reach(each, comfort) for each in asked])
+        left.plot(asked, soft, color=colour, label=f"{who}, a = {comfort}")
+        right.plot(asked[1:], np.diff(_opening(soft)) / np.diff(asked), color=colour)
+    left.set(xlabel="asked, parts of the limb's length", ylabel="stretched to", ylim=(0.85, 1.02))
+    right.set(xlabel="asked", ylabel="opening of the middle joint, rad per length", ylim=(0, 25))
+    left.legend(frameon=False, loc="lower right")
+    return _tidied(figure)
+
+
+def activation() -> Figure:
+    """The three eases, their second derivatives, and what ramps of different length do to an arm moved by 30 cm."""
+    t = np.linspace(0.0, 1.0, 400)
+    figure = Figure(figsize=(9.0, 3.2), layout="constrained")
+    shapes, curvatures, peaks = figure.subplots(1, 3)
+    for shape, colour in zip(EaseShape, (GREY, GREEN, BLUE), strict=True):
+        values = ease(t, shape)
+        shapes.plot(t, values, color=colour, label=shape.value)
+        curvatures.plot(t, np.gradient(np.gradient(values, t), t), color=colour)
+        ramps = (0.05, 0.1, 0.2, 0.3, 0.5)
+        peaks.plot(ramps, [_ramp_acceleration(ramp, shape) for ramp in ramps], "o-", color=colour, markersize=3)
+    shapes.set(xlabel="share of the ramp", ylabel="activation")
+    curvatures.set(xlabel="share of the ramp", ylabel="second derivative", ylim=(-12, 12))
+    peaks.set(xlabel="ramp, s", ylabel="peak of the arm, rad/s²", yscale="log")
+    shapes.legend(frameon=False)
+    return _tidied(figure)
+
+
+def footprints() -> Figure:
+    """A walk up a flight of steps: ankles, contacts, and how the root comes down for them."""
+    ready, body = _walk()
+    straight = ready.motion.channels[:240]
+    ground = Steps(rise=0.17, tread=0.30, count=4, start=(0.5, 0.0), direction=float(np.median(straight[:, 3])))
+    contacts = ready.contacts
+    level = stand(ready.motion, body, contacts, Ground())
+    standing = stand(ready.motion, body, contacts, ground)
+    frames = slice(0, 240)
+    time = np.arange(240) / ready.motion.frame_rate
+    footing = standing.footing
+    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
+    feet, root = figure.subplots(2, 1, sharex=True)
+    for side, colour, name in ((0, BLUE, "left"), (1, RED, "right")):
+        feet.plot(time, footing.ankles[side, frames, 2], color=colour, label=f"{name} ankle")
+        stands = footing.states[side, frames] != 0
+        feet.fill_between(time, 0, footing.ankles[side, frames, 2], where=stands.tolist(), color=colour, alpha=0.12)
+    feet.set(ylabel="height, m")
+    feet.legend(frameon=False, loc="upper left")
+    climb = standing.positions[frames, 0, 2] - level.positions[frames, 0, 2]
+    needed = _literal_drops(ready, body, standing.footing.ankles)[frames]
+    root.plot(time, climb, color=INK, label="root above its level walk, as solved")
+    root.plot(time, -needed, color=GREY, linestyle="--", label="the plain minimum of three heights")
+    root.set(xlabel="time, s", ylabel="m")
+    root.legend(frameon=False, loc="upper left")
+    return _tidied(figure)
+
+
+def _literal_drops(ready: ReadyCapture, body: Morphology, ankles: np.ndarray) -> np.ndarray:
+    """(F,) metres by which min(h1, h2, h3) lies below the level walk's root (negative where it may rise)."""
+    standing = stand(ready.motion, body, (), Ground())
+    drops = np.empty(ready.motion.frame_count)
+    lift = 0.5 * (ankles[0, :, 2] + ankles[1, :, 2])
+    relative = ankles - standing.positions[:, 0]
+    relative[..., 2] -= lift
+    states = np.full(ankles.shape[:2], 3)
+    comforts = np.full(ankles.shape[:2], STANDING_REACH)
+    hip_heights(ready.motion.channels, body.packed[None], standing.rotations, relative, comforts, states, drops)
+    return np.maximum(drops, 0.0) - lift
+
+
+def _walk() -> tuple[ReadyCapture, Morphology]:
+    return ready_capture(example("walk_turn"), GUESS_ALL), bundled_characters()["adult_woman"].morphology
+
+
+def _opening(reach: np.ndarray) -> np.ndarray:
+    """Angle of the middle joint of a limb of two equal bones, stretched to ``reach`` parts of its length."""
+    return np.asarray(2.0 * np.arcsin(np.minimum(reach, 1.0)))
+
+
+def _ramp_acceleration(ramp: float, shape: EaseShape) -> float:
+    """Peak angular acceleration (rad/s^2) of an arm whose wrist is moved by 30 cm within ``ramp`` seconds."""
+    ready = ready_capture(example("reach_grasp"), GUESS_ALL)
+    body = bundled_characters()["adult_woman"].morphology
+    before = stand(ready.motion, body, ready.contacts, Ground())
+    middle = ready.motion.duration / 2
+    wrist = np.median(before.positions[:, body.layout.wrist(0)], axis=0) + np.array([0.1, 0.0, 0.28])
+    curve = ActivationCurve(middle - ramp, middle, middle + 0.3, middle + 0.3 + ramp, shape)
+    point, place = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), (float(wrist[0]), float(wrist[1]), float(wrist[2]))
+    asked = PositionConstraint(MOTION_ID, "wrist", point, Chain(clavicle=0.0), 0, curve, target=place)
+    after = hold(before, (asked,))
+    arm = slice(body.layout.spine_count + 3, body.layout.spine_count + 5)
+    return float(angular_acceleration(after.rotations[:, arm], ready.motion.frame_rate).max())
+
+
+def _say(axes: Axes, place: tuple[float, float], text: str, aside: tuple[float, float], colour: str = INK) -> None:
+    axes.annotate(text, place, aside, textcoords="offset points", color=colour)
+
+
+def _tidied(figure: Figure) -> Figure:
+    for axes in figure.axes:
+        axes.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
+def write_figure(path: Path, figure: Figure) -> None:
+    """An SVG file that is the same whenever the figure is."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, format="svg", metadata={"Date": None})
+    print(f"{path.name}: {path.stat().st_size // 1000} kB")
+
+
+FIGURES = {
+    "method_limb_frame": limb_frame,
+    "method_reach_sharing": reach_sharing,
+    "method_activation": activation,
+    "method_footprints": footprints,
+}
