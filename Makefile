@@ -16,6 +16,7 @@ test: .venv/.ready-to-test
 
 bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.bench
+	.venv/bin/python benchmarks/long_capture.py
 
 examples: .venv/.ready-to-run
 	@set -e; for made in captures characters; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar
 
@@ -24,11 +24,14 @@ class ActionSet(QObject):
         for signal in (
             document.undo_stack.indexChanged,
             document.selection.changed,
-            document.entity_changed,
             document.project_opened,
             bench.views_changed,
         ):
             signal.connect(self.refresh)
+        # One step may change thousands of entities; what can be done is asked once after them.
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self.refresh)
+        document.entity_changed.connect(lambda *_: self._soon.start())
         self.refresh()
 
     def refresh(self, *_: object) -> None:

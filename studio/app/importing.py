@@ -192,10 +192,8 @@ def _replace_motion(document: Document, capture_id: str, read: ReadMotion, text:
 
 def _annotate(document: Document, motion_id: str, annotations: Annotations, text: str) -> None:
     of_motion = annotations.of_motion(motion_id)
-    for contact in of_motion.contacts or ():
-        document.add("contacts", contact, text)
-    for constraint in of_motion.constraints:
-        document.add("constraints", constraint, text)
+    document.add_all("contacts", of_motion.contacts or (), text)
+    document.add_all("constraints", of_motion.constraints, text)
 
 
 def _perform(document: Document, motion_id: str, text: str) -> None:

@@ -6,8 +6,9 @@ entities refer to each other by id, and an entity never changes in place.
 
 import math
 import uuid
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
 
@@ -180,15 +181,20 @@ class Project:
 
         One that is there already keeps its place; a new one goes to ``place``, or to the end.
         """
+        return self.with_entities(collection, ((entity_id, entity, place),))
+
+    def with_entities(self, collection: str, changes: Iterable[tuple[str, Entity | None, int | None]]) -> Self:
+        """``with_entity`` for many of one collection, (id, entity or None, place) in their order."""
         entities = dict(getattr(self, collection))
-        if entity is None:
-            entities.pop(entity_id, None)
-        elif entity_id in entities or place is None:
-            entities[entity_id] = entity
-        else:
-            ordered = list(entities.items())
-            ordered.insert(place, (entity_id, entity))
-            entities = dict(ordered)
+        for entity_id, entity, place in changes:
+            if entity is None:
+                entities.pop(entity_id, None)
+            elif entity_id in entities or place is None or place >= len(entities):
+                entities[entity_id] = entity
+            else:
+                ordered = list(entities.items())
+                ordered.insert(place, (entity_id, entity))
+                entities = dict(ordered)
         return replace(self, **{collection: MappingProxyType(entities)})
 
     def referring_to(self, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
@@ -211,5 +217,12 @@ class Project:
 
     def contacts_of(self, motion_id: str) -> dict[str, ContactInterval]:
         """The motion's contacts by id, in time."""
-        own = {key: item for key, item in self.contacts.items() if item.motion_id == motion_id}
-        return dict(sorted(own.items(), key=lambda pair: (pair[1].point, pair[1].first)))
+        return dict(self._contacts_by_motion.get(motion_id, ()))
+
+    @cached_property
+    def _contacts_by_motion(self) -> dict[str, list[tuple[str, ContactInterval]]]:
+        """Sorted once for all who ask: a long capture has thousands."""
+        by_motion: dict[str, list[tuple[str, ContactInterval]]] = {}
+        for pair in sorted(self.contacts.items(), key=lambda pair: (pair[1].point, pair[1].first)):
+            by_motion.setdefault(pair[1].motion_id, []).append(pair)
+        return by_motion

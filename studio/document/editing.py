@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import groupby
+from operator import itemgetter
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoStack
@@ -17,11 +19,14 @@ from studio.document.commands.replace import Edit, ReplaceValue, applied, merged
 from studio.document.playhead import Playhead
 from studio.document.selection import Item, Selection
 
+MANY = 100
+
 
 class EditedProject(QObject):
     """The part of a document that knows no files: edits, undo, selection, playhead."""
 
     entity_changed = Signal(str, str)
+    """Collection and id; an empty id where one step has changed more than MANY of a collection."""
     project_opened = Signal()
     saved_state_changed = Signal()
     problem = Signal(str)
@@ -74,13 +79,21 @@ class EditedProject(QObject):
 
     def add(self, collection: str, entity: Entity, text: str) -> str:
         """Put a new entity at the end of its collection and return its id. Raises as ``replace``."""
-        self._check(collection, entity)
-        entity_id = new_id()
-        place = len(getattr(self._project, collection))
-        if self._group is None:
-            self._refuse(self._project, self._project.with_entity(collection, entity_id, entity), (entity_id,))
-        self._change((Edit(collection, entity_id, None, entity, place),), text, None)
+        [entity_id] = self.add_all(collection, (entity,), text)
         return entity_id
+
+    def add_all(self, collection: str, entities: Iterable[Entity], text: str) -> list[str]:
+        """``add`` for many at once: a motion of an hour has thousands of contacts."""
+        place = len(getattr(self._project, collection))
+        edits: list[Edit] = []
+        for entity in entities:
+            self._check(collection, entity)
+            edits.append(Edit(collection, new_id(), None, entity, place + len(edits)))
+        if edits and self._group is None:
+            self._refuse(self._project, applied(self._project, edits), [edit.entity_id for edit in edits])
+        if edits:
+            self._change(tuple(edits), text, None)
+        return [edit.entity_id for edit in edits]
 
     def remove(self, collection: str, entity_id: str, text: str) -> None:
         """Take an entity away, and what cannot be without it, as one step."""
@@ -192,8 +205,10 @@ class EditedProject(QObject):
         self.selection.set(*(item for item in self.selection.items if item not in gone and self._may_be_seen(item)))
         if not had_motion and self.active_motion_id is not None:
             self._fit_playhead()
-        for item in dict.fromkeys(edit.item for edit in edits):
-            self.entity_changed.emit(*item)
+        for collection, ids in groupby(dict.fromkeys(edit.item for edit in edits), key=itemgetter(0)):
+            changed = [entity_id for _, entity_id in ids]
+            for entity_id in changed if len(changed) <= MANY else [""]:
+                self.entity_changed.emit(collection, entity_id)
 
     def _may_be_seen(self, item: Item) -> bool:
         """A constraint or contact of a motion that nobody on the stage plays any more is not worked on."""

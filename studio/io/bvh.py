@@ -15,7 +15,7 @@ from studio.core.skeleton import Skeleton
 from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh_spelling import plainly_spelled
 from studio.io.bvh_writer import write_bvh
-from studio.io.numbers import count_per_line, number, table
+from studio.io.numbers import count_per_line, lines_of, number, table
 
 __all__ = ["BvhFile", "read_bvh", "write_bvh"]
 
@@ -48,9 +48,13 @@ class BvhFile:
 
     def poses(self) -> PoseSequence:
         """Rotations and translations of every joint in file axes."""
-        count = self.skeleton.joint_count
-        rotations = np.tile(IDENTITY, (len(self.frames), count, 1))
-        translations = np.tile(self.skeleton.offsets, (len(self.frames), 1, 1))
+        return PoseSequence(*self.transforms(np.arange(len(self.frames))))
+
+    def transforms(self, frames: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames, in file axes and units."""
+        numbers = self.frames[frames]
+        rotations = np.tile(IDENTITY, (len(frames), self.skeleton.joint_count, 1))
+        translations = np.tile(self.skeleton.offsets, (len(frames), 1, 1))
         turning: dict[str, list[tuple[int, list[int]]]] = {}
         column = 0
         travelling = _first_with_positions(self.channels)
@@ -61,7 +65,7 @@ class BvhFile:
                 if channel.endswith("position"):
                     axis = "XYZ".index(channel[0])
                     start = self.skeleton.offsets[joint, axis] if added else 0.0
-                    translations[:, joint, axis] = start + self.frames[:, column]
+                    translations[:, joint, axis] = start + numbers[:, column]
                 else:
                     order += channel[0]
                     columns.append(column)
@@ -70,9 +74,9 @@ class BvhFile:
                 turning.setdefault(order, []).append((joint, columns))
         for order, group in turning.items():
             joints = [joint for joint, _ in group]
-            angles = np.radians(self.frames[:, [columns for _, columns in group]])
+            angles = np.radians(numbers[:, [columns for _, columns in group]])
             rotations[:, joints] = from_euler(order, angles)
-        return PoseSequence(rotations, translations)
+        return rotations, translations
 
 
 def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
@@ -88,7 +92,7 @@ def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
     header, first_row = _motion_header(path.name, body, motion_line)
     repairs = [*spelling, *hierarchy.repairs]
     first_line = motion_line + min(first_row, len(body) - 1)
-    frames = _frames(path.name, body[first_row:], first_line, hierarchy, header, repairs)
+    frames = _frames(path.name, body[first_row:], first_line, hierarchy, header, repairs, report)
     frame_time, digit = _frame_time(path.name, header, repairs)
     offsets = np.array(hierarchy.offsets)
     moved = _moved_from_offsets(path.name, hierarchy.channels, offsets, frames, repairs)
@@ -136,7 +140,7 @@ def _content(path: Path) -> bytes:
         content = path.read_bytes()
     except OSError as error:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
-    if not content.strip():
+    if not content or content.isspace():
         raise StudioError(f"{path.name} is empty. Export it again.")
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return content.decode("utf-16", "replace").encode()
@@ -163,8 +167,7 @@ def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
     except UnicodeDecodeError:
         text = head.decode("latin-1")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    body = tail.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
-    return lines, len(lines), body
+    return lines, len(lines), lines_of(tail)
 
 
 def _partition_motion(content: bytes) -> tuple[bytes, bool, bytes]:
@@ -222,7 +225,13 @@ def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float |
 
 
 def _frames(
-    name: str, lines: list[bytes], first_line: int, hierarchy: Hierarchy, header: _Header, repairs: list[str]
+    name: str,
+    lines: list[bytes],
+    first_line: int,
+    hierarchy: Hierarchy,
+    header: _Header,
+    repairs: list[str],
+    progress: Progress,
 ) -> FloatArray:
     """(F, C) numbers; a last row that is cut off is dropped and listed."""
     width = sum(map(len, hierarchy.channels))
@@ -249,7 +258,9 @@ def _frames(
         total = row_start
     if not np.isin(np.arange(width, total + 1, width), ends).all():
         raise _wrong_row(name, counts, width, first_line)
-    values = table(lines[: last + 1], total, name, first_line).reshape(-1, width)
+    lines, counts = lines[: last + 1], counts[: last + 1]
+    told = lambda share: progress(0.3 + 0.7 * share, f"Reading the motion of {name}")  # noqa: E731
+    values = table(lines, counts, name, first_line, told).reshape(-1, width)
     _compare_count(name, header, len(values), first_line + last, repairs)
     return values
 

@@ -1,5 +1,6 @@
 """A BVH file as a capture."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,10 @@ from studio.core.humanoid import BodyMap
 from studio.core.kinematics import joint_world
 from studio.core.pose import PoseSequence
 from studio.core.reference_pose import ReferencePose, find_reference_pose, stand_up
-from studio.core.rotations import IDENTITY, from_matrix, inverse, multiply
+from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
 from studio.io.body_maps import FoundBody, find_body, similar_joints
-from studio.io.bvh import read_bvh
+from studio.io.bvh import BvhFile, read_bvh
 from studio.io.guessing import (
     AXES,
     Scale,
@@ -31,6 +32,9 @@ from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
 
+_TURNING = "Turning it to world axes"
+_PIECE = 2048
+"""Frames turned at a time."""
 _LOOKED_AT = 128
 """Frames, spread over the clip, that decide about the body and the up axis."""
 
@@ -39,15 +43,14 @@ def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     """The capture in the BVH file at ``path``."""
     file = read_bvh(path, lambda share, text: progress(0.6 * share, text))
     progress(0.6, f"Finding the body in {path.name}")
-    raw = file.poses()
-    looked_at = np.unique(np.linspace(0, raw.frame_count - 1, _LOOKED_AT).astype(int))
-    sample = PoseSequence(raw.local_rotations[looked_at], raw.local_translations[looked_at])
+    looked_at = np.unique(np.linspace(0, len(file.frames) - 1, _LOOKED_AT).astype(int))
+    sample = PoseSequence(*file.transforms(looked_at))
     points = joint_world(file.skeleton, sample)[0]
     found = find_body(file.skeleton, points, options.body_map)
     guesses: list[Guess] = _body_guesses(file.skeleton, found, options)
     scale = _unit(points, found.body_map, options, guesses)
     up_axis = _up_axis(file.skeleton, points, found.body_map, options, guesses)
-    skeleton, poses = to_world(file.skeleton, raw, AXES[up_axis], scale.metres)
+    skeleton, poses = to_world(file, AXES[up_axis], scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING))
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_world(skeleton, poses)[0]
@@ -74,14 +77,25 @@ def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
 
 
 def to_world(
-    skeleton: Skeleton, poses: PoseSequence, file_to_world: FloatArray, metres: float
+    file: BvhFile, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
 ) -> tuple[Skeleton, PoseSequence]:
-    """The same body in world axes and metres: offsets C o, translations C t, rotations C R C^T."""
-    turn = from_matrix(file_to_world)
-    rotations = multiply(multiply(turn, poses.local_rotations), inverse(turn))
+    """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
+
+    Turned like that, a quaternion has its axis turned. A long file is taken in pieces, which tells how far it is and
+    never keeps the window waiting.
+    """
+    skeleton, frames = file.skeleton, np.arange(len(file.frames))
     scaled = metres * file_to_world.T
     turned = Skeleton(skeleton.names, skeleton.parents, skeleton.offsets @ scaled, skeleton.end_sites)
-    return turned, PoseSequence(rotations, poses.local_translations @ scaled)
+    rotations = np.empty((len(frames), skeleton.joint_count, 4))
+    translations = np.empty((len(frames), skeleton.joint_count, 3))
+    for first in range(0, len(frames), _PIECE):
+        piece = slice(first, first + _PIECE)
+        local, translations[piece] = file.transforms(frames[piece])
+        rotations[piece, :, :3], rotations[piece, :, 3] = local[..., :3] @ file_to_world.T, local[..., 3]
+        translations[piece] = translations[piece] @ scaled
+        progress(first / len(frames))
+    return turned, PoseSequence(rotations, translations)
 
 
 def _body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:

@@ -11,7 +11,7 @@ _COMMAS_BETWEEN = re.compile(rb",\s|,[-+\d]*,")
 def plainly_spelled(name: str, content: bytes, repairs: list[str]) -> bytes:
     """The file as BVH has it, every line in its place; decimal commas only where no number has a point."""
     content = content.rstrip(b"\x1a")
-    if b"#" in content or b"//" in content:
+    if b"#" in content or b"/" in content:
         content = _COMMENT.sub(b"", content)
     if b"," in content:
         content = _with_points(name, content, repairs)

@@ -76,7 +76,7 @@ class Inspector(QScrollArea):
             return
         if editor.collection and editor.entity is None:
             self._show_current()
-        elif editor.concerns(collection, entity_id):
+        elif editor.concerns(collection, entity_id) or (collection == editor.collection and not entity_id):
             editor.refresh()
 
     def current_form(self) -> QWidget | None:

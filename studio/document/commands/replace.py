@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass, replace
+from itertools import groupby
+from operator import attrgetter
 from typing import Any
 from weakref import WeakMethod
 
@@ -36,8 +38,8 @@ class Edit:
 
 def applied(project: Project, edits: Iterable[Edit]) -> Project:
     """``project`` after all edits, in their order."""
-    for edit in edits:
-        project = project.with_entity(edit.collection, edit.entity_id, edit.new, edit.place)
+    for collection, run in groupby(edits, key=attrgetter("collection")):
+        project = project.with_entities(collection, ((edit.entity_id, edit.new, edit.place) for edit in run))
     return project
 
 

@@ -42,10 +42,15 @@ def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
 
 
 def paint_feet(painter: QPainter, row: QRect, shown: Shown, side: str) -> None:
-    """The selected contact has a light edge."""
+    """The selected contact has a light edge. Of an hour on a thousand pixels most bars lie on one another."""
+    painted: set[QRect] = set()
     for key, contact in _contacts(shown, side):
         bar = contact_bar(shown, row, contact)
         edge = colours.SELECTED_HANDLE if shown.is_selected("contacts", key) else None
+        pixels = bar.toRect()
+        if edge is None and pixels in painted:
+            continue
+        painted.add(pixels)
         paint_bar(painter, bar, translucent(FILLS[contact.point.is_heel], 1.0), 2, None)
         if edge:
             paint_bar(painter, bar.adjusted(0.5, 0.5, -0.5, -0.5), translucent(edge, 0.25), 2, edge)
