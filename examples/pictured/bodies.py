@@ -86,7 +86,7 @@ def _position(part: BodyPart, place: FloatArray, priority: int) -> PositionConst
 
 
 def _drawn(shown: Sequence[Shown], azimuth: float, apart: float, height: float) -> QImage:
-    """Side by side without perspective, the first left, seen from ``azimuth`` radians to the left of where they look."""
+    """Side by side without perspective, the first left; seen from ``azimuth`` radians left of where they look."""
     width = apart * len(shown) + 0.3
     plotter = pv.Plotter(off_screen=True, window_size=[WIDTH, round(WIDTH * height / width)])
     plotter.set_background("white")
