@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.read_back import gltf_motion
 from studio.core.appearance import Appearance, Material
 from studio.core.character_skeleton import joint_points
 from studio.core.contacts import ContactInterval
@@ -38,26 +39,10 @@ def take_on(character, capture):
 
 
 def read_back(path):
-    """Skeleton, poses, times, and by name the arrays of the mesh, as any reader of glTF sees them (Y up)."""
+    """Skeleton, poses, times and the file, as any reader of glTF sees them (Y up)."""
     file = read_gltf(path)
-    accessors, root = Accessors(file), file.root.value
-    nodes = [node for node in root["nodes"] if "mesh" not in node]
-    parents = np.full(len(nodes), -1)
-    for joint, node in enumerate(nodes):
-        parents[node.get("children", [])] = joint
-    offsets = np.array([node["translation"] for node in nodes])
-    skeleton = Skeleton(tuple(node["name"] for node in nodes), parents, offsets, np.zeros(len(nodes), bool))
-    animation = root["animations"][0]
-    times = accessors.numbers(animation["samplers"][0]["input"], 1)[:, 0]
-    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (len(times), len(nodes), 1))
-    translations = np.tile(offsets, (len(times), 1, 1))
-    for channel in animation["channels"]:
-        values = accessors.numbers(
-            animation["samplers"][channel["sampler"]]["output"], 4 if channel["target"]["path"] == "rotation" else 3
-        )
-        array = rotations if channel["target"]["path"] == "rotation" else translations
-        array[:, channel["target"]["node"]] = values
-    return skeleton, PoseSequence(rotations, translations), times, file
+    times = Accessors(file).numbers(file.root.value["animations"][0]["samplers"][0]["input"], 1)[:, 0]
+    return *gltf_motion(path), times, file
 
 
 def carried(file, skeleton, poses, frame):
