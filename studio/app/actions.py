@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from studio.app import casting, recovery
 from studio.app.verbs import editing, files, playback, view
-from studio.app.verbs.constraining import adder
+from studio.app.verbs.constraining import add_box, adder
 from studio.app.workbench import Workbench
 
 Run = Callable[[Workbench], object]
@@ -130,6 +130,8 @@ CONSTRAINT = (
            tooltip="Keep the centre of mass where the motion has it", enabled=_picked),
     Action("add_area", "Constraint", "Add table (area) constraint", adder("area"),
            tooltip="A table under the picked joint, which it does not sink into", enabled=_picked, ends_group=True),
+    Action("add_box", "Constraint", "Add box", add_box, tooltip="A prop ahead of the body, for targets to follow",
+           enabled=_viewing, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",), "Copy the selected constraints",
            _constraint_selected),
 )  # fmt: skip

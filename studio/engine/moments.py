@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedPlace
+from studio.core.constraints.keyed import KeyedPlace, Quaternion
 from studio.core.constraints.target import follows_of
 from studio.core.project import Project
-from studio.core.solver.tracks import Targets, Track, fixed_at, moved_target
+from studio.core.solver.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.engine.performance import Posed
 
 FloatArray = NDArray[np.float64]
@@ -48,6 +48,13 @@ class Moment:
         track = self.track(target) if isinstance(target, Follow) else None
         flat = isinstance(target, tuple) and len(target) == 2
         held: dict[str, Any] = {name: place[:2] if flat else moved_target(target, place, self.pose.seconds, track)}
+        return replace(constraint, **held)
+
+    def turned(self, constraint: Constraint, turn: Quaternion) -> Constraint:
+        """An orientation with its target turned to ``turn`` now, as ``moved``."""
+        target = getattr(constraint, "target")  # noqa: B009 - only an orientation comes here
+        track = self.track(target) if isinstance(target, Follow) else None
+        held: dict[str, Any] = {"target": turned_target(target, turn, self.pose.seconds, track)}
         return replace(constraint, **held)
 
     def track(self, follow: Follow) -> Track | None:

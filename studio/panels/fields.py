@@ -197,6 +197,16 @@ class Choice(QComboBox):
         """What is chosen now."""
         return self._values[self.currentIndex()]
 
+    def offer(self, items: Iterable[tuple[object, str]]) -> None:
+        """Other things to choose from; nothing happens where they are the same."""
+        items = list(items)
+        shown = [(value, self.itemText(place)) for place, value in enumerate(self._values)]
+        if items != shown:
+            with QSignalBlocker(self):
+                self.clear_all()
+                for value, text in items:
+                    self.add(value, text)
+
     def offers(self, value: object) -> bool:
         """Whether it is there to be chosen."""
         return value in self._values

@@ -14,6 +14,7 @@ from studio.panels.contact_editor import ContactEditor
 from studio.panels.editor import Editor, PlainEditor
 from studio.panels.ground_editor import GroundEditor
 from studio.panels.performer_editor import PerformerEditor
+from studio.panels.prop_editor import PropEditor
 from studio.panels.stage_editor import StageEditor
 
 EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
@@ -22,6 +23,7 @@ EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "performers": PerformerEditor,
     "contacts": ContactEditor,
     "grounds": GroundEditor,
+    "props": PropEditor,
 }
 
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from studio.core.constraints.target import key_times
 from studio.core.contacts import ContactInterval, FootPoint
 from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of, with_time
@@ -44,7 +45,7 @@ def go_to_key(shown: Shown, direction: int) -> None:
     times = [
         time + shown.subject.offset
         for each in shown.project.constraints_of(shown.subject.motion_id).values()
-        for time in (time_of(each.activation, part) for part in HANDLES)
+        for time in (*(time_of(each.activation, part) for part in HANDLES), *key_times(each))
     ] + [
         shown.subject.stage_time(frame)
         for each in shown.project.contacts_of(shown.subject.motion_id).values()

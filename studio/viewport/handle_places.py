@@ -12,9 +12,11 @@ def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
     place = getattr(constraint, HELD_BY.get(constraint.kind, ""), None)
     if not isinstance(place, tuple):
         return None
-    return (place[0], place[1], floor) if is_flat(constraint) else place
+    return (place[0], place[1], floor) if is_flat(constraint) else (place[0], place[1], place[2])
 
 
 def is_flat(constraint: Constraint) -> bool:
     """Whether the handle stays on the ground."""
-    return constraint.kind == "balance" and not getattr(constraint, "vertical", False)
+    place = getattr(constraint, "place", None)
+    lies = isinstance(place, tuple) and len(place) == 2
+    return constraint.kind == "balance" and (lies or not getattr(constraint, "vertical", False))

@@ -1,5 +1,7 @@
 """Every kind of constraint from the menu to the inspector and the gizmo, as a person would."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, Qt
@@ -8,10 +10,14 @@ from PySide6.QtWidgets import QAbstractButton, QApplication, QComboBox
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.area import AreaShape
+from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import FollowProp
+from studio.core.constraints.keyed import KeyedPlace
 from studio.core.metrics import centre_of_mass
+from studio.core.project import Prop
 from studio.document.document import Document
-from studio.engine.moments import Moment
+from studio.engine.moments import HELD_BY, Moment
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.gizmo import AXES
@@ -163,7 +169,7 @@ def test_balance_is_fixed_where_the_centre_of_mass_is_now_and_moved_on_the_groun
     viewport, document, inspector = studio
     assert add(studio, "balance").place is None
     assert viewport.gizmo() is None
-    press(inspector, "Centre of mass: Fixed place")
+    press(inspector, "Centre of mass: Place")
     pose = viewport.posed["performer 0"]
     expected = centre_of_mass(pose.motion)[pose.row, :2]
     assert current(document).place == pytest.approx(tuple(expected), abs=1e-9)
@@ -235,3 +241,138 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
         else:
             assert handle_place(moved, floor=0.3) == (0.1, 0.2, 0.3)
         document.undo_stack.undo()
+
+
+def keyed(studio, kind="position"):
+    """A constraint whose place has a key at 0.1 s, before the playhead at 0.2 s."""
+    viewport, document, _ = studio
+    constraint = add(studio, kind)
+    name = HELD_BY[kind]
+    place = getattr(constraint, name)
+    new = replace(constraint, **{name: KeyedPlace((0.1,), (place,))})
+    document.replace("constraints", document.selection.current[1], new, "Key")
+    viewport.frame_selection()
+    settle(viewport)
+    return new
+
+
+@pytest.mark.parametrize("kind", ["position", "look_at", "area"])
+def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_back(studio, kind):
+    viewport, document, _ = studio
+    before = keyed(studio, kind)
+    gizmo = viewport.gizmo()
+    tip = gizmo.tips[AXES.index("z")]
+    begin, end = (QPoint(*np.rint(gizmo.centre + share * (tip - gizmo.centre)).astype(int)) for share in (0.7, 1.5))
+    QTest.mousePress(viewport, LEFT, Qt.KeyboardModifier.NoModifier, begin)
+    QTest.mouseMove(viewport, (begin + end) / 2)
+    QTest.mouseMove(viewport, end)
+    QTest.keyClick(viewport, Qt.Key.Key_Escape)
+    QTest.mouseRelease(viewport, LEFT, Qt.KeyboardModifier.NoModifier, end)
+    assert current(document) == before
+    drag(viewport, begin, end)
+    target = getattr(current(document), HELD_BY[kind])
+    assert target.times == (0.1, 0.2)
+    assert target.values[0] == getattr(before, HELD_BY[kind]).values[0]
+    assert target.values[1][2] > target.values[0][2] + 0.02
+    assert document.undo_stack.undoText() == f"Key target of {before.name}"
+
+
+def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag_offsets_it(studio):
+    viewport, document, _ = studio
+    prop_id = document.add("props", Prop("Box", position=(0.4, 0.3, 0.9), heading=0.5), "Add box")
+    constraint = add(studio, "position")
+    new = replace(constraint, target=FollowProp(prop_id))
+    document.replace("constraints", document.selection.current[1], new, "Follow")
+    settle(viewport)
+    [handle] = [one for one in viewport.handles() if one.main]
+    assert handle.target == pytest.approx([0.4, 0.3, 0.9])
+    pose = viewport.posed["performer 0"]
+    moved = Moment(document.project, viewport.posed, pose).moved(new, tuple(pose.placement.to_motion([0.5, 0.3, 1.0])))
+    assert moved.target.offset == pytest.approx((0.1 * np.cos(0.5), -0.1 * np.sin(0.5), 0.1))
+
+
+def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studio):
+    _, document, inspector = studio
+    constraint = add(studio, "position")
+    choose(inspector, "Target is", "Keyed over time")
+    assert current(document).target.times == pytest.approx([0.2])
+    assert current(document).target.values[0] == pytest.approx(constraint.target)
+    document.playhead.set_time(0.4)
+    enter(inspector, "Target Z", "1.5")
+    assert current(document).target.times == pytest.approx([0.2, 0.4])
+    document.playhead.set_time(0.3)
+    between = field(inspector, "Target Z").value()
+    assert min(constraint.target[2], 1.5) < between < max(constraint.target[2], 1.5)
+    press(inspector, "Set key")
+    assert current(document).target.times == pytest.approx([0.2, 0.3, 0.4])
+    press(inspector, "Key before")
+    assert document.playhead.time == pytest.approx(0.2)
+    press(inspector, "Delete key")
+    assert current(document).target.times == pytest.approx([0.3, 0.4])
+    choose(inspector, "Target is", "Fixed")
+    assert isinstance(current(document).target, tuple)
+
+
+def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
+    _, document, inspector = studio
+    told = []
+    document.problem.connect(told.append)
+    place = add(studio, "position").target
+    choose(inspector, "Target is", "Follows a prop")
+    assert "no prop" in told[-1]
+    assert current(document).target == place
+    prop_id = document.add("props", Prop("Box", position=(1.0, 0.0, 0.5)), "Add box")
+    choose(inspector, "Target is", "Follows a prop")
+    assert current(document).target.prop_id == prop_id
+    assert [field(inspector, f"Target {axis}").value() for axis in "XYZ"] == pytest.approx(place, abs=1e-3)
+    choose(inspector, "Target is", "Follows a performer")
+    assert current(document).target.performer_id == "performer 1"
+    choose(inspector, "Point followed", "Head")
+    assert current(document).target.point.part is BodyPart.NECK
+    choose(inspector, "Target is", "Follows the own body")
+    assert current(document).target.point == BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
+    choose(inspector, "Target is", "Follows the capture")
+    assert current(document).target.joint == "RightForeArm"
+    choose(inspector, "Follows", "LeftHand")
+    assert current(document).target.joint == "LeftHand"
+    count = document.undo_stack.count()
+    for _ in range(count - 1):
+        document.undo_stack.undo()
+    assert current(document).target == place
+
+
+def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_forms(studio):
+    _, document, inspector = studio
+    add(studio, "orientation")
+    choose(inspector, "Target is", "Keyed over time")
+    document.playhead.set_time(0.4)
+    enter(inspector, "Turn Z", "30")
+    assert current(document).target.times == pytest.approx([0.2, 0.4])
+    choose(inspector, "Target is", "Follows the own body")
+    enter(inspector, "Turn Z", "30")
+    assert current(document).target.turn != (0.0, 0.0, 0.0, 1.0)
+    document.playhead.set_time(0.2)
+    add(studio, "distance")
+    press(inspector, "Distance is keyed over time")
+    document.playhead.set_time(0.4)
+    enter(inspector, "Distance", "0.25")
+    assert current(document).distance.values[1] == 0.25
+    document.playhead.set_time(0.2)
+    add(studio, "area")
+    press(inspector, "Heading is keyed over time")
+    choose(inspector, "Target is", "Keyed over time")
+    document.playhead.set_time(0.4)
+    enter(inspector, "Heading", "45")
+    enter(inspector, "Centre X", "1.25")
+    assert current(document).heading.values[1] == pytest.approx(np.pi / 4)
+    assert current(document).centre.values[1][0] == 1.25
+    add(studio, "balance")
+    press(inspector, "Centre of mass: Feet")
+    enter(inspector, "Margin", "3")
+    assert current(document).place == Support(0.03)
+    press(inspector, "Centre of mass: Place")
+    choose(inspector, "Target is", "Keyed over time")
+    enter(inspector, "Place Y", "0.4")
+    assert current(document).place.values[0][1] == 0.4
+    press(inspector, "The height of the centre of mass is asked too")
+    assert current(document).vertical

@@ -4,7 +4,7 @@ from dataclasses import fields
 
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowBody
-from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
+from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
 
 Place = Vector | KeyedPlace | Follow
 """Metres in the motion's space (before a performer's placement)."""
@@ -37,6 +37,12 @@ def follows_of(constraint: Constraint) -> tuple[Follow, ...]:
     """All that a constraint follows."""
     values = (getattr(constraint, field.name) for field in fields(constraint))
     return tuple(value for value in values if isinstance(value, FOLLOWS))
+
+
+def key_times(constraint: Constraint) -> tuple[float, ...]:
+    """Seconds at which anything of a constraint has a key, in order."""
+    keyed = (getattr(constraint, field.name) for field in fields(constraint))
+    return tuple(sorted({time for value in keyed if isinstance(value, Keys) for time in value.times}))
 
 
 def is_moving(constraint: Constraint) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTracked
-from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
 from studio.core.constraints.target import Place, Turn
 from studio.core.rotations import from_matrix, to_matrix
 
@@ -107,6 +107,16 @@ def moved_target(target: Place, place: Vector, seconds: float, track: Track | No
     if isinstance(target, FollowProp | FollowTracked):
         return replace(target, offset=_sum(target.offset, further))
     return replace(target, point=replace(target.point, offset=_sum(target.point.offset, further)))
+
+
+def turned_target(target: Turn, turn: Quaternion, seconds: float, track: Track | None) -> Turn:
+    """As ``moved_target``, for a rotation."""
+    if isinstance(target, KeyedTurn):
+        return target.with_key(seconds, turn)
+    if not isinstance(target, FOLLOWS) or track is None:
+        return turn
+    axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
+    return replace(target, turn=tuple(from_matrix(axes.T @ to_matrix(np.array(turn))).tolist()))
 
 
 def _sum(offset: Vector, further: FloatArray) -> Vector:

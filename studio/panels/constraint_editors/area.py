@@ -5,6 +5,7 @@ from typing import Any
 
 from studio.core.constraints.area import AreaShape
 from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Choice, NumberField, Section, Segments
 
@@ -37,10 +38,12 @@ class AreaEditor(ConstraintEditor):
         self._side = Segments("Point stays", [(False, "Outside"), (True, "Inside")])
         self._side.chosen.connect(lambda inside: self._set("Choose side of", inside=inside))
         section.add_row("Stays", self._side)
-        self._centre = VectorRow(self, section, "Centre", lambda place: self._set("Move", centre=place))
+        self._source = TargetRows(self, section, "centre")
+        self._centre = VectorRow(self, section, "Centre", self._set_centre)
         self._size = VectorRow(self, section, "Size", self._set_size)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._set_heading)
-        self._heading_caption = section.add_row("Heading", self._heading)
+        self._direction = NumberRows(self, section, "heading")
+        self._heading_caption = section.add_row("Heading", self._heading, self._direction.keyed)
 
     def refresh(self) -> None:
         """Fetch everything."""
@@ -50,15 +53,26 @@ class AreaEditor(ConstraintEditor):
             return
         self._shape.show_value(area.shape)
         self._side.show_value(area.inside)
-        self._centre.show_values(area.centre)
         words, used = SIZES.get(area.shape, ("Size  m", (True, True, True)))
         self._size.caption.setText(words)
         self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST)
         self._size.show_values(area.size)
         self._size.set_visible(*used)
-        self._heading.show_value(math.degrees(area.heading))
+
+    def refresh_moment(self) -> None:
+        """Fetch what depends on the playhead."""
+        turned = self.entity.shape in TURNED
+        self._source.refresh()
+        now = self._source.now()
+        if now is not None:
+            self._centre.show_values(now)
+        self._direction.refresh(turned)
+        self._heading.show_value(math.degrees(self._direction.now))
         for widget in (self._heading, self._heading_caption):
-            widget.setVisible(area.shape in TURNED)
+            widget.setVisible(turned)
+
+    def _set_centre(self, place: tuple[float, ...]) -> None:
+        self._source.put(place, f"Move {self.entity.name}")
 
     def _set(self, verb: str, **values: Any) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
@@ -75,4 +89,4 @@ class AreaEditor(ConstraintEditor):
         self._set("Choose shape of", shape=shape, size=size)
 
     def _set_heading(self, degrees: float) -> None:
-        self._set("Turn", heading=math.radians(degrees))
+        self._direction.put(math.radians(degrees), f"Turn {self.entity.name}")

@@ -1,40 +1,67 @@
 """The form of a balance constraint: over what the centre of mass is to be."""
 
+from PySide6.QtWidgets import QCheckBox
+
+from studio.core.constraints.balance import Support
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.present import mass_now
+from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.fields import Section, Segments
+from studio.panels.fields import NumberField, Section, Segments
+
+OWN, PLACE, SUPPORT = "own", "place", "support"
+CENTIMETRE = 0.01
+WIDEST_MARGIN = 10.0
 
 
 class BalanceEditor(ConstraintEditor):
-    """The motion's own place, or one on the ground."""
+    """The motion's own place, a given one, or the soles that stand."""
 
     has_point = False
 
     def add_kind_rows(self, section: Section) -> None:
-        """Own or fixed, and the place if it is fixed."""
-        self._mode = Segments("Centre of mass", [(False, "Own place"), (True, "Fixed place")])
-        self._mode.chosen.connect(self._set_fixed)
+        """Over what, the place if it is given, the margin of a support, whether its height counts."""
+        self._mode = Segments("Centre of mass", [(OWN, "Own"), (PLACE, "Place"), (SUPPORT, "Feet")])
+        self._mode.chosen.connect(self._set_mode)
         section.add_row("Mass over", self._mode)
-        self._place = VectorRow(self, section, "Place", self._set_place, "XY")
+        self._source = TargetRows(self, section, "place")
+        self._place = VectorRow(self, section, "Place", self._set_place)
+        self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)
+        self._margin_caption = section.add_row("Margin", self._margin)
+        self._vertical = QCheckBox("its height too")
+        self._vertical.setAccessibleName("The height of the centre of mass is asked too")
+        self._vertical.clicked.connect(self._set_vertical)
+        section.add_row("Holds", self._vertical)
 
-    def refresh(self) -> None:
-        """Fetch everything."""
-        super().refresh()
-        if self.entity is None:
-            return
+    def refresh_moment(self) -> None:
+        """Fetch what depends on the playhead."""
         place = self.entity.place
-        self._mode.show_value(place is not None)
-        self._place.set_visible(*[place is not None] * 2)
-        if place is not None:
-            self._place.show_values(place)
+        mode = OWN if place is None else SUPPORT if isinstance(place, Support) else PLACE
+        self._mode.show_value(mode)
+        self._source.refresh()
+        now = self._source.now() if mode == PLACE else None
+        height = mode == PLACE and len(now or ()) == 3
+        self._place.set_visible(mode == PLACE, mode == PLACE, height)
+        if now is not None:
+            self._place.show_values((*now, 0.0)[:3])
+        for widget in (self._margin, self._margin_caption):
+            widget.setVisible(mode == SUPPORT)
+        if isinstance(place, Support):
+            self._margin.show_value(place.margin / CENTIMETRE)
+        self._vertical.setChecked(self.entity.vertical)
 
-    def _set_fixed(self, fixed: bool) -> None:
-        """A fixed place begins where the active body's centre of mass is now."""
-        if fixed == (self.entity.place is not None):
-            return
-        place = (mass_now(self) or (0.0, 0.0, 0.0))[:2] if fixed else None
-        self.change(f"{'Fix' if fixed else 'Free'} place of {self.entity.name}", place=place)
+    def _set_mode(self, mode: str) -> None:
+        """A given place begins where the active body's centre of mass is now."""
+        now = (mass_now(self) or (0.0, 0.0, 0.0))[:2]
+        place = {OWN: None, PLACE: now, SUPPORT: Support()}[mode]
+        self.change(f"Choose place of {self.entity.name}", place=place)
 
     def _set_place(self, place: tuple[float, ...]) -> None:
-        self.change(f"Move place of {self.entity.name}", place=place)
+        flat = isinstance(self.entity.place, tuple) and len(self.entity.place) == 2
+        self._source.put(place[:2] if flat else place, f"Move place of {self.entity.name}")
+
+    def _set_margin(self, centimetres: float) -> None:
+        self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * CENTIMETRE))
+
+    def _set_vertical(self, vertical: bool) -> None:
+        self.change(f"{'Hold' if vertical else 'Free'} height of {self.entity.name}", vertical=vertical)

@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.target import is_moving
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.engine.point_names import POINTS, point_words
@@ -42,6 +43,7 @@ class ConstraintEditor(Editor):
         self._chain = ChainSection(self)
         self._residuals = ResidualSection(self)
         self._priority = PrioritySection(self)
+        document.playhead.changed.connect(self._playhead_moved)
         for section in (self._section, self._residuals, self._activation, self._chain, self._priority):
             self.column.addWidget(section)
         self.finish()
@@ -90,10 +92,18 @@ class ConstraintEditor(Editor):
             field.show_value(value / CENTIMETRE)
         for section in (self._activation, self._chain, self._residuals, self._priority):
             section.refresh()
+        self.refresh_moment()
+
+    def refresh_moment(self) -> None:
+        """Fetch what is another at another time: targets that are keyed or follow something."""
+
+    def _playhead_moved(self, _: float) -> None:
+        if self.entity is not None and is_moving(self.entity):
+            self.refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """Priorities are an order among all constraints; residuals name the performers."""
-        return collection in ("constraints", "performers", "characters")
+        """Priorities are an order among all constraints; residuals name the performers, targets the props."""
+        return collection in ("constraints", "performers", "characters", "props")
 
     def _show_point(self, point: BodyPoint) -> None:
         if not self._point.offers((point.part, point.at_end)):

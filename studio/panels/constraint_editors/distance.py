@@ -5,6 +5,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.engine.point_names import point_words
 from studio.panels.constraint_editors.common import ConstraintEditor, point_choices
 from studio.panels.constraint_editors.present import place_now
+from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import FAR, VectorRow
 from studio.panels.fields import Choice, NumberField, Section
 
@@ -17,19 +18,20 @@ class DistanceEditor(ConstraintEditor):
     def add_kind_rows(self, section: Section) -> None:
         """Distance, other end, and the place if it is outside."""
         self._distance = self.bind(NumberField("Distance", "m", 0.0, FAR, 0.005, 3), self._set_distance)
-        section.add_row("Distance", self._distance)
+        self._length = NumberRows(self, section, "distance")
+        section.add_row("Distance", self._distance, self._length.keyed)
         self._other = Choice("Distance from", [(OUTSIDE, "A place outside"), *point_choices()])
         self._other.chosen.connect(self._set_other)
         section.add_row("From", self._other)
+        self._source = TargetRows(self, section, "other")
         self._place = VectorRow(self, section, "Place", self._set_place)
 
-    def refresh(self) -> None:
-        """Fetch everything."""
-        super().refresh()
-        if self.entity is None:
-            return
+    def refresh_moment(self) -> None:
+        """Fetch what depends on the playhead."""
         other = self.entity.other
-        self._distance.show_value(self.entity.distance)
+        self._length.refresh()
+        self._distance.show_value(self._length.now)
+        self._source.refresh()
         outside = not isinstance(other, BodyPoint)
         self._place.set_visible(*[outside] * 3)
         if isinstance(other, BodyPoint):
@@ -38,13 +40,15 @@ class DistanceEditor(ConstraintEditor):
             self._other.show_value((other.part, other.at_end))
         else:
             self._other.show_value(OUTSIDE)
-            self._place.show_values(other)
+            now = self._source.now()
+            if now is not None:
+                self._place.show_values(now)
 
     def _set_distance(self, metres: float) -> None:
-        self.change(f"Change distance of {self.entity.name}", distance=metres)
+        self._length.put(metres, f"Change distance of {self.entity.name}")
 
     def _set_place(self, place: tuple[float, ...]) -> None:
-        self.change(f"Move place of {self.entity.name}", other=place)
+        self._source.put(place, f"Move place of {self.entity.name}")
 
     def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
         """A place outside begins where the other end was."""

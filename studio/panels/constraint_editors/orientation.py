@@ -6,6 +6,7 @@ import numpy as np
 
 from studio.core.rotations import angle_between, from_euler, to_euler
 from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.fields import NumberField, Section
 
 ORDER = "ZYX"
@@ -18,21 +19,20 @@ class OrientationEditor(ConstraintEditor):
     """Degrees about the X, Y and Z axes of the motion's space."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """The three angles."""
+        """What the target is, and the three angles that it has now."""
+        self._source = TargetRows(self, section, "target", turns=True)
         self._angles = [
             self.bind(NumberField(f"Turn {axis}", "", -360.0, 360.0, 1.0, 2), partial(self._set_angle, k))
             for k, axis in enumerate("XYZ")
         ]
         section.add_row("Turn  °", *self._angles)
 
-    def refresh(self) -> None:
-        """Fetch everything."""
-        super().refresh()
-        if self.entity is None:
-            return
-        target = np.array(self.entity.target)
-        if angle_between(self._quaternion(self._shown()), target) > SAME:
-            for field, angle in zip(self._angles, np.degrees(to_euler(ORDER, target))[::-1], strict=True):
+    def refresh_moment(self) -> None:
+        """Fetch what depends on the playhead."""
+        self._source.refresh()
+        now = self._source.now()
+        if now is not None and angle_between(self._quaternion(self._shown()), np.array(now)) > SAME:
+            for field, angle in zip(self._angles, np.degrees(to_euler(ORDER, np.array(now)))[::-1], strict=True):
                 field.show_value(float(angle))
 
     def _shown(self) -> list[float]:
@@ -46,4 +46,4 @@ class OrientationEditor(ConstraintEditor):
         angles = self._shown()
         angles[axis] = degrees
         target = tuple(self._quaternion(angles).tolist())
-        self.change(f"Turn target of {self.entity.name}", target=target)
+        self._source.put(target, f"Turn target of {self.entity.name}")

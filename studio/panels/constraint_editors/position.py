@@ -1,22 +1,25 @@
 """The form of a position constraint: where the point is to be."""
 
 from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Section
 
 
 class PositionEditor(ConstraintEditor):
-    """Three numbers in metres."""
+    """What the target is, and where it is now, in metres."""
 
     def add_kind_rows(self, section: Section) -> None:
         """The target."""
+        self._source = TargetRows(self, section, "target")
         self._target = VectorRow(self, section, "Target", self._set_target)
 
-    def refresh(self) -> None:
-        """Fetch everything."""
-        super().refresh()
-        if self.entity is not None:
-            self._target.show_values(self.entity.target)
+    def refresh_moment(self) -> None:
+        """Fetch what depends on the playhead."""
+        self._source.refresh()
+        now = self._source.now()
+        if now is not None:
+            self._target.show_values(now)
 
     def _set_target(self, target: tuple[float, ...]) -> None:
-        self.change(f"Move target of {self.entity.name}", target=target)
+        self._source.put(target, f"Move target of {self.entity.name}")

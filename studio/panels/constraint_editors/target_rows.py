@@ -1,0 +1,277 @@
+"""What a target is: fixed, keyed over time, or following something; and its keys."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtWidgets import QCheckBox
+
+from studio.core.canonical import BodyPart
+from studio.core.capture import Capture
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.engine.moments import Moment
+from studio.engine.performance import motion_time, stage_time
+from studio.engine.point_names import POINTS, point_words
+from studio.panels.constraint_editors.present import moment_now
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, Section, labelled, press_button
+
+FIXED, KEYED = "fixed", Keys.kind
+KINDS = (
+    (FIXED, "Fixed"),
+    (KEYED, "Keyed over time"),
+    (FollowBody.kind, "Follows the own body"),
+    (FollowPerformer.kind, "Follows a performer"),
+    (FollowProp.kind, "Follows a prop"),
+    (FollowTracked.kind, "Follows the capture"),
+)
+WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
+
+
+class TargetRows:
+    """The rows that say what a constraint's value ``field`` is; its numbers now stand in a row of the editor's own."""
+
+    def __init__(self, editor: Editor, section: Section, field: str, turns: bool = False) -> None:
+        self._editor, self._field, self._turns = editor, field, turns
+        self._kind = Choice("Target is", KINDS)
+        self._kind.chosen.connect(self._choose)
+        self._kind_caption = section.add_row("Target is", self._kind)
+        self._thing = Choice("Follows", ())
+        self._thing.chosen.connect(self._choose_thing)
+        self._thing_caption = section.add_row("Follows", self._thing)
+        self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINTS.items()])
+        self._point.chosen.connect(self._choose_point)
+        self._point_caption = section.add_row("Its point", self._point)
+        self._keys = KeyRow(editor, section, field)
+
+    @property
+    def target(self) -> Any:
+        """The value as it is now, of whatever kind."""
+        return getattr(self._editor.entity, self._field)
+
+    def now(self) -> Any:
+        """The numbers that the target has at the playhead; None while they are not known."""
+        if isinstance(self.target, tuple):
+            return self.target
+        moment = moment_now(self._editor)
+        fixed = moment.fixed(self._editor.entity) if moment else None
+        return getattr(fixed, self._field, None)
+
+    def put(self, numbers: Any, text: str) -> None:
+        """Have these numbers now: fixed, as a key at the playhead, or as another offset from what is followed."""
+        editor, moment = self._editor, moment_now(self._editor)
+        if isinstance(self.target, tuple) or moment is None:
+            editor.change(text, **{self._field: numbers})
+        elif self._turns:
+            editor.put(lambda: moment.turned(editor.entity, numbers), text)
+        else:
+            editor.put(lambda: moment.moved(editor.entity, numbers), text)
+
+    def refresh(self) -> None:
+        """Show what it is; nothing where the value is no target."""
+        target = self.target
+        kind = getattr(target, "kind", FIXED if isinstance(target, tuple) else None)
+        known = kind in dict(KINDS)
+        things = self._things(str(kind)) if known else ()
+        self._kind.show_value(kind)
+        for widget in (self._kind, self._kind_caption):
+            widget.setVisible(known)
+        for widget in (self._thing, self._thing_caption):
+            widget.setVisible(bool(things))
+        self._thing.offer(things)
+        self._thing.show_value(next((getattr(target, name) for name in _THINGS if hasattr(target, name)), None))
+        point = getattr(target, "point", None) if isinstance(target, Follow) else None
+        for widget in (self._point, self._point_caption):
+            widget.setVisible(point is not None)
+        if point is not None:
+            if not self._point.offers((point.part, point.at_end)):
+                self._point.add((point.part, point.at_end), point_words(point).capitalize())
+            self._point.show_value((point.part, point.at_end))
+        self._keys.refresh(known)
+
+    def _things(self, kind: str) -> Sequence[tuple[object, str]]:
+        """What there is to follow, by id and name."""
+        project = self._editor.document.project
+        match kind:
+            case FollowPerformer.kind:
+                return [(key, each.name) for key, each in project.performers.items()]
+            case FollowProp.kind:
+                return [(key, each.name) for key, each in project.props.items()]
+            case FollowTracked.kind:
+                return [(name, name) for name in self._capture().skeleton.names]
+        return ()
+
+    def _capture(self) -> Capture:
+        project = self._editor.document.project
+        return project.captures[project.motions[self._editor.entity.motion_id].capture_id]
+
+    def _choose(self, kind: str) -> None:
+        if kind == getattr(self.target, "kind", FIXED):
+            return
+        editor, things = self._editor, self._things(kind)
+        if kind in (FollowProp.kind, FollowPerformer.kind) and not things:
+            editor.document.problem.emit(
+                "There is no prop on the stage. Add one with Constraint > Add box, then choose it."
+            )
+            self.refresh()
+            return
+        text = f"{dict(KINDS)[kind]}: {editor.entity.name}"
+        editor.put(lambda: replace(editor.entity, **{self._field: self._first(kind, things)}), text)
+
+    def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Any:
+        """A target of another kind: as far as it can be, where the old one is now."""
+        editor, own, now = self._editor, self._editor.entity.point, self.now()
+        moment = moment_now(editor)
+        match kind:
+            case FollowBody.kind:
+                return FollowBody(next(point for point in WRISTS if point.part != own.part))
+            case FollowPerformer.kind:
+                others = [key for key, _ in things if key != editor.document.active_performer_id]
+                return FollowPerformer((others or [things[0][0]])[0], own)
+            case FollowProp.kind:
+                return self._attached(FollowProp(things[0][0]), now, moment)
+            case FollowTracked.kind:
+                capture = self._capture()
+                parts = capture.body_map.parts if capture.body_map else {}
+                return FollowTracked(capture.skeleton.names[parts.get(own.part, 0)])
+        if now is None:
+            raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
+        if kind == FIXED:
+            return now
+        if moment is None:
+            raise ValueError("Nobody performs yet, so there is no moment for a key.")
+        return (KeyedTurn if self._turns else KeyedPlace)((moment.pose.seconds,), (_full(now),))
+
+    def _attached(self, follow: FollowProp, now: Any, moment: Moment | None) -> Any:
+        """A prop takes the target along from where it is."""
+        if now is None or moment is None:
+            return follow
+        held = replace(self._editor.entity, **{self._field: follow})
+        moved = moment.turned(held, now) if self._turns else moment.moved(held, _full(now))
+        return getattr(moved, self._field)
+
+    def _choose_thing(self, thing: str) -> None:
+        name = next(name for name in _THINGS if hasattr(self.target, name))
+        self._change(replace(self.target, **{name: thing}), "Choose what it follows")
+
+    def _choose_point(self, choice: tuple[BodyPart, bool]) -> None:
+        self._change(replace(self.target, point=BodyPoint(choice[0], at_end=choice[1])), "Choose point that it follows")
+
+    def _change(self, target: Any, text: str) -> None:
+        self._editor.change(f"{text}: {self._editor.entity.name}", **{self._field: target})
+
+
+class KeyRow:
+    """Which key is at the playhead, the way to the next one, and buttons to set and delete one."""
+
+    def __init__(self, editor: Editor, section: Section, field: str) -> None:
+        self._editor, self._field = editor, field
+        self._words = labelled("", "value")
+        self._words.setAccessibleName("Keys")
+        self._buttons = [
+            press_button("‹", lambda: self._go(-1)),
+            press_button("›", lambda: self._go(1)),
+            press_button("Set", self._set),
+            press_button("Delete", self._delete),
+        ]
+        for button, name in zip(self._buttons, ("Key before", "Next key", "Set key", "Delete key"), strict=True):
+            button.setAccessibleName(name)
+            button.setToolTip(name)
+        self._caption = section.add_row("Keys", self._words, *self._buttons)
+
+    def refresh(self, known: bool = True) -> None:
+        """Show the keys, where there are any."""
+        keyed = self._keyed() if known else None
+        for widget in (self._caption, self._words, *self._buttons):
+            widget.setVisible(keyed is not None)
+        if keyed is not None:
+            place = keyed.key_at(self._seconds())
+            count = len(keyed.times)
+            self._words.setText(f"{count}" if place is None else f"{place + 1} of {count}")
+            self._buttons[3].setEnabled(place is not None and count > 1)
+
+    def _keyed(self) -> Any:
+        value = getattr(self._editor.entity, self._field)
+        return value if isinstance(value, Keys) else None
+
+    def _seconds(self) -> float:
+        """The time of the motion at the playhead."""
+        document = self._editor.document
+        performer = document.project.performers.get(document.active_performer_id or "")
+        if performer is None or not performer.clips:
+            return document.playhead.time
+        rate = document.playhead.frame_rate
+        return round(motion_time(performer.clips[0], rate, document.playhead.time) * rate) / rate
+
+    def _go(self, step: int) -> None:
+        keyed, now = self._keyed(), self._seconds()
+        ahead = [time for time in keyed.times if (time - now) * step > 1e-4]
+        document = self._editor.document
+        performer = document.project.performers.get(document.active_performer_id or "")
+        if ahead and performer is not None and performer.clips:
+            document.playhead.pause()
+            time = min(ahead, key=lambda each: abs(each - now))
+            document.playhead.set_time(stage_time(performer.clips[0], document.playhead.frame_rate, time))
+
+    def _set(self) -> None:
+        """A key with what is there now."""
+        keyed, now = self._keyed(), self._seconds()
+        value = keyed.at([now])[0]
+        if isinstance(keyed, KeyedTurn):
+            from studio.core.rotations import from_matrix
+
+            value = from_matrix(value)
+        self._change(keyed.with_key(now, tuple(value.tolist()) if keyed.size > 1 else float(value[0])), "Set key of")
+
+    def _delete(self) -> None:
+        place = self._keyed().key_at(self._seconds())
+        if place is not None:
+            self._change(self._keyed().without_key(place), "Delete key of")
+
+    def _change(self, value: Any, text: str) -> None:
+        self._editor.change(f"{text} {self._editor.entity.name}", **{self._field: value})
+
+
+class NumberRows:
+    """A number that may be keyed: what it is now, a box that says whether it is keyed, and its keys."""
+
+    def __init__(self, editor: Editor, section: Section, field: str) -> None:
+        self._editor, self._field = editor, field
+        self.keyed = QCheckBox("keyed")
+        self.keyed.setAccessibleName(f"{field.capitalize()} is keyed over time")
+        self.keyed.clicked.connect(self._toggle)
+        self._keys = KeyRow(editor, section, field)
+
+    def refresh(self, shown: bool = True) -> None:
+        """Show whether it is keyed."""
+        value = getattr(self._editor.entity, self._field)
+        self.keyed.setVisible(shown)
+        self.keyed.setChecked(isinstance(value, KeyedNumber))
+        self._keys.refresh(shown)
+
+    @property
+    def now(self) -> float:
+        """The number at the playhead."""
+        value = getattr(self._editor.entity, self._field)
+        return float(value.at([self._keys._seconds()])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
+
+    def put(self, number: float, text: str) -> None:
+        """Have this number now."""
+        value = getattr(self._editor.entity, self._field)
+        new = value.with_key(self._keys._seconds(), number) if isinstance(value, KeyedNumber) else number
+        self._editor.change(text, **{self._field: new})
+
+    def _toggle(self, keyed: bool) -> None:
+        value = KeyedNumber((self._keys._seconds(),), (self.now,)) if keyed else self.now
+        text = f"{'Key' if keyed else 'Fix'} {self._field} of {self._editor.entity.name}"
+        self._editor.change(text, **{self._field: value})
+
+
+_THINGS = ("performer_id", "prop_id", "joint")
+
+
+def _full(numbers: tuple[float, ...]) -> Any:
+    """A place on the ground is keyed at height 0."""
+    return (*numbers, 0.0) if len(numbers) == 2 else numbers
