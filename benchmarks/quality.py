@@ -12,7 +12,7 @@ from studio.core.canonical import BodyLayout
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.ground import Ground
-from studio.core.metrics import QUIET, angular_acceleration, centre_of_mass, foot_quality
+from studio.core.metrics import QUIET, angular_acceleration, centre_of_mass, contact_quality
 from studio.core.solver.adapt import Standing, adapt, hold, stand
 from studio.core.solver.request import AdaptedMotion
 
@@ -61,7 +61,7 @@ def quality(task: Task, source: AdaptedMotion) -> Quality:
     body, segment = accelerations(adapted, source)
     return Quality(
         reachable=reachable,
-        slide=1e3 * foot_quality(adapted, request.contacts, Ground()).slide if request.contacts else None,
+        slide=1e3 * contact_quality(adapted, request.contacts, Ground()).slide if request.contacts else None,
         balance=balance,
         excess=excesses,
         acceleration=body,

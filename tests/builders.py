@@ -11,7 +11,7 @@ from studio.core.character import Character
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.humanoid import BodyMap
 from studio.core.morphology import Morphology, Proportions
 from studio.core.pose import PoseSequence
@@ -163,7 +163,7 @@ def make_constraint(motion_id: str = "motion", name: str = "Right wrist", **chan
 
 def make_contact(motion_id: str = "motion", **changes: Any) -> ContactInterval:
     """The left heel on the ground in frames 3 to 12."""
-    return replace(ContactInterval(motion_id, FootPoint.LEFT_HEEL, 3, 12), **changes)
+    return replace(ContactInterval(motion_id, ContactPoint.LEFT_HEEL, 3, 12), **changes)
 
 
 def make_project(characters: int = 2, constraints: int = 1, contacts: int = 2, frames: int = 30) -> Project:
@@ -178,7 +178,7 @@ def make_project(characters: int = 2, constraints: int = 1, contacts: int = 2, f
     }
     targets = {f"constraint {k}": make_constraint(name=f"Target {k}", priority=k) for k in range(constraints)}
     touches = {
-        f"contact {k}": make_contact(point=tuple(FootPoint)[k % 4], first=k, last=k + 8) for k in range(contacts)
+        f"contact {k}": make_contact(point=tuple(ContactPoint)[k % 4], first=k, last=k + 8) for k in range(contacts)
     }
     return Project(
         captures={"capture": make_capture(frames=frames)},

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import Constraint
-from studio.core.contacts import FootPoint
-from studio.core.metrics import acceleration_ratio, foot_quality
+from studio.core.contacts import ContactPoint
+from studio.core.metrics import acceleration_ratio, contact_quality
 from studio.core.rotations import from_matrix, inverse, multiply
 from studio.core.solver.adapt import adapt
-from studio.core.solver.footing import foot_states, freedom
+from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.packing import limb_of
 from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -39,7 +39,7 @@ def character_report(
 ) -> tuple[AdaptedMotion, Record]:
     """The adapted motion from ``first_frame`` on, and the figures that are reported of it."""
     adapted = adapt(request, first_frame)
-    quality = foot_quality(adapted, request.contacts, request.ground)
+    quality = contact_quality(adapted, request.contacts, request.ground)
     report = report_of(request, adapted)
     record: Record = {
         "slide_mm": 1000.0 * quality.slide,
@@ -71,8 +71,8 @@ def frame_records(report: Report) -> Record:
     """What feet, knees and balance did, a number a frame from the first that was adapted; null where there is none."""
     slides, depths = 1000.0 * report.slides, 1000.0 * np.maximum(-report.heights, 0.0)
     return {
-        "slide_mm": {point.value: _numbers(row) for point, row in zip(FootPoint, slides, strict=True)},
-        "penetration_mm": {point.value: _numbers(row) for point, row in zip(FootPoint, depths, strict=True)},
+        "slide_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, slides, strict=True)},
+        "penetration_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, depths, strict=True)},
         "knee_speed_deg": {
             side: _numbers(np.degrees(row)) for side, row in zip(("left", "right"), report.knee_speeds, strict=True)
         },
@@ -126,16 +126,13 @@ def residual_record(constraint: Constraint, residual: float | None) -> Record:
 
 
 def full_activity(request: AdaptRequest) -> NDArray[np.bool_]:
-    """(C, F) where each constraint is fully active; on a leg only where its foot is free, for contacts stand above."""
+    """(C, F) where each constraint is fully active: on a limb only where that stands on nothing."""
     count, rate = request.motion.frame_count, request.motion.frame_rate
-    states = foot_states(request.contacts, count)
     active = np.zeros((len(request.constraints), count), dtype=bool)
     for row, constraint in enumerate(request.constraints):
         activation = constraint.activation.at(np.arange(count) / rate)
         limb = limb_of(constraint.point.part)
-        if limb >= 2:
-            activation = activation * freedom(states[limb - 2] != 0, rate)
-        active[row] = activation >= FULLY
+        active[row] = activation * limb_freedom(request.contacts, limb, count, rate) >= FULLY
     return active
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.character import Character
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
@@ -68,7 +68,9 @@ def made_ready(capture: Capture, annotations: Annotations | None = None) -> Read
 
 def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[int]]]:
     """Contacts as JSON has them: ``{"left_heel": [[first, last], ...], ...}``, every foot point there."""
-    return {point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in FootPoint}
+    return {
+        point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in ContactPoint
+    }
 
 
 def chosen_characters(names: Sequence[str]) -> dict[str, Character]:

@@ -128,7 +128,7 @@ def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionCo
 
 def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
     """(F, 3) places ``reach`` arm lengths before, and a little outside and below, a shoulder."""
-    length = float(standing.morphology.arm[side].sum())
+    length = float(standing.morphology.still.arm[side].sum())
     return np.asarray(_shoulder(standing, side) + reach * length * _ways(standing, side))
 
 

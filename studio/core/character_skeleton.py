@@ -55,7 +55,10 @@ def character_body_map(layout: BodyLayout) -> BodyMap:
 
 
 def character_poses(adapted: AdaptedMotion) -> PoseSequence:
-    """An adapted motion as local rotations and translations of its body's ``character_skeleton``, exactly."""
+    """An adapted motion as local rotations and translations of its body's ``character_skeleton``, exactly.
+
+    Bones of a body whose measures change are carried by their translations.
+    """
     joints = _joints(adapted.morphology.layout)
     skeleton = character_skeleton(adapted.morphology)
     rest = t_pose_rotations(adapted.morphology)
@@ -67,6 +70,11 @@ def character_poses(adapted: AdaptedMotion) -> PoseSequence:
         elif segment >= 0:
             local[:, joint] = np.swapaxes(world[:, joints.segments[parent]], 1, 2) @ world[:, segment]
     translations = np.tile(skeleton.offsets, (adapted.frame_count, 1, 1))
+    if adapted.animated is not None:
+        places = adapted.positions[:, list(joints.points)]
+        carriers = [joints.segments[max(parent, 0)] for parent in joints.parents]
+        bones = places - places[:, np.maximum(joints.parents, 0)]
+        translations = np.einsum("fjki,fjk->fji", world[:, carriers], bones)
     translations[:, 0] = adapted.positions[:, 0]
     return PoseSequence(from_matrix(local), translations)
 

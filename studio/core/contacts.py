@@ -1,6 +1,6 @@
-"""Foot contacts: when heel and toe stand on the ground."""
+"""Contacts: when heels and toes, hands, knees and seat stand on the ground."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -8,25 +8,70 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
+from studio.core.canonical import BodyLayout
+
 FloatArray = NDArray[np.float64]
 
 
-class FootPoint(StrEnum):
-    """What of a foot touches: the heel moves with the ankle, the toe with the toe joint."""
+class ContactPoint(StrEnum):
+    """What of a body touches the ground.
+
+    The heel moves with the ankle, the toe with the toe joint, the hand with the wrist; the seat is the middle of the
+    hips.
+    """
 
     LEFT_HEEL = "left_heel"
     LEFT_TOE = "left_toe"
     RIGHT_HEEL = "right_heel"
     RIGHT_TOE = "right_toe"
+    LEFT_HAND = "left_hand"
+    RIGHT_HAND = "right_hand"
+    LEFT_KNEE = "left_knee"
+    RIGHT_KNEE = "right_knee"
+    SEAT = "seat"
 
     @property
     def side(self) -> int:
-        """0 left, 1 right."""
-        return 0 if self.value.startswith("left") else 1
+        """0 left, 1 right; the seat counts as left."""
+        return 1 if self.value.startswith("right") else 0
+
+    @property
+    def member(self) -> str:
+        """What it is on either side: ``heel``, ``toe``, ``hand``, ``knee`` or ``seat``."""
+        return self.value.rpartition("_")[2]
 
     @property
     def is_heel(self) -> bool:
-        return self.value.endswith("heel")
+        return self.member == "heel"
+
+    @property
+    def is_foot(self) -> bool:
+        return self.member in ("heel", "toe")
+
+    @property
+    def limb(self) -> int:
+        """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
+        return -1 if self.member == "seat" else self.side + (0 if self.member == "hand" else 2)
+
+    @property
+    def words(self) -> str:
+        """``left heel``."""
+        return self.value.replace("_", " ")
+
+
+def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
+    """The canonical points whose middle is where a contact point is: one joint, or both hips for the seat."""
+    match point.member:
+        case "seat":
+            return [layout.hip(0), layout.hip(1)]
+        case "hand":
+            return [layout.wrist(point.side)]
+    return [layout.hip(point.side) + {"knee": 1, "heel": 2, "toe": 3}[point.member]]
+
+
+FOOT_POINTS = tuple(point for point in ContactPoint if point.is_foot)
+BODY_POINTS = tuple(point for point in ContactPoint if not point.is_foot)
+"""Hands, knees and seat: what carries a body that is not on its feet."""
 
 
 @dataclass(frozen=True)
@@ -34,12 +79,12 @@ class ContactInterval:
     """One contact of a motion: ``point`` stands still on the ground from frame ``first`` to ``last``, both included."""
 
     motion_id: str
-    point: FootPoint
+    point: ContactPoint
     first: int
     last: int
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "point", FootPoint(self.point))
+        object.__setattr__(self, "point", ContactPoint(self.point))
         if not 0 <= self.first <= self.last:
             raise ValueError(f"A contact runs from a frame to a later one, not from {self.first} to {self.last}.")
 
@@ -60,27 +105,78 @@ ON_THE_FLOOR = 0.12
 """Metres that one foot's usual low may lie above the other's; higher, and it never stands."""
 
 
+BODY_HEIGHTS = {"hand": 0.15, "knee": 0.14, "seat": 0.17}
+"""Wrist, knee, middle of the hips above the floor, in parts of the leg's length, below which they may be standing."""
+BODY_SPEEDS = {"hand": 1.0, "knee": STILL_SPEED, "seat": STILL_SPEED}
+"""Metres a second below which they may be standing: a wrist rolls over a palm that stands."""
+BETWEEN = 0.3
+"""Seconds in which a body passes from its seat to its knees, or back."""
+WANDER = 0.08
+"""Metres from its own middle that a standing hand, knee or seat may stray: what creeps farther does not stand."""
+TRAILING = 0.05
+"""The same of the toes of who kneels or lies."""
+
+
 def detect_contacts(
     ankles: FloatArray, toes: FloatArray, frame_rate: float, first_frame: int = 0
-) -> dict[FootPoint, list[tuple[int, int]]]:
+) -> dict[ContactPoint, list[tuple[int, int]]]:
     """Frames (first, last) in which each foot point stands, from its height and its speed (METHOD 4).
 
     ``ankles`` and ``toes`` (F, 2, 3) metres, left and right, Z up; frames before ``first_frame`` are not looked at.
     """
-    found: dict[FootPoint, list[tuple[int, int]]] = {}
+    found: dict[ContactPoint, list[tuple[int, int]]] = {}
     for kind, tracks in (("heel", ankles), ("toe", toes)):
         lows = np.percentile(tracks[first_frame:, :, 2], 5, axis=0)
         for side, name in enumerate(("left", "right")):
             track = tracks[first_frame:, side]
             standing = np.zeros(len(track), dtype=bool)
-            if len(track) > 1 and lows[side] < lows.min() + ON_THE_FLOOR:
+            if lows[side] < lows.min() + ON_THE_FLOOR:
                 ground = _drifting_low(track[:, 2], lows[side], round(DRIFT_WINDOW * frame_rate))
-                smooth = gaussian_filter1d(track, SMOOTHING * frame_rate, axis=0, mode="nearest")
-                speed = np.linalg.norm(np.gradient(smooth, axis=0), axis=1) * frame_rate
-                standing = (track[:, 2] < ground + HEIGHT_MARGIN) & (speed < STILL_SPEED)
+                standing = (track[:, 2] < ground + HEIGHT_MARGIN) & (_speeds(track, frame_rate) < STILL_SPEED)
             spans = _without_flicker(_spans(standing), round(SHORTEST * frame_rate))
-            found[FootPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
+            found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
+
+
+def detect_body_contacts(
+    tracks: Mapping[ContactPoint, FloatArray], leg_length: float, frame_rate: float, first_frame: int = 0
+) -> dict[ContactPoint, list[tuple[int, int]]]:
+    """Frames (first, last) in which hands, knees and seat stand: low above the floor, and hardly moving.
+
+    ``tracks`` (F, 3) metres above the capture's floor: what seldom touches the ground has no usual low of its own. On
+    a body that sits or lies the knees carry nothing.
+    """
+    found: dict[ContactPoint, list[tuple[int, int]]] = {}
+    for point, track in tracks.items():
+        near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
+        standing = near & (_speeds(track[first_frame:], frame_rate) < BODY_SPEEDS[point.member]) if near.any() else near
+        spans = _without_flicker(_spans(standing), round(SHORTEST * frame_rate))
+        stays = (staying(track[first_frame:], first, last) for first, last in spans)
+        found[point] = [(a + first_frame, b + first_frame) for a, b in stays if b - a + 1 > SHORTEST * frame_rate]
+    for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
+        seats, room = found[ContactPoint.SEAT], round(BETWEEN * frame_rate)
+        seated = contact_mask([(max(first - room, 0), last + room) for first, last in seats], len(tracks[knee]))
+        found[knee] = without(found[knee], seated, round(2 * SHORTEST * frame_rate))
+    return found
+
+
+def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> tuple[int, int]:
+    """The longest part of a span in which the track (F, 3) strays no farther than ``wander`` metres from its middle."""
+    while True:
+        part = track[first : last + 1]
+        near = np.linalg.norm(part - np.median(part, axis=0), axis=1) < wander
+        if near.all():
+            return first, last
+        begin, end = max(_spans(near), key=lambda run: run[1] - run[0])
+        first, last = first + begin, first + end
+
+
+def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
+    """(F,) metres a second of a track (F, 3)."""
+    if len(track) < 2:
+        return np.full(len(track), np.inf)
+    smooth = gaussian_filter1d(track, SMOOTHING * frame_rate, axis=0, mode="nearest")
+    return np.asarray(np.linalg.norm(np.gradient(smooth, axis=0), axis=1) * frame_rate)
 
 
 def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
@@ -95,6 +191,14 @@ def contact_mask(spans: Iterable[tuple[int, int]], frame_count: int) -> NDArray[
     for first, last in spans:
         mask[first : last + 1] = True
     return mask
+
+
+def without(spans: list[tuple[int, int]], mask: NDArray[np.bool_], shortest: int) -> list[tuple[int, int]]:
+    """What of ``spans`` lies outside ``mask`` (F,) and lasts longer than ``shortest`` frames; all of them if none."""
+    if not any(mask[first : last + 1].any() for first, last in spans):
+        return spans
+    rest = _spans(contact_mask(spans, len(mask)) & ~mask)
+    return [(first, last) for first, last in rest if last - first + 1 > shortest]
 
 
 def _spans(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from studio.core.appearance import Appearance
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.capture import Capture
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.core.humanoid import BodyMap
 from studio.core.kinematics import rest_poses
 from studio.core.morphology import Morphology
@@ -37,7 +37,7 @@ def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatAr
     standing = Capture("body", "", skeleton, poses, 1.0, body_map, still, 0.0, "m", "Z", 0, (), ())
     marks = find_landmarks(standing, body_map)
     stance = marks.rotations[0] @ find_alignments(marks)
-    contacts = {point: [(0, 0)] for point in FootPoint}
+    contacts = {point: [(0, 0)] for point in ContactPoint}
     return measure_actor(marks, stance, stance[None], marks.points, contacts, 0), stance
 
 

@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
+from studio.core.morphology import at_frames, sole_rows
+from studio.core.solver.carrying import clearance, track_of
 from studio.core.solver.footprints import planes_under, soles_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.support import mass_path
@@ -20,39 +22,39 @@ QUIET = 20.0
 
 
 @dataclass(frozen=True)
-class FootQuality:
+class ContactQuality:
     """Worst values over all contacts of a motion, in metres."""
 
     slide: float
-    """Greatest distance along the ground of a standing ankle or toe joint from where its contact began."""
+    """Greatest distance along the ground of a standing joint from where its contact began."""
     rise: float
-    """Greatest height of a standing heel or ball above the ground, along its normal."""
+    """Greatest height of a standing heel, ball, hand, knee or seat above the ground, along its normal."""
     penetration: float
-    """Greatest depth of either below it."""
+    """Greatest depth of any below it."""
 
 
-def foot_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FootQuality:
-    """Slide, float and penetration of the soles during ``contacts`` (frames counted in the whole motion)."""
-    slides, heights = foot_tracks(adapted, contacts, ground)
+def contact_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> ContactQuality:
+    """Slide, float and penetration of what stands during ``contacts`` (frames counted in the whole motion)."""
+    slides, heights = contact_tracks(adapted, contacts, ground)
     if not np.isfinite(slides).any():
-        return FootQuality(0.0, 0.0, 0.0)
+        return ContactQuality(0.0, 0.0, 0.0)
     rise, depth = float(np.nanmax(heights)), float(np.nanmax(-heights))
-    return FootQuality(float(np.nanmax(slides)), max(rise, 0.0), max(depth, 0.0))
+    return ContactQuality(float(np.nanmax(slides)), max(rise, 0.0), max(depth, 0.0))
 
 
-def foot_tracks(
+def contact_tracks(
     adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """Slides and heights above the ground (4, F) in metres, NaN where a point does not stand.
+    """Slides and heights above the ground (9, F) in metres, NaN where a point does not stand.
 
-    A row each of ``FootPoint``; a slide is how far ankle or toe joint have moved since their contact began.
+    A row each of ``ContactPoint``; a slide is how far ankle or toe joint have moved since their contact began.
     """
-    slides, heights = np.full((2, len(FootPoint), adapted.frame_count), np.nan)
+    slides, heights = np.full((2, len(ContactPoint), adapted.frame_count), np.nan)
     for contact in contacts:
         first = max(contact.first - adapted.first_frame, 0)
         stop = min(contact.last + 1 - adapted.first_frame, adapted.frame_count)
         if stop > first:
-            row, span = tuple(FootPoint).index(contact.point), slice(first, stop)
+            row, span = tuple(ContactPoint).index(contact.point), slice(first, stop)
             slides[row, span], heights[row, span] = _standing(adapted, contact.point, span, ground)
     return slides, heights
 
@@ -62,30 +64,49 @@ def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
     return mass_path(adapted.positions, adapted.morphology)
 
 
-def _standing(adapted: AdaptedMotion, point: FootPoint, span: slice, ground: Ground) -> tuple[FloatArray, FloatArray]:
-    """How far (F,) a heel or ball has moved along the ground in one contact, and its heights (F,) above it.
+def _standing(
+    adapted: AdaptedMotion, point: ContactPoint, span: slice, ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """How far (F,) what stands has moved along the ground in one contact, and its heights (F,) above it."""
+    if point.is_foot:
+        return _standing_foot(adapted, point, span, ground)
+    body = adapted.body
+    joint = track_of(point, body, adapted.positions[span])
+    under = joint[len(joint) // 2, :2]
+    normal = ground.normal_at(under)
+    heights = (joint - [*under, ground.height_at(under)]) @ normal - clearance(body, point)
+    return _slide(joint, normal), heights
 
-    Where the foot lies over an edge the ground is the plane of what it stands on.
-    """
-    body, layout, side = adapted.morphology, adapted.morphology.layout, point.side
+
+def _slide(joint: FloatArray, normal: FloatArray) -> FloatArray:
+    """(F,) distances of a track (F, 3) from its begin, along the plane of ``normal``."""
+    way = joint - joint[0]
+    return np.asarray(np.linalg.norm(way - (way @ normal)[:, None] * normal, axis=1))
+
+
+def _standing_foot(
+    adapted: AdaptedMotion, point: ContactPoint, span: slice, ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """The same of a heel or ball. Where the foot lies over an edge the ground is the plane of what it stands on."""
+    layout, side = adapted.morphology.layout, point.side
+    frames = adapted.first_frame + np.arange(span.start, span.stop)
+    measures = at_frames(sole_rows(adapted.body, side), frames)
     foot = adapted.rotations[span, layout.spine_count + 12 + 4 * side]
     ankle, toe = adapted.positions[span, layout.ankle(side)], adapted.positions[span, layout.toe(side)]
     middle = np.array([len(foot) // 2])
-    soles = soles_of(ankle[middle], foot[middle], body, side)
+    soles = soles_of(ankle[middle], foot[middle], at_frames(measures, middle))
     planes = planes_under(ground, soles)
     normal = planes.normals[0]
-    joint = ankle if point.is_heel else toe
-    way = joint - joint[0]
-    moved = np.linalg.norm(way - (way @ normal)[:, None] * normal, axis=1)
     if point.is_heel:
-        sole = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
+        below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])
+        sole = ankle + np.einsum("fij,fj->fi", foot, np.broadcast_to(below, ankle.shape))
     else:
-        sole = toe - (body.ankle_height[side] + body.foot[side, 2]) * normal
+        sole = toe - (measures[:, 3] + measures[:, 2])[:, None] * normal
     if planes.overhangs.any():
         heights = (sole - [*soles[0, 1], planes.heights[0]]) @ normal
     else:
         heights = (sole[:, 2] - ground.height_at(sole)) * normal[2]
-    return np.asarray(moved), heights
+    return _slide(ankle if point.is_heel else toe, normal), heights
 
 
 def knee_speeds(adapted: AdaptedMotion) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout
+from studio.core.kernels import layout as at
 
 FloatArray = NDArray[np.float64]
 
@@ -119,6 +120,16 @@ class Morphology:
         row.setflags(write=False)
         return row
 
+    @property
+    def still(self) -> Self:
+        """Itself, as an animated one has its first frame's."""
+        return self
+
+    @property
+    def rows(self) -> FloatArray:
+        """(1, 57 + 3 K) ``packed`` as a clip of measures that never change."""
+        return self.packed[None]
+
     def to_json(self) -> dict[str, Any]:
         return {name: np.asarray(getattr(self, name)).tolist() for name in ("spine", *_SHAPES)}
 
@@ -135,6 +146,77 @@ class Morphology:
 
     def __hash__(self) -> int:
         return hash(self.packed.tobytes())
+
+
+@dataclass(frozen=True, eq=False)
+class AnimatedMorphology:
+    """A body whose measures change from frame to frame: ``rows`` (F, 57 + 3 K), each the ``packed`` of a morphology.
+
+    Made with ``from_bodies``. Raises ValueError when a bone of any frame has no length or a number is not finite.
+    """
+
+    rows: FloatArray
+
+    def __post_init__(self) -> None:
+        rows = np.array(self.rows, dtype=np.float64)
+        if rows.ndim != 2 or not len(rows) or rows.shape[1] < at.M_SPINE + 6 or rows.shape[1] % 3:
+            raise ValueError(f"rows: expected a row of measures a frame, got {rows.shape}.")
+        if not np.isfinite(rows).all():
+            raise ValueError("rows: holds a number that is not finite.")
+        lengths = (at.M_NECK, at.M_HEAD, *range(at.M_CLAVICLE, at.M_HAND), *range(at.M_LEG, at.M_FOOT))
+        if (rows[:, lengths] <= 0.0).any():
+            frame = int(np.argmax((rows[:, lengths] <= 0.0).any(axis=1)))
+            raise ValueError(f"rows: a bone needs a length above zero, in frame {frame} one has none.")
+        rows.setflags(write=False)
+        object.__setattr__(self, "rows", rows)
+
+    @classmethod
+    def from_bodies(cls, first: Morphology, second: Morphology, shares: FloatArray) -> Self:
+        """Between two bodies of one layout: ``first`` where the share (F,) is 0, ``second`` where it is 1."""
+        if first.layout != second.layout:
+            raise ValueError("A body can only grow into one with as many spine segments.")
+        return cls(first.packed + np.asarray(shares)[:, None] * (second.packed - first.packed))
+
+    @cached_property
+    def layout(self) -> BodyLayout:
+        return BodyLayout((self.rows.shape[1] - at.M_SPINE) // 3)
+
+    @cached_property
+    def still(self) -> Morphology:
+        """The body as it is in the first frame."""
+        row, measures, start = self.rows[0], {}, 0
+        for name, shape in (*_SHAPES.items(), ("spine", (self.layout.spine_count, 3))):
+            size = int(np.prod(shape))
+            measures[name], start = row[start : start + size].reshape(shape), start + size
+        return Morphology(**measures)
+
+    @property
+    def spine(self) -> FloatArray:
+        """(K, 3) the spine of the first frame: its proportions say where vertebrae take the motion's turns."""
+        return self.rows[0, at.M_SPINE :].reshape(-1, 3)
+
+    @property
+    def leg_length(self) -> float:
+        """Mean of both legs over all frames, hip to ankle."""
+        return float(self.rows[:, at.M_LEG : at.M_FOOT].sum(axis=1).mean() / 2)
+
+
+AnyMorphology = Morphology | AnimatedMorphology
+
+
+def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
+    """(F or 1, 6) of one foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the ankle,
+    length of the toe along the ground.
+    """
+    rows, foot, toe = body.rows, at.M_FOOT + 3 * side, at.M_TOE + 3 * side
+    heights = rows[:, [at.M_ANKLE_HEIGHT + side, at.M_HEEL_LENGTH + side]]
+    toes = np.hypot(rows[:, toe], rows[:, toe + 1])
+    return np.ascontiguousarray(np.column_stack([rows[:, foot : foot + 3], heights, toes]))
+
+
+def at_frames(rows: FloatArray, frames: Any) -> FloatArray:
+    """The ``rows`` (F or 1, N) of some frames, (len(frames) or 1, N): one row holds for all."""
+    return rows if len(rows) == 1 else rows[frames]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
-from studio.core.morphology import Morphology
+from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -49,7 +49,7 @@ class StandingSolver:
     """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest."""
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[NormalizedMotion, Morphology], tuple[object, Standing]] = {}
+        self._kept: dict[tuple[NormalizedMotion, AnyMorphology], tuple[object, Standing]] = {}
 
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
         from studio.core.solver.adapt import hold, stand

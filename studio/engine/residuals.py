@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.canonical import BodyPart
 from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval
 from studio.core.project import Clip, Project
@@ -19,7 +20,6 @@ from studio.engine.measures import LENGTH, Measure, measure_of
 FloatArray = NDArray[np.float64]
 
 FULLY = 1.0 - 1e-9
-LEG = ("thigh", "shank", "foot", "toe")
 
 
 @dataclass(frozen=True)
@@ -96,17 +96,15 @@ def _clip(project: Project, performer_id: str, motion_id: str) -> Clip | None:
 
 
 def _activation(project: Project, constraint: Constraint, frames: NDArray[np.int64], frame_rate: float) -> FloatArray:
-    """(F,) what is asked of the constraint: less than its curve where a contact has the foot."""
-    activation = constraint.activation.at(frames / frame_rate)
-    side, _, bone = constraint.point.part.value.partition("_")
-    if bone not in LEG:
-        return activation
+    """(F,) what is asked of the constraint: less than its curve where a contact has its limb."""
     contacts = tuple(project.contacts_of(constraint.motion_id).values())
-    return activation * _freedom(contacts, ("left", "right").index(side), int(frames[-1]) + 1, frame_rate)[frames]
+    free = _freedom(contacts, constraint.point.part, int(frames[-1]) + 1, frame_rate)
+    return np.asarray(constraint.activation.at(frames / frame_rate) * free[frames])
 
 
 @lru_cache(maxsize=64)
-def _freedom(contacts: tuple[ContactInterval, ...], side: int, frame_count: int, frame_rate: float) -> FloatArray:
-    from studio.core.solver.footing import foot_states, freedom  # not before a result is there: it loads kernels
+def _freedom(contacts: tuple[ContactInterval, ...], part: BodyPart, frame_count: int, frame_rate: float) -> FloatArray:
+    from studio.core.solver.carrying import limb_freedom  # not before a result is there: it loads kernels
+    from studio.core.solver.packing import limb_of
 
-    return freedom(foot_states(contacts, frame_count)[side] != 0, frame_rate)
+    return limb_freedom(contacts, limb_of(part), frame_count, frame_rate)

@@ -1,13 +1,13 @@
 """A contact: which point of which foot stands still, from frame to frame."""
 
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
 
 
-def contact_words(point: FootPoint) -> str:
+def contact_words(point: ContactPoint) -> str:
     """``Left heel``."""
     return point.value.replace("_", " ").capitalize()
 
@@ -18,7 +18,7 @@ class ContactEditor(Editor):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Contact")
-        self._point = Choice("Point", [(point, contact_words(point)) for point in FootPoint])
+        self._point = Choice("Point", [(point, contact_words(point)) for point in ContactPoint])
         self._point.chosen.connect(lambda point: self.change(f"Move contact to {contact_words(point)}", point=point))
         section.add_row("Point", self._point)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)

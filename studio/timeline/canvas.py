@@ -4,7 +4,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QHelpEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QToolTip, QWidget
 
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.timeline import edits
@@ -90,7 +90,7 @@ class TrackCanvas(TrackView):
         hit = self.sheet.hit(event.position()) if self.sheet else None
         if self.sheet and hit and hit.kind == "feet" and hit.part == Part.EMPTY:
             frame = round(self.sheet.shown.frame_at(event.position().x()))
-            edits.add_contact(self.sheet.shown, FootPoint(hit.id), frame)
+            edits.add_contact(self.sheet.shown, ContactPoint(hit.id), frame)
         else:
             self.mousePressEvent(event)
 

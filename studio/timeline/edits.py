@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from studio.core.constraints.target import key_times
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
@@ -14,7 +14,7 @@ from studio.timeline.shown import EDGES, HANDLES, Part, Shown
 DELETABLE = ("constraints", "contacts")
 
 
-def add_contact(shown: Shown, point: FootPoint, frame: int) -> str | None:
+def add_contact(shown: Shown, point: ContactPoint, frame: int) -> str | None:
     """Add and select a contact about a frame of the motion; its id, or None where one stands already."""
     contact = new_contact(shown, point, frame)
     if contact is None:

@@ -49,7 +49,7 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
         return ""
     name = sheet.shown.project.performers[performer_id].name
     if strip.state_at(frame) == StripState.YIELDING:
-        return f"{name}: gives way to the foot's contact at frame {frame}"
+        return f"{name}: gives way to a contact at frame {frame}"
     return f"{name}: {strip.measure.words(strip.error_at(frame))} at frame {frame}"
 
 

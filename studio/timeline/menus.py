@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.timeline import edits
 from studio.timeline.gestures.contact import new_contact
 from studio.timeline.shown import Hit, Part, Shown
@@ -29,7 +29,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
         canvas.document.selection.set((hit.kind, hit.id))
         _offer_deletion(menu, canvas, hit)
     elif hit.kind == "feet" and hit.part == Part.EMPTY:
-        _offer_contact(menu, canvas, FootPoint(hit.id), position)
+        _offer_contact(menu, canvas, ContactPoint(hit.id), position)
     return menu if menu.actions() else None
 
 
@@ -47,7 +47,7 @@ def _offer_deletion(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
     menu.addAction(action)
 
 
-def _offer_contact(menu: QMenu, canvas: "TrackCanvas", point: FootPoint, position: QPointF) -> None:
+def _offer_contact(menu: QMenu, canvas: "TrackCanvas", point: ContactPoint, position: QPointF) -> None:
     shown = canvas.shown
     if shown is None:
         return

@@ -4,7 +4,7 @@ from PySide6.QtCore import QPoint, QRect, Signal
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.timeline import edits
@@ -92,7 +92,7 @@ class Timeline(QWidget):
         """What is waited for, from 0 to 1; empty words when nothing runs."""
         self.tracks.show_progress(words, share)
 
-    def add_contact(self, point: FootPoint) -> str | None:
+    def add_contact(self, point: ContactPoint) -> str | None:
         """Add a contact at the playhead and return its id; None where one stands already, or without a motion."""
         shown = self.tracks.shown
         if shown is None:

@@ -1,4 +1,4 @@
-"""Lines on the stage: trails of a point, rings round who is selected, marks where feet touch the ground."""
+"""Lines on the stage: trails of a point, rings round who is selected, marks where bodies touch the ground."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from studio.core.constraints.base import BodyPoint
-from studio.core.contacts import ContactInterval
+from studio.core.contacts import ContactInterval, touching_points
 from studio.core.project import Project
 from studio.document import colours
 from studio.engine.performance import FloatArray, Posed
@@ -59,7 +59,7 @@ def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Coll
 
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
-    """A small ring on the ground where a heel or toe is in contact now."""
+    """A small ring on the ground where a heel, toe, hand, knee or seat is in contact now."""
     found = []
     for pose in posed.values():
         frame = pose.row + pose.motion.first_frame
@@ -78,8 +78,8 @@ def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[Fl
 
 
 def _touching_point(pose: Posed, contact: ContactInterval) -> FloatArray:
-    layout, side = pose.motion.morphology.layout, contact.point.side
-    return pose.points[layout.ankle(side) if contact.point.is_heel else layout.toe(side)]
+    touching = touching_points(contact.point, pose.motion.morphology.layout)
+    return np.asarray(pose.points[touching].mean(axis=0))
 
 
 def _ring(centre: FloatArray, radius: float, project: Project, colour: str, strength: float) -> StagePath:

@@ -9,7 +9,7 @@ from studio.core.capture import Capture
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
@@ -114,7 +114,7 @@ def walk(frames: int = 150) -> tuple[NormalizedMotion, tuple[ContactInterval, ..
             for kind, begin, end in (("heel", 0.0, 0.45), ("toe", 0.08, 0.6)):
                 first, last = max(round(strike + begin * RATE), 0), min(round(strike + end * RATE), frames - 1)
                 if last > first:
-                    contacts.append(ContactInterval("walk", FootPoint(f"{name.lower()}_{kind}"), first, last))
+                    contacts.append(ContactInterval("walk", ContactPoint(f"{name.lower()}_{kind}"), first, last))
     rotations[:, joint("Chest")] = about((0, 0, 1), 0.1 * np.sin(2 * np.pi * times))
     rotations[:, joint("Hips")] = about((0, 1, 0), 0.05 + 0.03 * np.sin(4 * np.pi * times))
     translations = np.tile(skeleton.offsets, (frames, 1, 1))

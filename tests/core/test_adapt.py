@@ -11,9 +11,9 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.core.ground import Ground
-from studio.core.metrics import foot_quality
+from studio.core.metrics import contact_quality
 from studio.core.morphology import Morphology, Proportions
 from studio.core.normalized.realize import realize
 from studio.core.solver.adapt import adapt, limb_of, place_of, point_indices
@@ -52,7 +52,7 @@ def _reaches(body: Morphology = WOMAN) -> tuple[PositionConstraint, ...]:
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_feet_in_contact_neither_slide_nor_float_nor_sink(body: Morphology, constrained: bool) -> None:
     adapted = _adapted(*_reaches(body) if constrained else (), body=body)
-    quality = foot_quality(adapted, CONTACTS, Ground())
+    quality = contact_quality(adapted, CONTACTS, Ground())
     assert quality.slide < 1e-3
     assert quality.rise < 2e-3
     assert quality.penetration < 2e-3
@@ -64,7 +64,7 @@ def test_feet_stand_on_raised_ground_as_on_any(body: Morphology) -> None:
     level = _adapted(body=body)
     assert np.allclose(raised.positions, level.positions + np.array([0.0, 0.0, 0.4]), atol=1e-9)
     assert np.allclose(raised.rotations, level.rotations, atol=1e-9)
-    assert foot_quality(raised, CONTACTS, Ground(0.4)).penetration < 2e-3
+    assert contact_quality(raised, CONTACTS, Ground(0.4)).penetration < 2e-3
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
@@ -208,7 +208,7 @@ def test_a_constraint_on_a_leg_yields_to_the_legs_contacts() -> None:
     before, after = _adapted(), _adapted(kick)
     stands = np.zeros(WALK.frame_count, dtype=bool)
     for contact in CONTACTS:
-        if contact.point in (FootPoint.LEFT_HEEL, FootPoint.LEFT_TOE):
+        if contact.point in (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE):
             stands[contact.first : contact.last + 1] = True
     assert np.array_equal(after.positions[stands], before.positions[stands])
     assert np.abs(after.positions - before.positions).max() > 0.1

@@ -16,7 +16,7 @@ from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.ground import Ground
-from studio.core.metrics import centre_of_mass, foot_quality
+from studio.core.metrics import centre_of_mass, contact_quality
 from studio.core.morphology import Morphology
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, place_of
@@ -48,7 +48,7 @@ def test_two_hands_stay_as_far_apart_as_a_box_is_wide(body: Morphology, apart: f
     adapted = solved(body, ask(DistanceConstraint, LEFT, other=RIGHT, distance=apart))
     between = np.linalg.norm(place_of(LEFT, adapted) - place_of(RIGHT, adapted), axis=1)
     assert between == pytest.approx(apart, abs=MET)
-    assert foot_quality(adapted, CONTACTS, Ground()).slide < 1e-3
+    assert contact_quality(adapted, CONTACTS, Ground()).slide < 1e-3
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)

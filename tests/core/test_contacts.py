@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.contacts import ContactInterval, FootPoint, contact_mask, detect_contacts
+from studio.core.contacts import BODY_POINTS, FOOT_POINTS, ContactInterval, ContactPoint, contact_mask, detect_contacts
 
 RATE = 60.0
 
@@ -19,7 +19,7 @@ def _track(steps: list[tuple[int, int]], frames: int = 120, low: float = 0.08) -
     return track
 
 
-def _detect(left: np.ndarray, right: np.ndarray, **options: int) -> dict[FootPoint, list[tuple[int, int]]]:
+def _detect(left: np.ndarray, right: np.ndarray, **options: int) -> dict[ContactPoint, list[tuple[int, int]]]:
     tracks = np.stack([left, right], axis=1)
     return detect_contacts(tracks, tracks - [0.0, 0.0, 0.06], RATE, **options)
 
@@ -27,7 +27,7 @@ def _detect(left: np.ndarray, right: np.ndarray, **options: int) -> dict[FootPoi
 def test_a_foot_that_stands_is_found_where_it_stands() -> None:
     found = _detect(_track([(20, 50), (80, 110)]), _track([(45, 85)]))
     for kind in ("heel", "toe"):
-        left, right = found[FootPoint(f"left_{kind}")], found[FootPoint(f"right_{kind}")]
+        left, right = found[ContactPoint(f"left_{kind}")], found[ContactPoint(f"right_{kind}")]
         assert np.allclose(left, [(20, 50), (80, 110)], atol=3)
         assert np.allclose(right, [(45, 85)], atol=3)
 
@@ -41,26 +41,26 @@ def test_where_the_floor_lies_and_where_the_walk_goes_does_not_matter(x: float, 
 def test_frames_before_the_first_are_not_looked_at() -> None:
     found = _detect(_track([(5, 30), (60, 100)]), _track([(5, 30), (60, 100)]), first_frame=40)
     assert all(first >= 40 for spans in found.values() for first, _ in spans)
-    assert np.allclose(found[FootPoint.LEFT_HEEL], [(60, 100)], atol=3)
+    assert np.allclose(found[ContactPoint.LEFT_HEEL], [(60, 100)], atol=3)
 
 
 def test_a_foot_held_above_the_other_never_stands() -> None:
     found = _detect(_track([(0, 119)]), _track([(0, 119)], low=0.4))
-    assert found[FootPoint.LEFT_HEEL] == [(0, 119)]
-    assert found[FootPoint.RIGHT_HEEL] == []
+    assert found[ContactPoint.LEFT_HEEL] == [(0, 119)]
+    assert found[ContactPoint.RIGHT_HEEL] == []
 
 
 def test_a_low_foot_that_glides_does_not_stand() -> None:
     gliding = np.stack([0.02 * np.arange(120.0), np.zeros(120), np.full(120, 0.08)], axis=1)
-    assert _detect(gliding, _track([(0, 119)]))[FootPoint.LEFT_TOE] == []
+    assert _detect(gliding, _track([(0, 119)]))[ContactPoint.LEFT_TOE] == []
 
 
 def test_flicker_is_closed_and_blinks_are_dropped() -> None:
     left = _track([(20, 80)])
     left[50, 2] += 0.045
     found = _detect(left, _track([(60, 61)]))
-    assert len(found[FootPoint.LEFT_HEEL]) == 1
-    assert found[FootPoint.RIGHT_HEEL] == []
+    assert len(found[ContactPoint.LEFT_HEEL]) == 1
+    assert found[ContactPoint.RIGHT_HEEL] == []
 
 
 def test_one_frame_has_no_contacts() -> None:
@@ -76,10 +76,12 @@ def test_a_mask_is_true_within_its_spans_and_nowhere_else(spans: list[list[int]]
 def test_a_contact_that_ends_before_it_begins_is_refused() -> None:
     for first, last in ((5, 4), (-1, 3)):
         with pytest.raises(ValueError, match="runs from a frame to a later one"):
-            ContactInterval("walk", FootPoint.LEFT_TOE, first, last)
+            ContactInterval("walk", ContactPoint.LEFT_TOE, first, last)
 
 
-def test_foot_points_know_their_side_and_kind() -> None:
-    assert [point.side for point in FootPoint] == [0, 0, 1, 1]
-    assert [point.is_heel for point in FootPoint] == [True, False, True, False]
-    assert ContactInterval("walk", "right_toe", 0, 0).point is FootPoint.RIGHT_TOE  # type: ignore[arg-type]
+def test_contact_points_know_their_side_and_kind() -> None:
+    assert [point.side for point in FOOT_POINTS] == [0, 0, 1, 1]
+    assert [point.is_heel for point in FOOT_POINTS] == [True, False, True, False]
+    assert [point.member for point in BODY_POINTS] == ["hand", "hand", "knee", "knee", "seat"]
+    assert [point.limb for point in (*FOOT_POINTS, *BODY_POINTS)] == [2, 2, 3, 3, 0, 1, 2, 3, -1]
+    assert ContactInterval("walk", "right_toe", 0, 0).point is ContactPoint.RIGHT_TOE  # type: ignore[arg-type]

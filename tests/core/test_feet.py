@@ -12,6 +12,7 @@ from tests.core.twins import feet as twin
 
 seeds = st.integers(0, 2**32 - 1)
 SOLE = twin.Sole(np.array([0.13, 0.0, -0.06]), 0.08, 0.05)
+MEASURES = np.array([[*SOLE.foot, SOLE.ankle_height, SOLE.heel_length]])
 
 
 class _Steps:
@@ -37,8 +38,7 @@ def _levelled(steps: _Steps) -> np.ndarray:
 
 def _planted(steps: _Steps, feet: np.ndarray) -> np.ndarray:
     out = np.empty_like(steps.ankles)
-    sole = (SOLE.foot, SOLE.ankle_height, SOLE.heel_length)
-    kernel.plant_ankles(steps.ankles, feet, steps.states, *sole, steps.ground, out)
+    kernel.plant_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, out)
     return out
 
 
@@ -98,7 +98,7 @@ def test_a_foot_tilted_the_wrong_way_is_put_down_and_a_right_one_left_alone(seed
     steps = _Steps(seed)
     feet = _levelled(steps)
     kept = feet.copy()
-    kernel.keep_pitch_on_ground(SOLE.foot, SOLE.ankle_height, SOLE.heel_length, steps.states, kept)
+    kernel.keep_pitch_on_ground(MEASURES, steps.states, kept)
     for frame in np.flatnonzero(steps.states):
         before, after = (SOLE.ball_below_ankle(r)[2] - SOLE.heel_below_ankle(r)[2] for r in (feet[frame], kept[frame]))
         state = steps.states[frame]
@@ -113,7 +113,7 @@ def test_a_foot_tilted_the_wrong_way_is_put_down_and_a_right_one_left_alone(seed
 def test_how_the_ball_lies_above_the_heel_is_told_by_geometry(seed: int) -> None:
     rotation = random_rotations(np.random.default_rng(seed))
     rise = SOLE.ball_below_ankle(rotation)[2] - SOLE.heel_below_ankle(rotation)[2]
-    found = kernel.ball_above_heel(rotation, SOLE.foot, SOLE.ankle_height, SOLE.heel_length)
+    found = kernel.ball_above_heel(rotation, MEASURES[0])
     assert found == pytest.approx(rise, abs=1e-12)
 
 

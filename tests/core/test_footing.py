@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.legs import hip_heights, place_leg
@@ -53,8 +53,8 @@ def test_states_are_bits_of_heel_and_toe() -> None:
     contacts = [
         ContactInterval("walk", point, first, last)
         for point, first, last in (
-            (FootPoint.LEFT_HEEL, 1, 3), (FootPoint.LEFT_TOE, 3, 5), (FootPoint.RIGHT_TOE, 0, 0),
-            (FootPoint.RIGHT_HEEL, 6, 99),
+            (ContactPoint.LEFT_HEEL, 1, 3), (ContactPoint.LEFT_TOE, 3, 5), (ContactPoint.RIGHT_TOE, 0, 0),
+            (ContactPoint.RIGHT_HEEL, 6, 99),
         )
     ]  # fmt: skip
     assert foot_states(contacts, 8).tolist() == [[0, 1, 1, 3, 2, 2, 0, 0], [2, 0, 0, 0, 0, 0, 1, 1]]

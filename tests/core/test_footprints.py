@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.core.ground import Ground
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
-from studio.core.metrics import acceleration_ratio, foot_quality
+from studio.core.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, stand
 from studio.core.solver.footprints import planes_under, tilts_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -57,7 +57,7 @@ def test_ground_without_rise_is_the_level_floor(name: str) -> None:
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("name", UNEVEN)
 def test_feet_stand_without_slide_float_or_depth(name: str, body: str) -> None:
-    quality = foot_quality(_adapted(UNEVEN[name], body), CONTACTS, UNEVEN[name])
+    quality = contact_quality(_adapted(UNEVEN[name], body), CONTACTS, UNEVEN[name])
     assert quality.slide < 1e-3
     assert quality.rise < 2e-3
     assert quality.penetration < 2e-3
@@ -74,7 +74,7 @@ def test_flat_feet_lie_along_the_slope_and_level_on_steps() -> None:
         adapted = _adapted(ground)
         layout = adapted.morphology.layout
         for contact in CONTACTS:
-            if contact.point in (FootPoint.LEFT_TOE, FootPoint.RIGHT_TOE):
+            if contact.point in (ContactPoint.LEFT_TOE, ContactPoint.RIGHT_TOE):
                 toe = adapted.rotations[
                     contact.first : contact.last + 1, layout.spine_count + 13 + 4 * contact.point.side
                 ]
@@ -83,7 +83,7 @@ def test_flat_feet_lie_along_the_slope_and_level_on_steps() -> None:
 
 def test_a_performer_meets_the_same_ground_wherever_its_motion_stands() -> None:
     """Feet of a body that stands elsewhere on the stage are on the stage's ground there."""
-    assert foot_quality(_adapted(TURNED), CONTACTS, TURNED).rise < 2e-3
+    assert contact_quality(_adapted(TURNED), CONTACTS, TURNED).rise < 2e-3
     other = Slope(0.0, TILT, 0.4, (-2.0, 0.0))
     moved = _adapted(other.seen_from((0.0, 1.5), 0.4))
     plain = _adapted(

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import FOOT_POINTS, ContactInterval, ContactPoint
 from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, angular_acceleration, foot_quality
+from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.normalized.realize import realize
 from studio.core.rotations import to_matrix
 from studio.core.solver.request import AdaptedMotion
@@ -35,11 +35,11 @@ def _moved(motion: AdaptedMotion, shift: object, frames: slice) -> AdaptedMotion
 
 
 def _contacts(first: int, last: int) -> tuple[ContactInterval, ...]:
-    return tuple(ContactInterval("walk", point, first, last) for point in FootPoint)
+    return tuple(ContactInterval("walk", point, first, last) for point in FOOT_POINTS)
 
 
 def test_a_foot_that_stands_has_no_fault() -> None:
-    quality = foot_quality(_standing(), _contacts(0, 19), Ground())
+    quality = contact_quality(_standing(), _contacts(0, 19), Ground())
     assert (quality.slide, quality.rise, quality.penetration) == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
 
 
@@ -48,36 +48,36 @@ def test_a_foot_that_stands_has_no_fault() -> None:
     [((0.03, 0.04, 0.0), (0.05, 0.0, 0.0)), ((0, 0, 0.02), (0.0, 0.02, 0.0)), ((0, 0, -0.01), (0.0, 0.0, 0.01))],
 )
 def test_each_fault_is_told_in_metres(shift: tuple, expected: tuple) -> None:
-    quality = foot_quality(_moved(_standing(), shift, slice(10, 12)), _contacts(0, 19), Ground())
+    quality = contact_quality(_moved(_standing(), shift, slice(10, 12)), _contacts(0, 19), Ground())
     assert (quality.slide, quality.rise, quality.penetration) == pytest.approx(expected, abs=1e-12)
 
 
 def test_what_happens_outside_contacts_is_no_fault() -> None:
     wild = _moved(_standing(), (1.0, 1.0, 1.0), slice(10, None))
-    assert foot_quality(wild, _contacts(0, 9), Ground()).slide == 0.0
-    assert foot_quality(wild, (), Ground()).rise == 0.0
+    assert contact_quality(wild, _contacts(0, 9), Ground()).slide == 0.0
+    assert contact_quality(wild, (), Ground()).rise == 0.0
 
 
 def test_a_lifted_ground_makes_feet_sink() -> None:
-    quality = foot_quality(_standing(), _contacts(0, 19), Ground(0.05))
+    quality = contact_quality(_standing(), _contacts(0, 19), Ground(0.05))
     assert (quality.rise, quality.penetration) == pytest.approx((0.0, 0.05))
 
 
 def test_a_tilted_foot_lifts_its_heel_by_the_heels_lever() -> None:
     motion = _standing()
     motion.rotations[:, BODY.layout.spine_count + 12] = to_matrix(about((0, 1, 0), np.array(0.2)))
-    heel = (ContactInterval("walk", FootPoint.LEFT_HEEL, 0, 19),)
+    heel = (ContactInterval("walk", ContactPoint.LEFT_HEEL, 0, 19),)
     lever, height = BODY.heel_length[0], BODY.ankle_height[0]
     lifted = height + lever * np.sin(0.2) - height * np.cos(0.2)
-    assert foot_quality(motion, heel, Ground()).rise == pytest.approx(lifted)
+    assert contact_quality(motion, heel, Ground()).rise == pytest.approx(lifted)
 
 
 def test_a_windows_frames_are_counted_in_the_whole_motion() -> None:
     window = _moved(_standing(first_frame=100), (0.1, 0.0, 0.0), slice(5, None))
-    assert foot_quality(window, _contacts(90, 104), Ground()).slide == 0.0
-    assert foot_quality(window, _contacts(90, 105), Ground()).slide == pytest.approx(0.1)
-    assert foot_quality(window, _contacts(0, 99), Ground()).slide == 0.0
-    assert foot_quality(window, _contacts(120, 130), Ground()).slide == 0.0
+    assert contact_quality(window, _contacts(90, 104), Ground()).slide == 0.0
+    assert contact_quality(window, _contacts(90, 105), Ground()).slide == pytest.approx(0.1)
+    assert contact_quality(window, _contacts(0, 99), Ground()).slide == 0.0
+    assert contact_quality(window, _contacts(120, 130), Ground()).slide == 0.0
 
 
 def test_a_steady_turn_has_no_angular_acceleration_and_a_growing_one_has() -> None:

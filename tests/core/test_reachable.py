@@ -6,7 +6,7 @@ import pytest
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.ground import Ground
-from studio.core.metrics import foot_quality
+from studio.core.metrics import contact_quality
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
@@ -65,7 +65,7 @@ def test_it_is_met(part: BodyPart, chain: Chain, ends: tuple[bool, ...]) -> None
                     asked = target(part, place, chain, offset=offset, at_end=at_end)
                     after = adapt(AdaptRequest(WALK, body, contacts, (asked,)), FRAME, FRAME)
                     assert after.residuals[0, 0] < MET
-                    assert foot_quality(after, contacts, Ground()).penetration < 2e-3
+                    assert contact_quality(after, contacts, Ground()).penetration < 2e-3
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)

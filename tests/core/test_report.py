@@ -8,9 +8,9 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.core.ground import Ground
-from studio.core.metrics import foot_quality
+from studio.core.metrics import contact_quality
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of
@@ -78,10 +78,10 @@ def test_the_arrays_have_a_number_a_frame_and_say_what_the_worst_values_say(body
     balance = ask(BalanceConstraint, PELVIS, Chain(0, 0, 0, 1, 1))
     adapted, report = reported(body, balance)
     frames = adapted.frame_count
-    assert report.slides.shape == report.heights.shape == (len(FootPoint), frames)
+    assert report.slides.shape == report.heights.shape == (len(ContactPoint), frames)
     assert report.knee_speeds.shape == (2, frames)
     assert report.mass_margins.shape == (frames,)
-    quality = foot_quality(adapted, STANDS, Ground())
+    quality = contact_quality(adapted, STANDS, Ground())
     assert np.nanmax(report.slides) == pytest.approx(quality.slide)
     assert max(np.nanmax(-report.heights), 0.0) == pytest.approx(quality.penetration)
     assert report.knee_speeds.max() < 20.0

@@ -18,7 +18,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
-from studio.core.metrics import centre_of_mass, foot_quality
+from studio.core.metrics import centre_of_mass, contact_quality
 from studio.core.morphology import Morphology
 from studio.core.normalized.normalize import normalize
 from studio.core.placement import Placement
@@ -111,7 +111,7 @@ def test_a_keyed_target_is_met_at_its_keys_and_between(body: Morphology) -> None
     reached = place_of(RIGHT, adapted)
     assert reached[[0, 15, 40]] == pytest.approx(np.array(keyed.values), abs=MET)
     assert np.nanmax(adapted.residuals) < MET
-    assert foot_quality(adapted, CONTACTS, Ground()).slide < 1e-3
+    assert contact_quality(adapted, CONTACTS, Ground()).slide < 1e-3
 
 
 @every_body

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.project import GROUND_ID, Prop
@@ -248,7 +248,7 @@ def test_thousands_added_at_once_are_one_step_told_by_one_signal_and_taken_back_
     before = state(document)
     heard: list[tuple[str, str]] = []
     document.entity_changed.connect(lambda name, key: heard.append((name, key)))
-    contacts = [ContactInterval("motion", FootPoint.LEFT_HEEL, first, first + 3) for first in range(0, 10_000, 5)]
+    contacts = [ContactInterval("motion", ContactPoint.LEFT_HEEL, first, first + 3) for first in range(0, 10_000, 5)]
     ids = document.add_all("contacts", contacts, "Find contacts")
     assert heard == [("contacts", "")]
     assert [document.project.contacts[key] for key in ids] == contacts

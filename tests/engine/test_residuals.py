@@ -9,7 +9,7 @@ import pytest
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.residuals import residual_row, worst_residual
 from studio.panels.constraint_editors.residuals import residuals_of, words_of
@@ -53,7 +53,7 @@ def test_a_foot_is_judged_only_where_no_contact_holds_it():
     project = project_of(foot, contacts=0)
     row = answer(peaks(f8=0.3, f18=0.02))
     assert worst_residual(project, "performer 0", row, "c").frame == 8
-    standing = make_contact(point=FootPoint.LEFT_HEEL, first=0, last=8)
+    standing = make_contact(point=ContactPoint.LEFT_HEEL, first=0, last=8)
     held = project.with_entity("contacts", "heel", standing)
     assert worst_residual(held, "performer 0", row, "c").frame == 18
 

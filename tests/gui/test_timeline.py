@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from studio.core.constraints.activation import ActivationCurve
-from studio.core.contacts import FootPoint
+from studio.core.contacts import ContactPoint
 from studio.core.project import Project
 from studio.document.document import Document
 from studio.engine.empty_stage import HIDDEN
@@ -41,7 +41,7 @@ def document(qapp):
         "constraints", "kick", make_constraint(name="Kick target", activation=curve(20, 30, 50, 60))
     )
     for key, first, last in (("early", 5, 15), ("late", 70, 90)):
-        contact = make_contact(point=FootPoint.LEFT_HEEL, first=first, last=last)
+        contact = make_contact(point=ContactPoint.LEFT_HEEL, first=first, last=last)
         project = project.with_entity("contacts", key, contact)
     document = Document(project)
     yield document
@@ -274,10 +274,10 @@ def test_esc_puts_a_contact_back(document, timeline, hand):
 @pytest.mark.parametrize(
     ("frame", "toe", "point", "first", "last"),
     [
-        (40, False, FootPoint.LEFT_HEEL, 31, 49),
-        (20, False, FootPoint.LEFT_HEEL, 16, 34),
-        (40, True, FootPoint.LEFT_TOE, 31, 49),
-        (99, True, FootPoint.LEFT_TOE, 82, 100),
+        (40, False, ContactPoint.LEFT_HEEL, 31, 49),
+        (20, False, ContactPoint.LEFT_HEEL, 16, 34),
+        (40, True, ContactPoint.LEFT_TOE, 31, 49),
+        (99, True, ContactPoint.LEFT_TOE, 82, 100),
     ],
 )
 def test_a_double_click_adds_a_contact_of_at_most_a_third_of_a_second(
@@ -304,9 +304,9 @@ def test_a_double_click_on_a_contact_adds_nothing(document, timeline):
 
 def test_a_contact_can_be_added_at_the_playhead_without_the_mouse(document, timeline):
     document.playhead.set_frame(40)
-    added = timeline.add_contact(FootPoint.LEFT_HEEL)
+    added = timeline.add_contact(ContactPoint.LEFT_HEEL)
     assert contact_frames(document, added) == (31, 49)
-    assert timeline.add_contact(FootPoint.LEFT_HEEL) is None
+    assert timeline.add_contact(ContactPoint.LEFT_HEEL) is None
 
 
 def test_the_menu_of_a_foot_adds_and_that_of_a_contact_deletes(document, timeline):

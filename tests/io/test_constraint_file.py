@@ -6,7 +6,7 @@ import pytest
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import EaseShape
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.io.constraint_file import read_constraints
 from studio.io.entity_json import entity_record
@@ -63,7 +63,7 @@ def test_constraints_come_highest_priority_first_and_else_as_they_stand(tmp_path
 def test_contacts_are_read_by_foot(tmp_path):
     file = read_constraints(written(tmp_path, {"contacts": {"left_toe": [[3, 12]], "right_heel": []}}), "m")
     assert file.constraints == ()
-    assert file.contacts == (ContactInterval("m", FootPoint.LEFT_TOE, 3, 12),)
+    assert file.contacts == (ContactInterval("m", ContactPoint.LEFT_TOE, 3, 12),)
 
 
 def test_the_example_in_the_guide_is_read(tmp_path):
@@ -124,7 +124,7 @@ def test_the_example_in_the_guide_is_read(tmp_path):
         ({"constraints": [{k: v for k, v in WRIST.items() if k != "name"}]}, r"constraints\[0\], name missing"),
         ('{"constraints": [], "contacts": NaN}', "contacts: expected a record"),
         ({"contacts": []}, "contacts: expected a record"),
-        ({"contacts": {"left_knee": []}}, "left_knee: expected lists .* by left_heel"),
+        ({"contacts": {"left_elbow": []}}, "left_elbow: expected lists .* by left_heel"),
         ({"contacts": {"left_toe": [[1, 2, 3]]}}, r"left_toe\[0\]: expected two frames"),
         ({"contacts": {"left_toe": [[NAN, 2]]}}, r"left_toe\[0\]: expected two frames"),
         ({"contacts": {"left_toe": [[9, 2]]}}, r"left_toe\[0\]: A contact runs"),

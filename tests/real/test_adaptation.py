@@ -9,7 +9,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Chain
 from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, foot_quality
+from studio.core.metrics import acceleration_ratio, contact_quality
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -36,7 +36,7 @@ def _faults(path: Path, name: str) -> list[str]:
     """What is wrong with a capture on a character, in words."""
     capture, motion, actor = taken(path)
     adapted = _adapted(path, name)
-    quality = foot_quality(adapted, contacts_of(capture), Ground())
+    quality = contact_quality(adapted, contacts_of(capture), Ground())
     ratio = acceleration_ratio(adapted, source_motion(motion, actor))
     measured = (
         ("slide mm", 1e3 * quality.slide, 1.0), ("rise mm", 1e3 * quality.rise, 2.0),
@@ -94,7 +94,7 @@ def test_a_punch_hits_where_it_is_told_and_the_feet_still_hold(captures: Path, s
     assert full.any()
     assert after.residuals[0, full].max() < 2e-4
     capture, motion, actor = taken(named(stem))
-    quality = foot_quality(after, contacts_of(capture), Ground())
+    quality = contact_quality(after, contacts_of(capture), Ground())
     assert quality.slide < 1e-3
     assert max(quality.rise, quality.penetration) < 2e-3
     assert acceleration_ratio(after, source_motion(motion, actor)) < 3.0

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.contacts import FootPoint, contact_mask
+from studio.core.contacts import ContactPoint, contact_mask
 from studio.core.normalized.normalize import capture_contacts
 from tests.real.taken import named, taken
 
@@ -16,7 +16,7 @@ def _stances(stem: str) -> np.ndarray:
     """(2, F) whether heel or toe of each foot stands."""
     capture = taken(named(stem))[0]
     found = capture_contacts(capture)
-    masks = [contact_mask(found[point], capture.frame_count)[capture.first_frame :] for point in FootPoint]
+    masks = [contact_mask(found[point], capture.frame_count)[capture.first_frame :] for point in ContactPoint]
     return np.array([masks[0] | masks[1], masks[2] | masks[3]])
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from studio.core.ground import Ground
 from studio.core.grounds import Bumps, Slope, Steps
-from studio.core.metrics import acceleration_ratio, foot_quality
+from studio.core.metrics import acceleration_ratio, contact_quality
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -55,7 +55,7 @@ def _faults(path: Path) -> list[str]:
     for where, ground in _grounds(source.positions[first:, 0]).items():
         for name, body in BODIES.items():
             adapted = adapt(AdaptRequest(motion, body, contacts, (), ground), first)
-            quality = foot_quality(adapted, contacts, ground)
+            quality = contact_quality(adapted, contacts, ground)
             measured = (
                 ("slide mm", 1e3 * quality.slide, 1.0), ("float mm", 1e3 * quality.rise, 2.0),
                 ("depth mm", 1e3 * quality.penetration, 2.0),

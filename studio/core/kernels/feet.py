@@ -1,6 +1,7 @@
 """Feet that stand: soles locked level, ankles and toes kept at one place through each contact.
 
-States of a foot at a frame: bit 1 the heel stands, bit 2 the toe stands.
+States of a foot at a frame: bit 1 the heel stands, bit 2 the toe stands. ``soles`` (F or 1, 5) are the measures of one
+foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the ankle.
 """
 
 import math
@@ -13,6 +14,8 @@ from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, ro
 HEEL = 1
 TOE = 2
 FLAT = 3
+STEEP = -0.7
+"""Vertical part of a foot's forward axis below which it stands on tucked toes."""
 
 
 @njit(cache=True, nogil=True)
@@ -73,21 +76,22 @@ def level_soles(rotations, states, out_rotations):
 
 
 @njit(cache=True, nogil=True)
-def keep_pitch_on_ground(foot, ankle_height, heel_length, states, rotations):
+def keep_pitch_on_ground(soles, states, rotations):
     """Foot rotations (F, 3, 3), in place: no ball below the heel in a heel stand, none above it in a toe stand."""
     count = states.shape[0]
     corrections = np.zeros((count, 3))
     turn, turned = np.empty((3, 3)), np.empty((3, 3))
-    length = math.sqrt(foot[0] * foot[0] + foot[1] * foot[1]) + heel_length
     for frame in range(count):
         if states[frame] != HEEL and states[frame] != TOE:
             continue
+        sole = soles[frame if soles.shape[0] > 1 else 0]
+        length = math.sqrt(sole[0] * sole[0] + sole[1] * sole[1]) + sole[4]
         x, y = rotations[frame, 0, 0], rotations[frame, 1, 0]
         level = max(math.sqrt(x * x + y * y), 1e-9)
         turned[:] = rotations[frame]
         pitch = 0.0
         for _ in range(4):
-            rise = ball_above_heel(turned, foot, ankle_height, heel_length)
+            rise = ball_above_heel(turned, sole)
             if pitch == 0.0 and (rise >= 0.0) == (states[frame] == HEEL):
                 break
             pitch += rise / length
@@ -102,10 +106,10 @@ def keep_pitch_on_ground(foot, ankle_height, heel_length, states, rotations):
 
 
 @njit(cache=True, nogil=True)
-def ball_above_heel(rotation, foot, ankle_height, heel_length):
+def ball_above_heel(rotation, sole):
     """How much higher the ball's sole is than the heel's, in metres; 0 for a level foot."""
-    ball = rotation[2, 0] * foot[0] + rotation[2, 1] * foot[1] + rotation[2, 2] * foot[2] - foot[2]
-    return ball - ankle_height + rotation[2, 0] * heel_length + rotation[2, 2] * ankle_height
+    ball = rotation[2, 0] * sole[0] + rotation[2, 1] * sole[1] + rotation[2, 2] * sole[2] - sole[2]
+    return ball - sole[3] + rotation[2, 0] * sole[4] + rotation[2, 2] * sole[3]
 
 
 @njit(cache=True, nogil=True)
@@ -121,6 +125,7 @@ def set_heading(matrix, along, across):
 def level_toes(feet, toes, states, out_toes):
     """Toe rotations (F, 3, 3) lying level while the toe stands, heading as the foot; eased in between.
 
+    A foot that stands steeply on its tucked toes heads where its instep looks; one that lies on its instep keeps them.
     ``feet`` (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; out in the world.
     """
     count = states.shape[0]
@@ -130,10 +135,19 @@ def level_toes(feet, toes, states, out_toes):
     level[2, 2] = 1.0
     for frame in range(count):
         if known[frame]:
-            set_heading(level, feet[frame, 0, 0], feet[frame, 1, 0])
-            multiply(feet[frame].T, level, local)
+            foot = feet[frame]
+            if foot[2, 0] > STEEP:
+                set_heading(level, foot[0, 0], foot[1, 0])
+            else:
+                set_heading(
+                    level,
+                    foot[2, 2] * foot[0, 0] - foot[2, 0] * foot[0, 2],
+                    foot[2, 2] * foot[1, 0] - foot[2, 0] * foot[1, 2],
+                )
+            multiply(foot.T, level, local)
             multiply(local, toes[frame].T, turn)
             matrix_to_rotation_vector(turn, corrections[frame])
+            corrections[frame] *= smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
     fill_gaps(corrections, known)
     for frame in range(count):
         rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
@@ -142,13 +156,12 @@ def level_toes(feet, toes, states, out_toes):
 
 
 @njit(cache=True, nogil=True)
-def plant_ankles(ankles, feet, states, foot, ankle_height, heel_length, ground, out_ankles):
+def plant_ankles(ankles, feet, states, soles, ground, out_ankles):
     """Ankle targets (F, 3): anchored through every contact, displaced by an eased amount in between (METHOD 4).
 
-    ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``foot`` (3,) ankle to toe joint in foot axes;
-    ``ground`` (F,) height under the foot. One anchor an episode of contact: the ankle's median place in its
-    longest stretch on the heel (the toe's, if no heel stands); every other pivot is where the foot is when the
-    contact passes from heel to toe or back, so nothing jumps.
+    ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot. One anchor an
+    episode of contact: the ankle's median place in its longest stretch on the heel (the toe's, if no heel stands);
+    every other pivot is where the foot is when the contact passes from heel to toe or back, so nothing jumps.
     """
     count = states.shape[0]
     shift = np.zeros((count, 3))
@@ -161,7 +174,7 @@ def plant_ankles(ankles, feet, states, foot, ankle_height, heel_length, ground, 
         end = begin
         while end < count and known[end]:
             end += 1
-        plant_episode(ankles, feet, states, foot, ankle_height, heel_length, ground, begin, end, out_ankles)
+        plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles)
         for frame in range(begin, end):
             for axis in range(3):
                 shift[frame, axis] = out_ankles[frame, axis] - ankles[frame, axis]
@@ -173,7 +186,7 @@ def plant_ankles(ankles, feet, states, foot, ankle_height, heel_length, ground, 
 
 
 @njit(cache=True, nogil=True)
-def plant_episode(ankles, feet, states, foot, ankle_height, heel_length, ground, begin, end, out_ankles):
+def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
     """Ankle targets of one unbroken contact, frames begin to end (excluded), spread from its seed both ways."""
     first, last = longest_stretch(states, HEEL, begin, end)
     heel = last > first
@@ -182,7 +195,7 @@ def plant_episode(ankles, feet, states, foot, ankle_height, heel_length, ground,
     reach = np.zeros((last - first, 3))
     for frame in range(first, last):
         if not heel:
-            to_toe(feet[frame], foot, reach[frame - first])
+            to_toe(feet[frame], soles[frame if soles.shape[0] > 1 else 0], reach[frame - first])
         for axis in range(3):
             reach[frame - first, axis] += ankles[frame, axis]
     anchor = np.array([np.median(reach[:, 0]), np.median(reach[:, 1])])
@@ -193,11 +206,11 @@ def plant_episode(ankles, feet, states, foot, ankle_height, heel_length, ground,
         pivots[0 if heel else 1] = anchor
         frame = first
         while begin <= frame < end:
-            to_toe(feet[frame], foot, offset)
+            sole = soles[frame if soles.shape[0] > 1 else 0]
+            to_toe(feet[frame], sole, offset)
             stand(states[frame], previous, pivots, offset)
             out_ankles[frame, 0], out_ankles[frame, 1] = pivots[0, 0], pivots[0, 1]
-            height = sole_height(feet[frame], offset[2], foot[2], ankle_height, heel_length)
-            out_ankles[frame, 2] = ground[frame] + height
+            out_ankles[frame, 2] = ground[frame] + sole_height(feet[frame], offset[2], sole)
             previous = states[frame]
             frame += 1 if way == 0 else -1
 
@@ -216,10 +229,10 @@ def longest_stretch(states, bit, begin, end):
 
 
 @njit(cache=True, nogil=True)
-def to_toe(rotation, foot, out_offset):
+def to_toe(rotation, sole, out_offset):
     """Vector (3,) from ankle to toe joint in the world."""
     for axis in range(3):
-        out_offset[axis] = rotation[axis, 0] * foot[0] + rotation[axis, 1] * foot[1] + rotation[axis, 2] * foot[2]
+        out_offset[axis] = rotation[axis, 0] * sole[0] + rotation[axis, 1] * sole[1] + rotation[axis, 2] * sole[2]
 
 
 @njit(cache=True, nogil=True)
@@ -234,11 +247,11 @@ def stand(state, previous, pivots, offset):
 
 
 @njit(cache=True, nogil=True)
-def sole_height(rotation, toe_drop, foot_z, ankle_height, heel_length):
+def sole_height(rotation, toe_drop, sole):
     """Height of the ankle at which the lowest of heel and ball touches the ground.
 
-    ``toe_drop`` z of the vector ankle to toe in the world, ``foot_z`` the same of the level foot.
+    ``toe_drop`` z of the vector ankle to toe in the world.
     """
-    heel = rotation[2, 0] * heel_length + rotation[2, 2] * ankle_height
-    ball = ankle_height + foot_z - toe_drop
+    heel = rotation[2, 0] * sole[4] + rotation[2, 2] * sole[3]
+    ball = sole[3] + sole[2] - toe_drop
     return max(heel, ball)

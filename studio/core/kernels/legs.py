@@ -6,9 +6,13 @@ import numpy as np
 from numba import njit
 
 from studio.core.kernels import layout as at
+from studio.core.kernels.feet import smoothstep
 from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.realize import place_hip, place_toes
-from studio.core.kernels.rotation import multiply, orthonormalize, quaternion_to_matrix, shortest_arc
+from studio.core.kernels.rotation import multiply, orthonormalize, quaternion_to_matrix, shortest_arc, turn_columns
+
+KNEE_GUARD = 0.0004
+"""Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
 
 
 @njit(cache=True, nogil=True)
@@ -41,7 +45,8 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positio
 
     The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
     leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
-    ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; ``work`` (3, 3, 3) scratch; writes into the frame's arrays.
+    ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; ``work`` (3, 3, 3) scratch; writes into the frame's arrays. An
+    ``ankle`` of 7 numbers goes on with where the knee is to be and how firmly (0 to 1) it is held there.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
@@ -59,6 +64,9 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positio
     aimed = work[2]
     multiply(work[0], frame, aimed)
     orthonormalize(aimed)
+    if ankle.shape[0] > 3 and ankle[6] > 0.0:
+        off_plane = channels[at.LIMB_OFF_PLANE + 2 + side] * length
+        swivel_knee(hip, ankle, upper, lower, min(distance, length), off_plane, aimed)
     t = at.LIMB_TWIST + 2 * (2 + side)
     place_limb(
         hip,
@@ -79,3 +87,23 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positio
             rotations[segment + 2, row, column] = foot[row, column]
             rotations[segment + 3, row, column] = toe[row, column]
     place_toes(measures, side, point + 2, segment + 2, positions, rotations)
+
+
+@njit(cache=True, nogil=True)
+def swivel_knee(hip, ankle, upper, lower, distance, off_plane, frame):
+    """Turn a leg's ``frame`` (3, 3) about its z axis until the knee faces its place, as firmly as it is held there.
+
+    ``ankle`` (7,) as in ``place_leg``. Hardly at all where the knee is on the line of hip and ankle, or its place is.
+    """
+    z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
+    radius = math.sqrt(max(0.0, upper * upper - z * z))
+    x = min(max(off_plane, -radius), radius)
+    y = math.sqrt(max(0.0, radius * radius - x * x))
+    wanted_x, wanted_y = 0.0, 0.0
+    for axis in range(3):
+        wanted_x += frame[axis, 0] * (ankle[3 + axis] - hip[axis])
+        wanted_y += frame[axis, 1] * (ankle[3 + axis] - hip[axis])
+    away = radius * math.hypot(wanted_x, wanted_y)
+    angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
+    angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+    turn_columns(frame, ankle[6] * smoothstep(min(away / KNEE_GUARD, 1.0)) * angle)

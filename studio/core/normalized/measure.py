@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.contacts import FootPoint, contact_mask
+from studio.core.contacts import ContactPoint, contact_mask
 from studio.core.morphology import Morphology
 from studio.core.normalized.landmarks import Landmarks
 
@@ -20,7 +20,7 @@ def measure_actor(
     alignments: FloatArray,
     rotations: FloatArray,
     points: FloatArray,
-    contacts: dict[FootPoint, list[tuple[int, int]]],
+    contacts: dict[ContactPoint, list[tuple[int, int]]],
     first_frame: int,
 ) -> Morphology:
     """Medians over the motion of all bones, in canonical axes; sole heights where feet stand.
@@ -80,7 +80,7 @@ def _head_length(marks: Landmarks, points: FloatArray, first_frame: int) -> floa
 
 def _ankle_heights(
     points: FloatArray,
-    contacts: dict[FootPoint, list[tuple[int, int]]],
+    contacts: dict[ContactPoint, list[tuple[int, int]]],
     left_ankle: int,
     right_ankle: int,
     leg_length: float,
@@ -88,7 +88,7 @@ def _ankle_heights(
     """Median height of each ankle while its heel stands; both alike where only one does, a usual one else."""
     heights: list[float] = []
     for name, ankle in (("left", left_ankle), ("right", right_ankle)):
-        standing = contact_mask(contacts[FootPoint(f"{name}_heel")], len(points))
+        standing = contact_mask(contacts[ContactPoint(f"{name}_heel")], len(points))
         heights.append(float(np.median(points[standing, ankle, 2])) if standing.any() else np.nan)
     usual = 2.0 * USUAL_ANKLE * leg_length
     known = np.clip(np.array(heights), 0.25 * usual, 2.5 * usual)

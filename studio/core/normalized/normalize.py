@@ -5,7 +5,19 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from studio.core.capture import Capture
-from studio.core.contacts import ContactInterval, FootPoint, contact_mask, detect_contacts
+from studio.core.contacts import (
+    BODY_POINTS,
+    SHORTEST,
+    TRAILING,
+    ContactInterval,
+    ContactPoint,
+    contact_mask,
+    detect_body_contacts,
+    detect_contacts,
+    staying,
+    touching_points,
+    without,
+)
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
@@ -17,7 +29,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import frame_along, from_matrix, normalized, shortest_arc, sign_continuous
 
 FloatArray = NDArray[np.float64]
-Contacts = dict[FootPoint, list[tuple[int, int]]]
+Contacts = dict[ContactPoint, list[tuple[int, int]]]
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 HEADING_SMOOTHING = 0.25
@@ -49,9 +61,9 @@ def normalize(capture: Capture) -> tuple[NormalizedMotion, Actor]:
 
 
 def capture_contacts(capture: Capture) -> Contacts:
-    """Foot contacts of a mapped capture, as found in its own joints; none for one without a body map."""
+    """Contacts of a mapped capture, as found in its own joints; none for one without a body map."""
     if capture.body_map is None:
-        return {point: [] for point in FootPoint}
+        return {point: [] for point in ContactPoint}
     return _contacts_of(find_landmarks(capture, capture.body_map), capture)
 
 
@@ -62,15 +74,30 @@ def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval
 
 
 def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
-    ankles = marks.points[:, [marks.layout.ankle(0), marks.layout.ankle(1)]]
-    toes = marks.points[:, [marks.layout.toe(0), marks.layout.toe(1)]]
-    return detect_contacts(ankles, toes, capture.frame_rate, capture.first_frame)
+    layout, points = marks.layout, marks.points
+    ankles, toes = (points[:, [joint(0), joint(1)]] for joint in (layout.ankle, layout.toe))
+    hips = [layout.hip(0), layout.hip(1)]
+    above = points - [0.0, 0.0, capture.floor]
+    tracks = {point: above[:, touching_points(point, layout)].mean(axis=1) for point in BODY_POINTS}
+    leg = np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum()
+    bodies = detect_body_contacts(tracks, float(leg), capture.frame_rate, capture.first_frame)
+    feet = detect_contacts(ankles, toes, capture.frame_rate, capture.first_frame)
+    shortest = round(SHORTEST * capture.frame_rate)
+    for side, name in enumerate(("left", "right")):
+        heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
+        # A heel does not stand while its knee does, or is lower; toes of who lies or kneels may only trail.
+        prone = points[:, hips[side] + 1, 2] < points[:, hips[side] + 2, 2]
+        feet[heel] = without(feet[heel], prone | contact_mask(bodies[knee], len(points)), shortest)
+        down = contact_mask([*bodies[knee], *bodies[ContactPoint.SEAT]], len(points))
+        stays = (staying(toes[:, side], *span, TRAILING) if down[slice(*span)].any() else span for span in feet[toe])
+        feet[toe] = [(first, last) for first, last in stays if last - first >= shortest]
+    return feet | bodies
 
 
 def _level_soles(marks: Landmarks, contacts: Contacts, alignments: FloatArray, rotations: FloatArray) -> None:
     for side, name in enumerate(("left", "right")):
-        heel = contact_mask(contacts[FootPoint(f"{name}_heel")], len(rotations))
-        toe = contact_mask(contacts[FootPoint(f"{name}_toe")], len(rotations))
+        heel = contact_mask(contacts[ContactPoint(f"{name}_heel")], len(rotations))
+        toe = contact_mask(contacts[ContactPoint(f"{name}_toe")], len(rotations))
         foot = marks.layout.spine_count + 12 + 4 * side
         for segment in (foot, foot + 1):
             level_feet(alignments, rotations[:, segment], segment, heel & toe)

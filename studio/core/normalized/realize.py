@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.kernels import realize as kernel
-from studio.core.morphology import Morphology
+from studio.core.morphology import AnyMorphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.pose import PoseSequence
@@ -13,7 +13,9 @@ from studio.core.rotations import from_matrix, to_matrix
 FloatArray = NDArray[np.float64]
 
 
-def realize(motion: NormalizedMotion, morphology: Morphology, *, play: bool = False) -> tuple[FloatArray, FloatArray]:
+def realize(
+    motion: NormalizedMotion, morphology: AnyMorphology, *, play: bool = False
+) -> tuple[FloatArray, FloatArray]:
     """Positions (F, K + 23, 3) and rotations (F, K + 18, 3, 3) of ``motion`` on a body, in the motion's space.
 
     ``play`` keeps the actor's own stray of hips and head (as far as the capture's extra joints moved them); a
@@ -23,7 +25,7 @@ def realize(motion: NormalizedMotion, morphology: Morphology, *, play: bool = Fa
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
     start, share = spine_sampling(motion.spine_places, morphology.spine)
-    kernel.realize_frames(motion.channels, morphology.packed[None], start, share, float(play), positions, rotations)
+    kernel.realize_frames(motion.channels, morphology.rows, start, share, float(play), positions, rotations)
     return positions, rotations
 
 

@@ -15,21 +15,23 @@ from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames, solve_frames
-from studio.core.morphology import Morphology
+from studio.core.kernels.carrying import place_arms
+from studio.core.morphology import AnimatedMorphology, AnyMorphology, at_frames
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.solver.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.chains import free_joints, segment_masses
 from studio.core.solver.following import point_track
-from studio.core.solver.footing import Footing, find_footing, freedom
+from studio.core.solver.footing import Footing, find_footing, leashes
+from studio.core.solver.holding import held_points, placed_above, release_hands
 from studio.core.solver.packing import is_pair, limb_of, pack, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.settling import Arms, settle
 from studio.core.solver.support import mass_path, support_path
 from studio.core.solver.tracks import Targets, Track, Tracks
 
 FloatArray = NDArray[np.float64]
 
-LEASH = 0.3
-"""Part of its length by which a leg's leash has run out when its foot becomes free."""
 PASSES = 3
 """Times a motion is solved whose constraints follow points of its own body: each to where the last one had them."""
 
@@ -39,8 +41,11 @@ class Standing:
     """A motion on one body and on the ground, before any constraint: what a dragged constraint need not ask again."""
 
     motion: NormalizedMotion
-    morphology: Morphology
+    morphology: AnyMorphology
+    contacts: tuple[ContactInterval, ...]
     footing: Footing
+    holds: tuple[Hold, ...]
+    arms: Arms | None
     positions: FloatArray
     rotations: FloatArray
 
@@ -63,16 +68,25 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
 
 def stand(
-    motion: NormalizedMotion, morphology: Morphology, contacts: Sequence[ContactInterval], ground: Ground
+    motion: NormalizedMotion, morphology: AnyMorphology, contacts: Sequence[ContactInterval], ground: Ground
 ) -> Standing:
-    """Scale a motion to a body and set its feet on the ground (K05 sections 6 and 7)."""
+    """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7)."""
     positions, rotations = realize(motion, morphology)
     positions[:, :, 2] += ground.height
-    footing = find_footing(motion, morphology, contacts, ground, positions, rotations)
-    place_frames(
-        motion.channels, morphology.packed[None], footing.drops, *_legs(footing, slice(None)), positions, rotations
-    )
-    return Standing(motion, morphology, footing, positions, rotations)
+    carrying = find_carrying(motion, morphology, contacts, ground, positions)
+    if carrying is not None:
+        positions += carrying.shift[:, None]
+    share = 1.0 if carrying is None else carrying.feet_share
+    footing, arms = find_footing(motion, morphology, contacts, ground, positions, rotations, share), None
+    if carrying is not None:
+        footing, arms = settle(carrying, footing, motion, morphology, positions, rotations)
+    measures, legs = morphology.rows, _legs(footing, slice(None))
+    place_frames(motion.channels, measures, footing.drops, *legs, positions, rotations)
+    if arms is not None:
+        stance = arms.wrists, arms.hands, arms.bends, arms.placed
+        place_arms(motion.channels, measures, *stance, positions, rotations)
+    holds = () if carrying is None else carrying.holds
+    return Standing(motion, morphology, tuple(contacts), footing, holds, arms, positions, rotations)
 
 
 def hold(
@@ -98,10 +112,10 @@ def hold(
         own = [follow for follow in followed if isinstance(follow, FollowBody)]
         for _ in range(PASSES if own else 1):
             for follow in own:
-                known[follow] = point_track(follow.point, follow.turn, positions, rotations, standing.morphology)
+                known[follow] = point_track(follow.point, follow.turn, positions, rotations, standing.morphology.still)
             positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
             _solve(standing, constraints, window, known, bound, residuals, positions, rotations)
-    return AdaptedMotion(standing.morphology, standing.motion.frame_rate, first, positions, rotations, residuals)
+    return _answer(standing, first, positions, rotations, residuals)
 
 
 def _known_tracks(
@@ -118,7 +132,7 @@ def _known_tracks(
         place = getattr(constraint, "place", None)
         if isinstance(place, Support):
             path = support_path(
-                standing.positions, standing.rotations, standing.footing.states, standing.morphology,
+                standing.positions, standing.rotations, standing.footing.states, standing.morphology.still,
                 standing.motion.frame_rate, place.margin, window,
             )  # fmt: skip
             known[place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))
@@ -138,32 +152,49 @@ def _solve(
     """One run of the kernel over ``window``, in place."""
     motion, body = standing.motion, standing.morphology
     times = np.arange(motion.frame_count)[window] / motion.frame_rate
-    activations = constraint_activations(constraints, standing.footing, motion.frame_rate)[:, window]
+    held = held_points(standing.holds, body, standing.positions, standing.rotations) if bound.by_contacts else []
+    everything = [*(each.constraint for each in held), *constraints]
+    activations = constraint_activations(constraints, standing.contacts, motion)[:, window]
     leash = (
         leashes(standing.footing, motion.frame_rate)[:, window]
         if bound.by_contacts
         else np.full((2, len(times)), np.inf)
     )
-    joints = free_joints([constraint.chain for constraint in constraints], body.layout)
+    joints = free_joints([constraint.chain for constraint in everything], body.layout)
+    targets = Targets(times, tracks, lambda: mass_path(positions, body.still))
+    asked, wishes = pack(everything, joints, body.layout, targets)
+    if held:
+        asked, wishes = placed_above(asked, wishes, held, window)
+        stands = np.array([each.standing[window] for each in held])
+        activations = np.concatenate([stands & (activations > 0.0).any(axis=0), activations])
+    misses = np.full((len(everything), len(positions)), np.nan)
     solve_frames(
-        *pack(constraints, joints, body.layout, Targets(times, tracks, lambda: mass_path(positions, body))),
-        np.ascontiguousarray(activations),
+        asked,
+        wishes,
+        np.ascontiguousarray(activations, dtype=np.float64),
         np.ascontiguousarray(leash),
         (motion.channels[window], *_legs(standing.footing, window)),
-        (body.packed[None], segment_masses(body.layout), joints.limits if bound.by_limits else joints.limits + np.inf),
-        residuals,
+        (
+            at_frames(body.rows, window),
+            segment_masses(body.layout),
+            joints.limits if bound.by_limits else joints.limits + np.inf,
+        ),
+        misses,
         positions,
         rotations,
     )
+    residuals[:] = misses[len(held) :]
+    if standing.arms is not None:
+        rate, channels = motion.frame_rate, motion.channels[window]
+        release_hands(standing.arms, standing.holds, body, channels, rate, window, positions, rotations)
 
 
-def leashes(footing: Footing, frame_rate: float) -> FloatArray:
-    """(2, F) part of its length to which the root may stretch each leg; inf where its foot is free.
-
-    A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
-    """
-    free = np.array([freedom(states != 0, frame_rate) for states in footing.states])
-    return np.where(free < 1.0, footing.comforts + LEASH * free, np.inf)
+def _answer(
+    standing: Standing, first: int, positions: FloatArray, rotations: FloatArray, residuals: FloatArray
+) -> AdaptedMotion:
+    body, rate = standing.morphology, standing.motion.frame_rate
+    animated = body if isinstance(body, AnimatedMorphology) else None
+    return AdaptedMotion(body.still, rate, first, positions, rotations, residuals, animated)
 
 
 def _legs(footing: Footing, window: slice) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -176,17 +207,18 @@ def _legs(footing: Footing, window: slice) -> tuple[FloatArray, FloatArray, Floa
     )
 
 
-def constraint_activations(constraints: Sequence[Constraint], footing: Footing, frame_rate: float) -> FloatArray:
-    """(C, F) in [0, 1]; a constraint on a leg yields to that leg's contacts, which stand above all."""
-    times = np.arange(footing.states.shape[1]) / frame_rate
-    rows = []
-    for constraint in constraints:
-        activation = constraint.activation.at(times)
-        limb = limb_of(constraint.point.part)
-        if limb >= 2:
-            activation = activation * freedom(footing.states[limb - 2] != 0, frame_rate)
-        rows.append(activation)
-    return np.array(rows)
+def constraint_activations(
+    constraints: Sequence[Constraint], contacts: Sequence[ContactInterval], motion: NormalizedMotion
+) -> FloatArray:
+    """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
+    times = np.arange(motion.frame_count) / motion.frame_rate
+    return np.array(
+        [
+            constraint.activation.at(times)
+            * limb_freedom(contacts, limb_of(constraint.point.part), motion.frame_count, motion.frame_rate)
+            for constraint in constraints
+        ]
+    )
 
 
 def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:

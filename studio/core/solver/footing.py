@@ -13,7 +13,7 @@ from studio.core.ground import Ground
 from studio.core.kernels import feet as kernel
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.legs import hip_heights
-from studio.core.morphology import Morphology
+from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.footprints import drape, find_footprints, lift_over_edges
 
@@ -27,6 +27,8 @@ FREED_AFTER = 0.15
 """Seconds after a foot has left the ground (or before it lands) in which it becomes free."""
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
+LEASH = 0.3
+"""Part of its length by which a limb's leash has run out when its contact becomes free."""
 CLIMB_SMOOTHING = 0.12
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
@@ -34,7 +36,8 @@ CLIMB_SMOOTHING = 0.12
 @dataclass(frozen=True, eq=False)
 class Footing:
     """What the ground asks of one body: ``states`` (2, F) bit 1 heel, bit 2 toe; ``comforts`` (2, F) part of its
-    length to which each leg stretches freely; ``ankles`` (2, F, 3) targets; ``feet``, ``toes`` (2, F, 3, 3) world
+    length to which each leg stretches freely; ``ankles`` (2, F, 3 or 7) targets, with those of knees that stand as
+    ``kernels.legs.place_leg`` takes them; ``feet``, ``toes`` (2, F, 3, 3) world
     rotations; ``drops`` (F,) metres by which the root is lowered.
     """
 
@@ -50,22 +53,25 @@ def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArra
     """(2, F) of bits: 1 where the heel stands, 2 where the toe does."""
     states = np.zeros((2, frame_count), dtype=np.int64)
     for contact in contacts:
-        bit = kernel.HEEL if contact.point.is_heel else kernel.TOE
-        states[contact.point.side, contact.first : contact.last + 1] |= bit
+        if contact.point.is_foot:
+            bit = kernel.HEEL if contact.point.is_heel else kernel.TOE
+            states[contact.point.side, contact.first : contact.last + 1] |= bit
     return states
 
 
 def find_footing(
     motion: NormalizedMotion,
-    morphology: Morphology,
+    morphology: AnyMorphology,
     contacts: Sequence[ContactInterval],
     ground: Ground,
     positions: FloatArray,
     rotations: FloatArray,
+    carried: FloatArray | float = 1.0,
 ) -> Footing:
     """Plan the feet of a whole clip from its retargeted pose, raised to the ground's own height.
 
-    The root follows the low-passed mean of both feet's footprints (h1 of METHOD 4); ``drops`` take that off.
+    The root follows the low-passed mean of both feet's footprints (h1 of METHOD 4) by as much of its weight as the feet
+    carry, ``carried`` (F,); ``drops`` take that off.
     """
     states = foot_states(contacts, motion.frame_count)
     plans = [_plan_foot(side, morphology, states[side], ground, positions, rotations) for side in range(2)]
@@ -81,7 +87,7 @@ def find_footing(
     ]
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
-    climb = gaussian_filter1d(climb, CLIMB_SMOOTHING * motion.frame_rate, mode="nearest")
+    climb = carried * gaussian_filter1d(climb, CLIMB_SMOOTHING * motion.frame_rate, mode="nearest")
     comforts = leg_comforts(motion, states)
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
@@ -101,7 +107,7 @@ def find_footing(
 
 def _drops(
     motion: NormalizedMotion,
-    morphology: Morphology,
+    morphology: AnyMorphology,
     rotations: FloatArray,
     ankles: FloatArray,
     comforts: FloatArray,
@@ -109,7 +115,7 @@ def _drops(
 ) -> FloatArray:
     """(F,) metres by which the root must come down for standing legs to reach; ``ankles`` from the root."""
     drops = np.empty(motion.frame_count)
-    hip_heights(motion.channels, morphology.packed[None], rotations, ankles, comforts, states, drops)
+    hip_heights(motion.channels, morphology.rows, rotations, ankles, comforts, states, drops)
     return drops
 
 
@@ -134,7 +140,7 @@ def _stacked(plans: Sequence[Plan]) -> tuple[FloatArray, FloatArray, FloatArray]
 
 def _plan_foot(
     side: int,
-    morphology: Morphology,
+    morphology: AnyMorphology,
     states: NDArray[np.int64],
     ground: Ground,
     positions: FloatArray,
@@ -146,19 +152,19 @@ def _plan_foot(
     source = np.ascontiguousarray(rotations[:, segment])
     ankles = np.ascontiguousarray(positions[:, layout.ankle(side)])
     out_ankles, feet, toes = np.empty_like(ankles), np.empty_like(source), np.empty_like(source)
-    sole = (morphology.foot[side], morphology.ankle_height[side], morphology.heel_length[side])
+    soles = sole_rows(morphology, side)
     kernel.level_soles(source, states, feet)
-    kernel.keep_pitch_on_ground(*sole, states, feet)
+    kernel.keep_pitch_on_ground(soles, states, feet)
     local_toes = np.swapaxes(source, 1, 2) @ rotations[:, segment + 1]
     kernel.level_toes(feet, local_toes, states, toes)
-    kernel.plant_ankles(ankles, feet, states, *sole, np.full(len(ankles), ground.height), out_ankles)
+    kernel.plant_ankles(ankles, feet, states, soles, np.full(len(ankles), ground.height), out_ankles)
     return out_ankles, feet, toes
 
 
 def _drape_foot(
     plan: Plan,
     side: int,
-    morphology: Morphology,
+    morphology: AnyMorphology,
     states: NDArray[np.int64],
     ground: Ground,
     frame_rate: float,
@@ -169,14 +175,15 @@ def _drape_foot(
 
     A heel that would stand over nothing does not: that foot comes down flat; ``states`` (F,) tell so after.
     """
-    prints = find_footprints(states, plan[0], plan[1], morphology, side, ground)
+    soles = sole_rows(morphology, side)
+    prints = find_footprints(states, plan[0], plan[1], soles, ground)
     if prints.hanging.any():
         for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
             states[first : last + 1][states[first : last + 1] == kernel.HEEL] = kernel.FLAT
         plan = _plan_foot(side, morphology, states, ground, positions, rotations)
-        prints = find_footprints(states, plan[0], plan[1], morphology, side, ground)
+        prints = find_footprints(states, plan[0], plan[1], soles, ground)
     draped = drape(prints, *plan, ground, frame_rate)
-    draped.ankles[:, 2] += lift_over_edges(plan[:2], draped, states, morphology, side, ground)
+    draped.ankles[:, 2] += lift_over_edges(plan[:2], draped, states, soles, ground)
     return _DrapedFoot((draped.ankles, draped.feet, draped.toes), plan[0], draped.heights)
 
 
@@ -186,6 +193,15 @@ def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64]) -> FloatAr
     standing = np.clip(own, STANDING_REACH, 1.0 - 1e-9)
     free = np.array([freedom(foot != 0, motion.frame_rate) for foot in states])
     return standing + free * (SWINGING_REACH - standing)
+
+
+def leashes(footing: Footing, frame_rate: float) -> FloatArray:
+    """(2, F) part of its length to which the root may stretch each leg; inf where its foot is free.
+
+    A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
+    """
+    free = np.array([freedom(states != 0, frame_rate) for states in footing.states])
+    return np.where(free < 1.0, footing.comforts + LEASH * free, np.inf)
 
 
 def freedom(planted: NDArray[np.bool_], frame_rate: float) -> FloatArray:

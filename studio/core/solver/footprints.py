@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.ground import Ground
 from studio.core.kernels.feet import FLAT, HEEL
-from studio.core.morphology import Morphology
+from studio.core.morphology import at_frames
 
 FloatArray = NDArray[np.float64]
 
@@ -113,14 +113,17 @@ def tilts_of(normals: FloatArray) -> FloatArray:
 
 
 def find_footprints(
-    states: NDArray[np.int64], ankles: FloatArray, feet: FloatArray, body: Morphology, side: int, ground: Ground
+    states: NDArray[np.int64], ankles: FloatArray, feet: FloatArray, measures: FloatArray, ground: Ground
 ) -> Footprints:
-    """The contacts of a foot planned on the level floor: ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3)."""
+    """The contacts of a foot planned on the level floor: ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3).
+
+    ``measures`` (F or 1, 6) of the foot as ``morphology.sole_rows`` has them.
+    """
     first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
-    soles = soles_of(ankles[middle], feet[middle], body, side)
+    soles = soles_of(ankles[middle], feet[middle], at_frames(measures, middle))
     nudges = ground.nudges(soles)[of_episode]
     rolled = soles.copy()
-    rolled[:, 0] += _heel_play(soles[:, 0], first, last, states, ankles, feet, body, side) / 2
+    rolled[:, 0] += _heel_play(soles[:, 0], first, last, states, ankles, feet, measures) / 2
     edge = np.ptp(ground.height_at(np.stack([soles[:, 0], rolled[:, 0]], axis=1) + nudges[:, None]), axis=1) > EDGE
     soles = np.where(edge[:, None, None], soles, rolled)
     level = np.column_stack([soles[:, 1], np.full(len(soles), ground.height)])
@@ -154,8 +157,7 @@ def lift_over_edges(
     level: tuple[FloatArray, FloatArray],
     draped: Draped,
     states: NDArray[np.int64],
-    body: Morphology,
-    side: int,
+    measures: FloatArray,
     ground: Ground,
 ) -> FloatArray:
     """(F,) metres by which a foot in the air is raised so that it clears what lies between its footprints.
@@ -164,15 +166,17 @@ def lift_over_edges(
     than it did there, as far as one smooth arch a flight can do that: it and its first two derivatives are zero at
     every contact.
     """
-    sole = np.array(
+    forward, left, _, height, heel, toe = measures.T
+    sole = np.stack(
         [
-            [-body.heel_length[side], 0.0, -body.ankle_height[side]],
-            [body.foot[side, 0], body.foot[side, 1], -body.ankle_height[side]],
-            [body.foot[side, 0] + np.hypot(*body.toe[side, :2]), body.foot[side, 1], -body.ankle_height[side]],
-        ]
+            np.column_stack([-heel, 0.0 * heel, -height]),
+            np.column_stack([forward, left, -height]),
+            np.column_stack([forward + toe, left, -height]),
+        ],
+        axis=1,
     )
-    before = level[0][:, None] + np.einsum("fij,pj->fpi", level[1], sole)
-    after = draped.ankles[:, None] + np.einsum("fij,pj->fpi", draped.feet, sole)
+    before = level[0][:, None] + np.einsum("fij,fpj->fpi", level[1], np.broadcast_to(sole, (len(states), 3, 3)))
+    after = draped.ankles[:, None] + np.einsum("fij,fpj->fpi", draped.feet, np.broadcast_to(sole, (len(states), 3, 3)))
     nearer = ground.height_at(after) - after[..., 2] - np.maximum(ground.height - before[..., 2], 0.0)
     needs, lift = nearer.max(axis=1), np.zeros(len(states))
     for first, last in _runs(states == 0):
@@ -220,14 +224,14 @@ def _heel_play(
     states: NDArray[np.int64],
     ankles: FloatArray,
     feet: FloatArray,
-    body: Morphology,
-    side: int,
+    measures: FloatArray,
 ) -> FloatArray:
     """(N, 2) how far a standing heel is at most from its flat place ``heels`` (N, 2): it rolls as the foot comes down.
 
     On bent ground a plane through the middle of that way is off by half as much at its ends.
     """
-    tracks = (ankles + feet @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]]))[:, :2]
+    below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])
+    tracks = (ankles + np.einsum("fij,fj->fi", feet, np.broadcast_to(below, ankles.shape)))[:, :2]
     play = np.zeros((len(heels), 2))
     for row, (begin, end) in enumerate(zip(first, last, strict=True)):
         standing = (states[begin : end + 1] & HEEL) != 0
@@ -237,12 +241,16 @@ def _heel_play(
     return play
 
 
-def soles_of(ankles: FloatArray, feet: FloatArray, body: Morphology, side: int) -> FloatArray:
-    """(N, 3, 2) where heel, ball and tip of feet lie when they are flat, the ball where it is."""
+def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> FloatArray:
+    """(N, 3, 2) where heel, ball and tip of feet lie when they are flat, the ball where it is.
+
+    ``measures`` (N or 1, 6) of the foot as ``morphology.sole_rows`` has them.
+    """
     ahead = feet[:, :2, 0] / np.maximum(np.linalg.norm(feet[:, :2, 0], axis=1, keepdims=True), 1e-9)
-    ball = ankles[:, :2] + (feet @ body.foot[side])[:, :2]
-    heel = ball - (body.foot[side, 0] + body.heel_length[side]) * ahead
-    tip = ball + np.hypot(*body.toe[side, :2]) * ahead
+    to_ball = np.broadcast_to(measures[:, :3], ankles.shape)
+    ball = ankles[:, :2] + np.einsum("fij,fj->fi", feet, to_ball)[:, :2]
+    heel = ball - (measures[:, :1] + measures[:, 4:5]) * ahead
+    tip = ball + measures[:, 5:] * ahead
     return np.stack([heel, ball, tip], axis=1)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.metrics import centre_of_mass, foot_tracks, knee_speeds
+from studio.core.metrics import centre_of_mass, contact_tracks, knee_speeds
 from studio.core.solver.adapt import Bound, Standing, constraint_activations, hold, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.support import outlines, support_margins
@@ -35,7 +35,7 @@ class Report:
     """Of C constraints over F frames.
 
     ``residuals`` (C, F) metres or radians, NaN where not active; ``winners`` (C, F) who kept each from being met: the
-    row of a constraint, or one of the names above; ``slides`` and ``heights`` (4, F) metres, rows as ``FootPoint``, NaN
+    row of a constraint, or one of the names above; ``slides`` and ``heights`` (9, F) metres, rows as ``ContactPoint``, NaN
     where a point does not stand; ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre of mass to
     the edge of what is stood on, negative outside, NaN in flight.
     """
@@ -53,7 +53,7 @@ def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     standing = stand(request.motion, request.morphology, request.contacts, request.ground)
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     areas = outlines(adapted.positions, adapted.rotations, standing.footing.states[:, window], adapted.morphology)
-    slides, heights = foot_tracks(adapted, request.contacts, request.ground)
+    slides, heights = contact_tracks(adapted, request.contacts, request.ground)
     return Report(
         adapted.residuals,
         winners(standing, request.constraints, request.tracks, adapted),
@@ -119,9 +119,9 @@ def _weigh_together(
 
 
 def _yielding(standing: Standing, constraints: Sequence[Constraint], window: slice) -> NDArray[np.bool_]:
-    """(C, F) where a constraint on a leg gives way to that leg's contacts."""
+    """(C, F) where a constraint on a limb gives way to the contacts of that limb."""
     rate = standing.motion.frame_rate
     times = np.arange(standing.motion.frame_count)[window] / rate
     wanted = np.array([each.activation.at(times) for each in constraints])
-    given = constraint_activations(constraints, standing.footing, rate)[:, window]
+    given = constraint_activations(constraints, standing.contacts, standing.motion)[:, window]
     return np.asarray(given < wanted - 1e-9)

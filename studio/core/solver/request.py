@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
-from studio.core.morphology import Morphology
+from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.tracks import Tracks
 
@@ -17,10 +17,13 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class AdaptRequest:
-    """One motion to be adapted to one body: all the values the answer depends on."""
+    """One motion to be adapted to one body: all the values the answer depends on.
+
+    An animated morphology has a row of measures for every frame of the motion.
+    """
 
     motion: NormalizedMotion
-    morphology: Morphology
+    morphology: AnyMorphology
     contacts: tuple[ContactInterval, ...] = ()
     constraints: tuple[Constraint, ...] = ()
     ground: Ground = Ground()
@@ -34,7 +37,7 @@ class AdaptedMotion:
 
     ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals``
     (C, F) is by how much each constraint is missed, in its ``unit`` (metres or radians), in the order of the request,
-    NaN where the constraint is not active.
+    NaN where the constraint is not active. ``morphology`` of a body that changes is its beginning, ``animated`` is all.
     """
 
     morphology: Morphology
@@ -43,6 +46,12 @@ class AdaptedMotion:
     positions: FloatArray
     rotations: FloatArray
     residuals: FloatArray
+    animated: AnimatedMorphology | None = None
+
+    @property
+    def body(self) -> AnyMorphology:
+        """All measures of the body, whether they change or not."""
+        return self.animated or self.morphology
 
     @property
     def frame_count(self) -> int:

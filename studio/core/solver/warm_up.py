@@ -6,7 +6,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
@@ -33,5 +33,5 @@ def warm_up(morphology: Morphology) -> AdaptedMotion:
         ActivationCurve(0.0, 0.0, 1.0, 1.0),
         target=(1.0, 0.5, 1.0),
     )
-    contact = ContactInterval("warm-up", FootPoint.LEFT_TOE, 0, 3)
+    contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, 3)
     return adapt(AdaptRequest(motion, morphology, (contact,), (reach,)))

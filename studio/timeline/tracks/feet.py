@@ -3,7 +3,7 @@
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter
 
-from studio.core.contacts import ContactInterval, FootPoint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.document import colours
 from studio.timeline.shown import EDGES, Hit, Part, Shown, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
@@ -12,8 +12,8 @@ HEIGHT = 24
 LINE = 7
 EDGE_REACH = 5.0
 SIDES = {
-    "left": (FootPoint.LEFT_HEEL, FootPoint.LEFT_TOE),
-    "right": (FootPoint.RIGHT_HEEL, FootPoint.RIGHT_TOE),
+    "left": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
+    "right": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
 }
 FILLS = {
     True: colours.mixed(colours.KINDS["contact"], colours.PANEL, 0.30),
@@ -21,12 +21,12 @@ FILLS = {
 }
 
 
-def side_of(point: FootPoint) -> str:
+def side_of(point: ContactPoint) -> str:
     """The row's id of a foot point."""
     return "left" if point.side == 0 else "right"
 
 
-def lane(row: QRect, point: FootPoint) -> QRectF:
+def lane(row: QRect, point: ContactPoint) -> QRectF:
     """The height at which a point's contacts lie in its foot's row."""
     middle = row.top() + row.height() / 2
     top = middle - LINE - 0.5 if point.is_heel else middle + 0.5

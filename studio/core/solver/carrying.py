@@ -1,0 +1,222 @@
+"""What carries a body: beside its feet its hands, knees and seat, each on one place of the ground (METHOD 4).
+
+The root is normalised by the legs; while hands, knees or seat carry (a handstand, a crawl), it is put where the chain
+from them to the root has it on this body, blended over time by who carries ([K05], closing remarks). Then it is moved
+and turned by the little that is left, so that all that stands is exactly in reach.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d
+from scipy.spatial.transform import Rotation
+
+from studio.core.contacts import BODY_POINTS, ContactInterval, ContactPoint, contact_mask, touching_points
+from studio.core.ground import Ground
+from studio.core.kernels import layout as at
+from studio.core.kernels.feet import fill_gaps
+from studio.core.morphology import AnyMorphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import normalized, shortest_arc
+from studio.core.solver.footing import STANDING_REACH, foot_states, freedom
+
+FloatArray = NDArray[np.float64]
+
+WRIST, KNEE, SEAT = 0.065, 0.065, 0.12
+"""Heights of wrist, knee and middle of the hips above what they stand on, in parts of the leg's length."""
+SEAT_WEIGHT = 2.0
+"""A seat carries as much as two hands, knees or feet."""
+BLEND = 0.2
+"""Seconds to each side over which the weight passes from who carries to who carries next."""
+EASE = 0.1
+"""Seconds to each side over which the root's moves are averaged."""
+FADE = 0.4
+"""Seconds after which a hand or knee that left the ground goes its own way again."""
+LEVEL_BELOW = 0.7
+"""Sine of the angle above the ground up to which fingers, and away from it up to which a palm, are laid on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """One point that stands now and then: ``standing`` (F,), and where it is to be then, ``places`` (F, 3)."""
+
+    point: ContactPoint
+    standing: NDArray[np.bool_]
+    places: FloatArray
+    normals: FloatArray
+
+    def displaced(self, track: FloatArray, frame_rate: float) -> FloatArray:
+        """(F, 3) the point's ``track`` led on to its places, and back on its own way soon after."""
+        return track + eased(np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate)
+
+
+@dataclass(frozen=True, eq=False)
+class Carrying:
+    """What of a body stands beside its feet: ``holds``, the root's ``shift`` (F, 3), the feet's ``share`` (F,)."""
+
+    holds: tuple[Hold, ...]
+    shift: FloatArray
+    feet_share: FloatArray
+
+
+def clearance(body: AnyMorphology, point: ContactPoint) -> float:
+    """Metres of a standing wrist, knee or middle of the hips above the ground."""
+    return body.leg_length * {"hand": WRIST, "knee": KNEE, "seat": SEAT}[point.member]
+
+
+def track_of(point: ContactPoint, body: AnyMorphology, positions: FloatArray) -> FloatArray:
+    """(F, 3) what stands at a point, of ``positions`` (F, P, 3): a joint, or the middle of the hips."""
+    return np.asarray(positions[:, touching_points(point, body.layout)].mean(axis=1))
+
+
+def limb_freedom(contacts: Sequence[ContactInterval], limb: int, frame_count: int, frame_rate: float) -> FloatArray:
+    """(F,) 0 while anything of a limb stands, eased to 1 soon after and before; 1 for what is on no limb."""
+    spans = [(each.first, each.last) for each in contacts if each.point.limb == limb >= 0]
+    return freedom(contact_mask(spans, frame_count), frame_rate)
+
+
+def find_carrying(
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    contacts: Sequence[ContactInterval],
+    ground: Ground,
+    positions: FloatArray,
+) -> Carrying | None:
+    """Who carries a retargeted motion, ``positions`` (F, P, 3), and how its root follows; None on feet alone."""
+    spans = {
+        point: [(each.first, min(each.last, motion.frame_count - 1)) for each in contacts if each.point is point]
+        for point in BODY_POINTS
+    }
+    holds = tuple(
+        _hold(point, sorted(spans[point]), body, ground, track_of(point, body, positions))
+        for point in BODY_POINTS
+        if any(first < motion.frame_count for first, _ in spans[point])
+    )
+    if not holds:
+        return None
+    shares = _shares(holds, foot_states(contacts, motion.frame_count), motion.frame_rate)
+    shift = np.zeros((motion.frame_count, 3))
+    for hold, share in zip(holds, shares[1:], strict=True):
+        away = np.where(hold.standing[:, None], hold.places - track_of(hold.point, body, positions), 0.0)
+        fill_gaps(away, hold.standing)
+        shift += share[:, None] * away
+    return Carrying(holds, averaged(shift, EASE, motion.frame_rate), shares[0])
+
+
+def _hold(
+    point: ContactPoint, spans: list[tuple[int, int]], body: AnyMorphology, ground: Ground, track: FloatArray
+) -> Hold:
+    """One anchor a contact: the median place of the joint, raised from the ground there."""
+    standing, places, normals = np.zeros(len(track), dtype=np.bool_), track.copy(), np.zeros_like(track)
+    for first, last in spans:
+        span = slice(first, last + 1)
+        middle = np.median(track[span, :2], axis=0)
+        normal = ground.normal_at(middle)
+        standing[span] = True
+        places[span] = np.array([*middle, ground.height_at(middle)]) + clearance(body, point) * normal
+        normals[span] = normal
+    return Hold(point, standing, places, normals)
+
+
+def _shares(holds: Sequence[Hold], states: NDArray[np.int64], frame_rate: float) -> FloatArray:
+    """(1 + H, F) parts of the body's weight on the feet and on each hold; they add up to 1 and pass on smoothly.
+
+    A foot whose knee stands carries nothing.
+    """
+    weights = np.zeros((1 + len(holds), states.shape[1]))
+    kneeling = {hold.point.side: hold.standing for hold in holds if hold.point.member == "knee"}
+    for side in range(2):
+        weights[0] += (states[side] != 0) & ~kneeling.get(side, np.zeros(states.shape[1], dtype=np.bool_))
+    for row, hold in zip(weights[1:], holds, strict=True):
+        row += hold.standing * (SEAT_WEIGHT if hold.point is ContactPoint.SEAT else 1.0)
+    total = weights.sum(axis=0)
+    frames, carried = np.arange(len(total)), np.flatnonzero(total > 0.0)
+    shares = np.array([np.interp(frames, carried, row[carried] / total[carried]) for row in weights])
+    return averaged(shares.T, BLEND, frame_rate).T
+
+
+def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
+    """``values`` (F, N) averaged over ``reach`` seconds to each side (Hann): smooth to the second derivative."""
+    half = max(1, round(reach * frame_rate))
+    window = np.hanning(2 * half + 3)[1:-1]
+    return np.asarray(convolve1d(values, window / window.sum(), axis=0, mode="nearest"))
+
+
+def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
+    """Corrections (F, 3) where ``known`` (F,), eased from one to the next or, over ``FADE`` seconds, to nothing.
+
+    They leave and meet what is known with the speed that it has there, so that a hand comes down and goes up smoothly.
+    """
+    count, fade = len(known), max(round(FADE * frame_rate), 1)
+    filled = corrections.copy()
+    nearest = _frames_to_nearest(known)
+    fill_gaps(filled, known | (nearest >= fade))
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(np.int8))).reshape(-1, 2)
+    stops = np.append(ends[1:, 0], count)
+    for (first, past), before, after in zip(ends, np.append(0, ends[:-1, 1]), stops, strict=True):
+        if past - first < 2:
+            continue
+        for edge, step, room in ((past - 1, 1, after - past), (first, -1, first - before)):
+            steps = np.arange(1, min(room, fade) + 1)
+            shares = steps / (min(room, fade) + 1)
+            speed = corrections[edge] - corrections[edge - step]
+            filled[edge + step * steps] += (steps * (1.0 - _smoothstep(shares)))[:, None] * speed
+    return filled
+
+
+def _frames_to_nearest(known: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """(F,) how many frames away the nearest one is that is ``known`` (F,)."""
+    frames, stands = np.arange(len(known)), np.flatnonzero(known)
+    after = np.searchsorted(stands, frames)
+    behind, ahead = stands[np.maximum(after - 1, 0)], stands[np.minimum(after, len(stands) - 1)]
+    return np.asarray(np.minimum(np.abs(frames - behind), np.abs(ahead - frames)))
+
+
+def _smoothstep(t: FloatArray) -> FloatArray:
+    return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
+
+
+def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
+    """(F,) metres to which a standing arm stretches freely: as far as the motion's own does, or nearly straight."""
+    own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], STANDING_REACH, 1.0 - 1e-9)
+    return np.asarray(own * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1))
+
+
+def lengths_of(body: AnyMorphology, column: int) -> FloatArray:
+    """(F or 1, 2) lengths of the two segments of a limb."""
+    return body.rows[:, column : column + 2]
+
+
+def laid_hands(hold: Hold, body: AnyMorphology, hands: FloatArray, frame_rate: float) -> FloatArray:
+    """World rotations (F, 3, 3) of a hand that lies on the ground in one way through each contact.
+
+    Fingers that point into the ground, or little above it, are laid on it, and so is a palm that looks down; else the
+    hand stays as the motion has it (a fist, the back of a hand). ``hands`` (F, 3, 3) as retargeted.
+    """
+    corrections = np.zeros((len(hands), 3))
+    side = hold.point.side
+    fingers = normalized(body.rows[0, at.M_HAND + 3 * side : at.M_HAND + 3 * side + 3])
+    palm = np.array([1.0 - 2.0 * side, 0.0, 0.0])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], hold.standing, [False]]).astype(np.int8)))
+    for first, past in edges.reshape(-1, 2):
+        usual = Rotation.from_matrix(hands[first:past]).mean().as_matrix()
+        laid = _laid(usual, fingers, palm, hold.normals[first])
+        corrections[first:past] = Rotation.from_matrix(laid @ np.swapaxes(hands[first:past], 1, 2)).as_rotvec()
+    return np.asarray(Rotation.from_rotvec(eased(corrections, hold.standing, frame_rate)).as_matrix() @ hands)
+
+
+def _laid(hand: FloatArray, fingers: FloatArray, palm: FloatArray, normal: FloatArray) -> FloatArray:
+    """One rotation (3, 3) of a hand, its ``fingers`` and ``palm`` (3,) in hand axes laid on the plane of ``normal``."""
+    along, back = hand @ fingers, -(hand @ palm)
+    rise = along @ normal
+    ahead = along - rise * normal + (0.3 if rise < 0.0 else 0.0) * (back - (back @ normal) * normal)
+    flat = normalized(ahead) if np.linalg.norm(ahead) > 1e-6 else normalized(np.cross(normal, back))
+    if rise < LEVEL_BELOW:
+        hand = shortest_arc(along, flat) @ hand
+    looks = hand @ palm
+    across = looks - (looks @ flat) * flat
+    if -across @ normal > LEVEL_BELOW:
+        hand = shortest_arc(normalized(across), -normal) @ hand
+    return hand

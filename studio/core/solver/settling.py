@@ -1,0 +1,209 @@
+"""A carried body put on what carries it: the root within reach of all contacts, knees and hands on their places."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.contacts import ContactPoint
+from studio.core.kernels import layout as at
+from studio.core.kernels.carrying import move_bodies, settle_frames
+from studio.core.kernels.feet import HEEL, TOE
+from studio.core.morphology import AnyMorphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import normalized, shortest_arc
+from studio.core.solver.carrying import (
+    EASE,
+    Carrying,
+    Hold,
+    averaged,
+    laid_hands,
+    lengths_of,
+    reach_of,
+    track_of,
+)
+from studio.core.solver.footing import LEASH, Footing, freedom, leashes
+
+FloatArray = NDArray[np.float64]
+
+SOFT, FIRM = 1e-2, 1e-4
+"""Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
+LYING_REACH = 0.999
+"""Part of its length to which a standing leg may always stretch while seat or knee carries: it bears no weight."""
+ROUNDS = 4
+"""Times what is left to be moved is averaged over time before the last, exact move."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arms:
+    """Arms that stand now and then: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) the
+    side to which the elbow goes, ``placed`` (2, F) where they are put there, ``standing`` (2, F) where they stand.
+    """
+
+    wrists: FloatArray
+    hands: FloatArray
+    bends: FloatArray
+    placed: NDArray[np.bool_]
+    standing: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class _Links:
+    """Limbs as links of ``settle_frames``: (F, 3) ``starts`` from the root, ``ends``; (F,) ``least`` and ``most``."""
+
+    starts: list[FloatArray]
+    ends: list[FloatArray]
+    least: list[FloatArray]
+    most: list[FloatArray]
+
+    def add(self, start: FloatArray, end: FloatArray, least: FloatArray | float, most: FloatArray) -> None:
+        self.starts.append(start)
+        self.ends.append(end)
+        self.least.append(np.broadcast_to(least, most.shape))
+        self.most.append(most)
+
+
+def settle(
+    carrying: Carrying,
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> tuple[Footing, Arms]:
+    """Lower, move and turn a shifted body (F, P, 3), (F, S, 3, 3), in place, so that what stands is in reach.
+
+    The footing comes back without drops, its ankles (2, F, 7) with knees where there are any that stand.
+    """
+    rate, layout = motion.frame_rate, body.layout
+    positions[:, :, 2] -= footing.drops[:, None]
+    footing = replace(footing, drops=np.zeros_like(footing.drops))
+    roots, holds = np.ascontiguousarray(positions[:, 0]), {hold.point: hold for hold in carrying.holds}
+    if ContactPoint.SEAT in holds:
+        seated = 1.0 - freedom(holds[ContactPoint.SEAT].standing, rate)
+        footing = replace(footing, comforts=_eased_off(footing.comforts, seated))
+    kneeling = [holds[point] for point in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE) if point in holds]
+    if kneeling:
+        footing = _kneeling(kneeling, footing, body, rate, positions)
+    links = _Links([], [], [], [])
+    for side, leash in enumerate(leashes(footing, rate)):
+        hip, legs = positions[:, layout.hip(side)], lengths_of(body, at.M_LEG + 2 * side)
+        links.add(hip - roots, footing.ankles[side, :, :3], 0.0, leash * legs.sum(axis=1))
+        if footing.ankles.shape[2] > 3:
+            knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
+            now = np.linalg.norm(knee - hip, axis=1)
+            length = now + firm * (legs[:, 0] - now)
+            links.add(hip - roots, knee, np.where(firm > 0.0, length, 0.0), np.where(firm > 0.0, length, np.inf))
+    for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
+        if point in holds:
+            free, shoulder = freedom(holds[point].standing, rate), positions[:, layout.wrist(side) - 2]
+            reach = reach_of(motion, body, side) + LEASH * free * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
+            wrists = holds[point].displaced(track_of(point, body, positions), rate)
+            links.add(shoulder - roots, wrists, 0.0, np.where(free < 1.0, reach, np.inf))
+    seats = _seats(holds.get(ContactPoint.SEAT), body, rate, positions)
+    move_bodies(_moves(roots, links, seats, rate), positions, rotations)
+    return footing, _arms(holds, motion, body, positions, rotations)
+
+
+def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: float) -> FloatArray:
+    """(F, 6) travels and turns of the body: what is needed, averaged over time again and again, then the exact rest."""
+    moves, centres = np.zeros((len(roots), 6)), np.zeros((len(roots), 6))
+    starts, ends, least, most = (
+        np.ascontiguousarray(each) for each in (links.starts, links.ends, links.least, links.most)
+    )
+    for _ in range(ROUNDS):
+        settle_frames(roots, starts, ends, least, most, seats, centres, SOFT, moves)
+        centres = averaged(moves, EASE, frame_rate)
+    settle_frames(roots, starts, ends, least, most, seats, centres, FIRM, moves)
+    return moves
+
+
+def _seats(hold: Hold | None, body: AnyMorphology, frame_rate: float, positions: FloatArray) -> FloatArray:
+    """(F, 7) the middle of the hips from the root, where it is to be, and whether it stands or is about to."""
+    middle = track_of(ContactPoint.SEAT, body, positions)
+    if hold is None:
+        return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])
+    firm = 1.0 - freedom(hold.standing, frame_rate)
+    goal = middle + firm[:, None] * (hold.displaced(middle, frame_rate) - middle)
+    return np.column_stack([middle - positions[:, 0], goal, firm > 0.0])
+
+
+def _kneeling(
+    holds: list[Hold], footing: Footing, body: AnyMorphology, frame_rate: float, positions: FloatArray
+) -> Footing:
+    """The footing with knees: (2, F, 7) ankles, knees, and how firmly these are held; shanks keep their lengths.
+
+    Where only the knee stands, the foot comes along; where the toe stands as well, the foot turns about it; where the
+    heel stands, the knee yields.
+    """
+    ankles = np.concatenate([footing.ankles, np.zeros((*footing.ankles.shape[:2], 4))], axis=2)
+    feet, comforts = footing.feet.copy(), footing.comforts.copy()
+    for hold in holds:
+        side = hold.point.side
+        firm = (1.0 - freedom(hold.standing, frame_rate))[:, None]
+        knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
+        shank = lengths_of(body, at.M_LEG + 2 * side)[:, 1:]
+        to_toe = np.einsum(
+            "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.M_FOOT + 3 * side :][:, :3], knees.shape)
+        )
+        heel, toe = (1.0 - freedom((footing.states[side] & bit) != 0, frame_rate)[:, None] for bit in (HEEL, TOE))
+        ankle = footing.ankles[side]
+        tip, length = ankle + to_toe, np.linalg.norm(to_toe, axis=1, keepdims=True)
+        knees = knees + firm * heel * (ankle + shank * normalized(knees - ankle) - knees)
+        pinned = _on_both(knees, shank, tip, length, ankle)
+        shin = normalized((1.0 - toe) * normalized(ankle - knees) + toe * normalized(pinned - knees))
+        placed = ankle + firm * (knees + shank * shin - ankle)
+        by_toe = toe * (1.0 - firm) / np.maximum(toe * (1.0 - firm) + firm * (1.0 - toe), 1e-9)
+        placed = placed + by_toe * (tip + length * normalized(placed - tip) - placed)
+        turned = normalized(tip - ankle - toe * (placed - ankle))
+        feet[side] = shortest_arc(normalized(to_toe), turned) @ feet[side]
+        ankles[side] = np.concatenate([placed, knees, firm], axis=1)
+        comforts[side] = _eased_off(comforts[side], firm[:, 0])
+    return replace(footing, ankles=ankles, feet=feet, comforts=comforts)
+
+
+def _eased_off(comforts: FloatArray, share: FloatArray) -> FloatArray:
+    """Legs' comforts where a ``share`` of ease lets them stretch further."""
+    return np.asarray(comforts + share * np.maximum(LYING_REACH - comforts, 0.0))
+
+
+def _on_both(
+    first: FloatArray, first_radius: FloatArray, second: FloatArray, second_radius: FloatArray, wish: FloatArray
+) -> FloatArray:
+    """(F, 3) the points nearest to ``wish`` at given distances from two points; between them where there are none."""
+    line = second - first
+    apart = np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
+    along = line / apart
+    share = (apart**2 + first_radius**2 - second_radius**2) / (2.0 * apart)
+    middle = first + share * along
+    radius = np.sqrt(np.maximum(first_radius**2 - share**2, 0.0))
+    away = wish - middle
+    away = away - np.sum(away * along, axis=1, keepdims=True) * along
+    return np.asarray(middle + radius * normalized(away))
+
+
+def _arms(
+    holds: dict[ContactPoint, Hold],
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> Arms:
+    """Where the arms of a settled body go."""
+    layout, count = body.layout, len(positions)
+    placed, standing = np.zeros((2, count), dtype=np.bool_), np.zeros((2, count), dtype=np.bool_)
+    wrists = np.stack([positions[:, layout.wrist(side)] for side in range(2)])
+    hands = np.stack([rotations[:, layout.spine_count + 5 + 4 * side] for side in range(2)])
+    bends = np.ones((2, count))
+    for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
+        if point not in holds:
+            continue
+        hold = holds[point]
+        own, standing[side] = wrists[side].copy(), hold.standing
+        wrists[side] = hold.displaced(own, motion.frame_rate)
+        hands[side] = laid_hands(hold, body, hands[side], motion.frame_rate)
+        placed[side] = hold.standing | (wrists[side] != own).any(axis=1)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], placed[side], [False]]).astype(np.int8)))
+        for first, past in edges.reshape(-1, 2):
+            bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
+    return Arms(wrists, hands, bends, placed, standing)
