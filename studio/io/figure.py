@@ -12,6 +12,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 MOST_VERTICES = 500_000
+MOST_JOINTS = 5_000
 
 
 @dataclass(frozen=True, eq=False)

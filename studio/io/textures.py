@@ -1,19 +1,28 @@
 """Pictures inside and beside character files: looked at before they are believed, kept as they came."""
 
 import warnings
+from functools import lru_cache
 from io import BytesIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 LARGEST_SIDE = 8192
+STAGE_SIDE = 2048
+"""Pixels of a texture's side on the stage; larger pictures are shown smaller, and kept as they are."""
 _FORMATS = ("PNG", "JPEG")
 
 
 def checked_picture(content: bytes) -> NDArray[np.uint8]:
     """The bytes of a PNG or JPEG that can be shown. Raises ValueError with the reason."""
-    decoded(content)
+    shown_picture(content)
     return np.frombuffer(content, np.uint8)
+
+
+@lru_cache(maxsize=32)
+def shown_picture(content: bytes) -> NDArray[np.uint8]:
+    """``decoded`` for the stage; remembered, so that whoever reads a file can have it ready before it is drawn."""
+    return decoded(content, STAGE_SIDE)
 
 
 def decoded(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:

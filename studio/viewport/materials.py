@@ -7,11 +7,8 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from studio.core.appearance import Appearance, Material
-from studio.io.textures import decoded
+from studio.io.textures import shown_picture
 from studio.viewport.live_mesh import LiveMesh
-
-LARGEST_SIDE = 2048
-"""Pixels of a texture's side on the stage; larger pictures are shown smaller, and kept as they are."""
 
 
 def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearance) -> list[Any]:
@@ -39,7 +36,7 @@ def _picture(material: Material, known: dict[int, pv.Texture | None]) -> pv.Text
     key = id(material.texture)
     if key not in known:
         try:
-            pixels = decoded(material.texture.tobytes(), LARGEST_SIDE)
+            pixels = shown_picture(material.texture.tobytes())
         except ValueError:  # said when it was imported; the base colour stays
             known[key] = None
         else:

@@ -2,12 +2,14 @@
 
 import base64
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from studio.core.appearance import Material
+from studio.core.errors import StudioError
 from studio.core.skin import bound_pose
 from studio.io.character_file import read_character, write_character
 from studio.io.importing import ImportOptions, load_character
@@ -166,3 +168,60 @@ def test_data_uris_are_read_as_base64(tmp_path: Path):
     made.root["images"] = [{"uri": "data:image/png;base64," + base64.b64encode(b"no picture").decode()}]
     found = read(tmp_path, json.dumps(json.loads(made.gltf())).encode(), "hero.gltf")
     assert found.repairs == ("hero.gltf, images[0]: the picture was left out, it is neither PNG nor JPEG.",)
+
+
+def test_level_one_of_articulation_is_enough(tmp_path: Path):
+    """Shoulders and skull hang from one vertebra, feet have no toes."""
+    low = Gltf()
+    nodes = low.root["nodes"]
+    for place, name in ((1, "vl5"), (0, "humanoid_root")):
+        nodes[place]["name"] = name
+    nodes[1]["children"] = [2]
+    for gone in (13, 17):
+        nodes[gone].pop("children")
+    found = read(tmp_path, low.glb())
+    assert found.character.build.foot[0, 0] > 0.02
+
+
+def test_proto_instances_of_the_xml_encoding_are_read(tmp_path: Path):
+    text = x3d().replace("<HAnimJoint USE", "<Group USE")
+    for field in ("name", "center", "skinCoordIndex", "skinCoordWeight"):
+        assert f" {field}='" in text
+    text = re.sub(r"<HAnimJoint DEF='\w+' name='(\w+)' center='([^']*)'([^>]*)>", _instance, text)
+    text = text.replace("</HAnimJoint>", "</fieldValue></ProtoInstance>")
+    declared = "<ProtoDeclare name='Joint'><ProtoBody><Group/></ProtoBody></ProtoDeclare>"
+    found = read(tmp_path, text.replace("<Scene>", f"<Scene>{declared}").encode(), "hero.x3d")
+    assert found.character.build.leg[0] == pytest.approx([0.4, 0.42], abs=1e-6)
+    assert found.repairs == ()
+
+
+def _instance(found: re.Match[str]) -> str:
+    name, centre, rest = found.groups()
+    container = "containerField='skeleton'" if "skeleton" in rest else ""
+    values = dict(re.findall(r"(\w+)='([^']*)'", rest)) | {"name": name, "center": centre}
+    fields = "".join(
+        f"<fieldValue name='{key}' value='{value}'/>" for key, value in values.items() if key != "containerField"
+    )
+    return f"<ProtoInstance name='Joint' {container}>{fields}<fieldValue name='children'>"
+
+
+@pytest.mark.parametrize(
+    ("limit", "module", "name", "words"),
+    [
+        ("MOST_NODES", "studio.io.hanim.vrml", "skin.wrl", "more than 5 nodes"),
+        ("_MOST_WORDS", "studio.io.hanim.vrml", "skin.wrl", "more than 5 words"),
+        ("MOST_NODES", "studio.io.hanim.x3d", "skin.x3d", "more than"),
+        ("MOST_JOINTS", "studio.io.hanim.humanoid", "skin.x3d", "more than 5 joints"),
+        ("MOST_VERTICES", "studio.io.hanim.humanoid", "skin.x3d", "more than 5 "),
+        ("MOST_NODES", "studio.io.gltf.nodes", "plain.glb", "the studio takes 5"),
+        ("MOST_JOINTS", "studio.io.gltf.figure", "plain.glb", "more than 5 joints"),
+        ("MOST_VERTICES", "studio.io.gltf.meshes", "plain.glb", "more than 5 vertices"),
+        ("_MOST_RECORDS", "studio.io.gltf.container", "plain.glb", "more than 5 records"),
+    ],
+)
+def test_what_would_take_all_memory_is_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, limit: str, module: str, name: str, words: str
+):
+    monkeypatch.setattr(f"{module}.{limit}", 5)
+    with pytest.raises(StudioError, match=words):
+        read(tmp_path, FILES[name](), name)

@@ -11,6 +11,7 @@ from studio.io.beside import content_of, read_bytes
 from studio.io.json_record import Record
 
 MAGIC = b"glTF"
+_MOST_RECORDS = 1_000_000
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 _READ = frozenset({
     "VRM", "VRMC_vrm", "VRMC_materials_mtoon", "VRMC_springBone", "VRMC_node_constraint", "KHR_materials_unlit",
@@ -79,6 +80,8 @@ def _chunks(content: bytes, name: str) -> tuple[bytes, bytes | None]:
 
 
 def _parsed(text: bytes, name: str) -> dict[str, Any]:
+    if text.count(b"{") + text.count(b"[") > _MOST_RECORDS:
+        raise StudioError(f"{name} holds more than {_MOST_RECORDS:,} records. Simplify the file.")
     try:
         record = json.loads(text.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:

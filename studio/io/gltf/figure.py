@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.figure import Figure
+from studio.io.figure import MOST_JOINTS, Figure
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.meshes import MeshReader
@@ -37,6 +37,8 @@ def read_figure(path: Path) -> list[Figure]:
     joints = _joints(skins, bones, nodes)
     if not joints:
         raise StudioError(f"{path.name} has no skin and no bones: it is no character. Export it with its skeleton.")
+    if len(joints) > MOST_JOINTS:
+        raise StudioError(f"{path.name} has more than {MOST_JOINTS:,} joints. Export only the figure's own.")
     poses = [nodes.world]
     if skins and not bones:
         poses.insert(0, _bind_world(nodes, skins))

@@ -11,6 +11,8 @@ from studio.io.json_record import Record
 
 FloatArray = NDArray[np.float64]
 
+MOST_NODES = 50_000
+
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
@@ -48,6 +50,10 @@ class Nodes:
 def read_nodes(root: Record) -> Nodes:
     """All nodes. Raises StudioError when they are no forest or a transformation is no number."""
     records = root.records("nodes")
+    if len(records) > MOST_NODES:
+        raise StudioError(
+            f"{root.where} has {len(records):,} nodes; the studio takes {MOST_NODES:,}. Simplify the file."
+        )
     parents = [-1] * len(records)
     children = [record.indices("children", len(records)) for record in records]
     for node, below in enumerate(children):

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from studio.core.errors import StudioError
-from studio.io.figure import MOST_VERTICES, Figure, Piece
+from studio.io.figure import MOST_JOINTS, MOST_VERTICES, Figure, Piece
 from studio.io.hanim.geometry import Surface, surface_of
 from studio.io.hanim.looks import Looks
 from studio.io.hanim.scene import MOST_VISITS, SceneNode, walk
@@ -84,6 +85,8 @@ class _Reader:
             waiting += [(inner, matrix, joint) for inner in reversed(node.nodes("children"))]
 
     def _add(self, node: SceneNode, matrix: FloatArray, parent: int) -> int:
+        if len(self.names) >= MOST_JOINTS:
+            raise StudioError(f"{node.where}: it has more than {MOST_JOINTS:,} joints. Export only the figure's own.")
         name = node.text("name") or node.definition or f"joint {len(self.names)}"
         if name in self.names:
             name = f"{name} ({len(self.names)})"
@@ -138,10 +141,18 @@ class _Reader:
 
     def _weights(self, points: FloatArray, whole: FloatArray) -> tuple[IntArray, FloatArray]:
         """(P, n) joints and weights of each point of the skin; the nearest joint for one that none names."""
+        if len(points) > MOST_VERTICES:
+            raise StudioError(f"{self.humanoid.where}: its skin has more than {MOST_VERTICES:,} points. Simplify it.")
         found: list[list[tuple[float, int]]] = [[] for _ in points]
+        total = 0
         for joint, node in enumerate(self.joints):
             index = node.numbers("skinCoordIndex")[:, 0].astype(np.int64)
             shares = node.numbers("skinCoordWeight")[:, 0]
+            total += len(index)
+            if total > _MOST_INFLUENCES * MOST_VERTICES:
+                raise StudioError(
+                    f"{node.where}: the skin has more weights than the studio takes. Simplify its meshes."
+                )
             if len(index) and (index.min() < 0 or index.max() >= len(points)):
                 raise StudioError(
                     f"{node.where}: joint '{self.names[joint]}' moves point {index.max()} of a skin of {len(points)}."
@@ -154,10 +165,9 @@ class _Reader:
         free = [point for point, many in enumerate(found) if not many]
         if free:
             self.looks.repairs.append(f"{len(free)} points of the skin had no joint; they go with the nearest one.")
-            places = np.array(self.positions)
-            for point in free:
-                stood = whole[:3, :3] @ points[point] + whole[:3, 3]
-                found[point] = [(1.0, int(np.argmin(np.linalg.norm(places - stood, axis=1))))]
+            _, nearest = KDTree(np.array(self.positions)).query(points[free] @ whole[:3, :3].T + whole[:3, 3])
+            for point, joint in zip(free, np.asarray(nearest).tolist(), strict=True):
+                found[point] = [(1.0, joint)]
         joints, weights = np.zeros((len(points), _MOST_INFLUENCES), np.int64), np.zeros((len(points), _MOST_INFLUENCES))
         for point, many in enumerate(found):
             for place, (share, joint) in enumerate(sorted(many, reverse=True)[:_MOST_INFLUENCES]):

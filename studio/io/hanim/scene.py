@@ -16,11 +16,13 @@ DEEPEST = 120
 """Levels of nesting; a body of H-Anim's finest level has some 60."""
 MOST_VISITS = 300_000
 """Nodes shown in all, those that USE shows again counted again."""
+MOST_NODES = 200_000
+"""Nodes written in one file."""
 LARGEST = 60_000_000
 """Bytes of one text file."""
 
 _ALLOWED = str.maketrans("", "", "0123456789+-.eE \t\r\n\f\v,")
-_STRING = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
+_STRING = re.compile(r'"((?:[^"\\]++|\\.)*+)"', re.DOTALL)
 _ABSURD = 1e12
 
 
@@ -96,6 +98,11 @@ def walk(roots: list[SceneNode]) -> Iterator[SceneNode]:
             seen.add(id(node))
             yield node
             waiting += [inner for name in reversed(node.fields) for inner in reversed(node.nodes(name))]
+
+
+def too_many(what: str, most: int, where: str) -> StudioError:
+    """The sentence for a file that would take all memory."""
+    return StudioError(f"{where}: there are more than {most:,} {what}. Simplify the file.")
 
 
 def row_of(text: str, where: str) -> FloatArray:

@@ -9,12 +9,12 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
-from studio.io.hanim.scene import DEEPEST, LARGEST, SceneNode, row_of
+from studio.io.hanim.scene import DEEPEST, LARGEST, MOST_NODES, SceneNode, row_of, too_many
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _TOKEN = re.compile(
     rf"""(?P<gap>[\s,]+|\#[^\n\r]*)
-    |(?P<string>"(?:[^"\\]|\\.)*")
+    |(?P<string>"(?:[^"\\]++|\\.)*+")
     |(?P<numbers>(?:{_NUMBER}(?:[\s,]++|(?=[\]\}}\#])|\Z))++)
     |(?P<mark>[\[\]\{{\}}])
     |(?P<word>[^\s,"\#\[\]\{{\}}]+)
@@ -25,6 +25,8 @@ _INTERFACE = frozenset({
     "field", "exposedField", "eventIn", "eventOut", "inputOutput", "initializeOnly", "inputOnly", "outputOnly",
 })  # fmt: skip
 _LINES = frozenset({"PROFILE", "COMPONENT", "META", "UNIT", "IMPORT", "EXPORT"})
+_MOST_WORDS = 1_000_000
+"""Names, texts, signs and rows of numbers."""
 _LITERALS = frozenset({"TRUE", "FALSE", "NULL"})
 
 
@@ -53,7 +55,7 @@ class _Parser:
         self._next: _Token | None = next(self._tokens, None)
         self._definitions: dict[str, SceneNode] = {}
         self._protos: dict[str, dict[str, Any]] = {}
-        self._depth = 0
+        self._depth, self._nodes, self._taken = 0, 0, 0
         self._counted, self._lines = 0, 1
 
     def scene(self) -> list[SceneNode]:
@@ -103,6 +105,9 @@ class _Parser:
         self._depth += 1
         if self._depth > DEEPEST:
             raise StudioError(f"{self._where(word)}: its nodes are nested more than {DEEPEST} deep. Simplify the file.")
+        self._nodes += 1
+        if self._nodes > MOST_NODES:
+            raise too_many("nodes", MOST_NODES, self._where(word))
         node = SceneNode(word.text, self._where(word), definition, dict(self._protos.get(word.text, {})))
         self._mark("{")
         while not self._at("}"):
@@ -205,6 +210,9 @@ class _Parser:
             raise self._ended()
         if token.kind == "wrong":
             raise self._wrong(token)
+        self._taken += 1
+        if self._taken > _MOST_WORDS:
+            raise too_many("words", _MOST_WORDS, self._where(token))
         self._next = next(self._tokens, None)
         return token
 

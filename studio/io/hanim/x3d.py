@@ -6,7 +6,7 @@ from xml.parsers import expat
 
 from studio.core.errors import StudioError
 from studio.io.beside import read_bytes
-from studio.io.hanim.scene import DEEPEST, LARGEST, SceneNode
+from studio.io.hanim.scene import DEEPEST, LARGEST, MOST_NODES, SceneNode, too_many
 
 _FIELDS = {
     "Appearance": "appearance",
@@ -47,7 +47,7 @@ class _Reader:
         self._top: list[SceneNode] = []
         self._open: list[SceneNode | None] = []
         self._definitions: dict[str, SceneNode] = {}
-        self._prototype = 0
+        self._prototype, self._elements = 0, 0
 
     def read(self, content: bytes) -> list[SceneNode]:
         """Parse it all."""
@@ -72,6 +72,9 @@ class _Reader:
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         if len(self._open) >= 2 * DEEPEST:
             raise StudioError(f"{self._where}: its nodes are nested more than {DEEPEST} deep. Simplify the file.")
+        self._elements += 1
+        if self._elements > MOST_NODES:
+            raise too_many("nodes", MOST_NODES, self._where)
         self._prototype += tag in ("ProtoDeclare", "ExternProtoDeclare")
         parent = next((node for node in reversed(self._open) if node is not None), None)
         if self._prototype or tag in _NO_NODES:

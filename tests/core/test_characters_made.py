@@ -1,0 +1,168 @@
+"""From joints to bodies: shapes without names, stances, tailored mannequins, and skins that bend by screws."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from studio.core.body_shape import body_by_shape
+from studio.core.canonical import BodyPart
+from studio.core.character import Character
+from studio.core.character_skeleton import t_pose_rotations
+from studio.core.mannequin.tailoring import tailored
+from studio.core.morphology import Proportions
+from studio.core.rest_pose import rest_pose
+from studio.core.skeleton import Skeleton
+from studio.core.skin import Blending, bound_pose, fit_skin, skin_vertices
+from studio.core.standing import standing_points
+from studio.io.character_file import bundled_characters
+from tests.io.character_files import JOINTS, NAMES, PLACES
+
+
+@pytest.fixture(scope="module")
+def character() -> Character:
+    return bundled_characters()["tall_man"]
+
+
+def figure(turn: float = 0.0) -> tuple[Skeleton, np.ndarray]:
+    """The stick figure without names, Z up, facing +X turned by ``turn`` degrees about Z."""
+    points = PLACES[:, [2, 0, 1]] @ Rotation.from_euler("z", turn, degrees=True).as_matrix().T
+    parents = np.array([NAMES.index(parent) if parent else -1 for _, parent, _ in JOINTS])
+    offsets = points - points[np.maximum(parents, 0)]
+    return Skeleton(tuple(map(str, range(len(NAMES)))), parents, offsets, np.zeros(len(NAMES), bool)), points
+
+
+@pytest.mark.parametrize("turn", [0.0, 90.0, 200.0])
+def test_a_body_without_names_is_found_whichever_way_it_looks(turn: float):
+    found = body_by_shape(*figure(turn))
+    assert found is not None
+    assert [NAMES[joint] for joint in found.spine] == ["hips", "spine", "chest"]
+    for part, name in (
+        (BodyPart.LEFT_UPPER_ARM, "leftUpperArm"),
+        (BodyPart.LEFT_HAND, "leftHand"),
+        (BodyPart.RIGHT_FOREARM, "rightLowerArm"),
+        (BodyPart.LEFT_THIGH, "leftUpperLeg"),
+        (BodyPart.RIGHT_TOE, "rightToes"),
+        (BodyPart.NECK, "neck"),
+        (BodyPart.HEAD, "head"),
+    ):
+        assert NAMES[found[part]] == name
+
+
+def test_a_quadruped_of_one_pair_is_no_body():
+    skeleton, points = figure()
+    kept = [place for place, name in enumerate(NAMES) if "Arm" not in name and "Hand" not in name]
+    parents = np.array([-1, *(kept.index(int(skeleton.parents[place])) for place in kept[1:])])
+    armless = Skeleton(tuple(map(str, kept)), parents, skeleton.offsets[kept], np.zeros(len(kept), bool))
+    assert body_by_shape(armless, points[kept]) is None
+
+
+def test_the_points_of_a_stance_keep_every_bone_and_stand_on_the_ground(character: Character):
+    body = character.build
+    layout, stance = body.layout, t_pose_rotations(body)
+    points = standing_points(body, stance)
+    bones = np.linalg.norm(points[list(layout.distal_points())] - points[list(layout.proximal_points())], axis=1)
+    rest, _ = rest_pose(body)
+    usual = np.linalg.norm(rest[list(layout.distal_points())] - rest[list(layout.proximal_points())], axis=1)
+    assert bones == pytest.approx(usual, abs=1e-9)
+    assert min(points[layout.ankle(side), 2] - body.ankle_height[side] for side in (0, 1)) == pytest.approx(0.0)
+
+
+def in_t_pose(character: Character) -> Character:
+    """The same character, bound in a T-pose by plain linear blending."""
+    body = character.build
+    stance = t_pose_rotations(body)
+    vertices, normals = skin_vertices(character.skin, body, body, standing_points(body, stance), stance)
+    skin = replace(character.skin, vertices=vertices, normals=normals, centres=vertices, stance=stance)
+    return replace(character, skin=skin)
+
+
+@pytest.mark.parametrize("blending", Blending)
+def test_bound_in_any_stance_a_skin_comes_back_to_it(character: Character, blending: Blending):
+    bound = in_t_pose(character)
+    pose = bound_pose(bound.skin, bound.build)
+    vertices, normals = skin_vertices(bound.skin, bound.build, bound.build, *pose, blending=blending)
+    assert vertices == pytest.approx(bound.skin.vertices, abs=1e-5)
+    assert normals == pytest.approx(bound.skin.normals, abs=1e-4)
+
+
+def test_a_skin_bound_in_a_t_pose_grows_with_its_body(character: Character):
+    bound = in_t_pose(character)
+    fitted = fit_skin(bound.skin, bound.build, Proportions(stature=1.3).applied_to(bound.build))
+    assert fitted.vertices == pytest.approx(1.3 * bound.skin.vertices, abs=1e-5)
+
+
+def test_the_dual_quaternion_kernel_equals_its_numpy_twin(character: Character):
+    random = np.random.default_rng(5)
+    skin, body = character.skin, character.build
+    for _ in range(3):
+        positions = random.normal(size=(body.layout.point_count, 3))
+        rotations = Rotation.random(body.layout.segment_count, rng=random).as_matrix()
+        found = skin_vertices(skin, body, body, positions, rotations, blending=Blending.DUAL_QUATERNIONS)
+        expected = screws(character, positions, rotations)
+        assert found[0] == pytest.approx(expected[0], abs=2e-4)
+        assert found[1] == pytest.approx(expected[1], abs=2e-4)
+
+
+def screws(character: Character, positions: np.ndarray, rotations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Blended unit dual quaternions, in NumPy."""
+    skin, body = character.skin, character.build
+    rest_positions, rest_rotations = rest_pose(body)
+    origins = list(body.layout.proximal_points())
+    turns = Rotation.from_matrix(rotations @ rest_rotations.transpose(0, 2, 1))
+    shifts = positions[origins] - turns.apply(rest_positions[origins])
+    real = turns.as_quat()
+    dual = 0.5 * product(np.pad(shifts, ((0, 0), (0, 1))), real)
+    one, other = real[skin.segments], dual[skin.segments]
+    signs = np.where(np.einsum("vwi,vi->vw", one, one[:, 0]) < 0, -1, 1) * skin.weights
+    one, other = np.einsum("vw,vwi->vi", signs, one), np.einsum("vw,vwi->vi", signs, other)
+    length = np.linalg.norm(one, axis=1, keepdims=True)
+    one, other = one / length, other / length
+    moves = 2 * product(other, one * [-1, -1, -1, 1])[:, :3]
+    turned = Rotation.from_quat(one)
+    return turned.apply(skin.vertices) + moves, turned.apply(skin.normals)
+
+
+def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    vector = p[:, 3:] * q[:, :3] + q[:, 3:] * p[:, :3] + np.cross(p[:, :3], q[:, :3])
+    scalar = p[:, 3] * q[:, 3] - np.einsum("ij,ij->i", p[:, :3], q[:, :3])
+    return np.column_stack([vector, scalar])
+
+
+def test_by_dual_quaternions_a_twisted_forearm_keeps_its_girth_where_linear_blending_wraps_it_up(character: Character):
+    bound = in_t_pose(character)
+    skin, body = bound.skin, bound.build
+    positions, rotations = (part.copy() for part in bound_pose(skin, body))
+    hand = body.layout.segment(BodyPart.LEFT_HAND)
+    rotations[hand] = rotations[hand] @ Rotation.from_rotvec([0, 0, np.radians(170)]).as_matrix()
+    shared = (np.abs(skin.weights[:, 0] - 0.5) < 0.1) & (skin.segments[:, :2] == hand).any(axis=1)
+    assert shared.sum() > 10
+
+    def girth(blending: Blending) -> float:
+        vertices, _ = skin_vertices(skin, body, body, positions, rotations, blending=blending)
+        axis, wrist = rotations[hand][:, 2], positions[body.layout.wrist(0)]
+        across = vertices[shared] - wrist - np.outer((vertices[shared] - wrist) @ axis, axis)
+        return float(np.linalg.norm(across, axis=1).mean())
+
+    def at_rest() -> float:
+        axis, wrist = bound_pose(skin, body)[1][hand][:, 2], positions[body.layout.wrist(0)]
+        across = skin.vertices[shared] - wrist - np.outer((skin.vertices[shared] - wrist) @ axis, axis)
+        return float(np.linalg.norm(across, axis=1).mean())
+
+    assert girth(Blending.DUAL_QUATERNIONS) > 0.9 * at_rest()
+    assert girth(Blending.LINEAR) < 0.6 * at_rest()
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 7, 19])
+def test_a_tailored_mannequin_has_the_measures_asked_for_and_a_whole_trunk(character: Character, count: int):
+    spine = np.tile(character.build.spine.sum(axis=0) / count, (count, 1))
+    body = Proportions(stature=0.9, thighs=1.1, upper_arms=0.95).applied_to(replace(character.build, spine=spine))
+    made = tailored("Actor", "#112233", body, bundled_characters().values())
+    assert made.morphology == body
+    heights = made.skin.vertices[:, 2]
+    assert heights.max() - heights.min() == pytest.approx(body.stature, rel=0.03)
+    trunk = made.skin.segments[:, 0] < count
+    middles = [heights[made.skin.segments[:, 0] == segment] for segment in np.unique(made.skin.segments[trunk, 0])]
+    assert len(middles) >= min(count, 3)
+    assert (np.diff([middle.mean() for middle in middles]) > 0.0).all()
