@@ -16,4 +16,4 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     from studio.io.bvh_writer import write_bvh
 
     progress(0.0, f"Writing {path.name}")
-    write_bvh(path, take.skeleton, take.poses, take.frame_rate)
+    write_bvh(path, take.skeleton, take.poses, take.frame_rate, progress=progress)

@@ -11,13 +11,16 @@ from studio.core.errors import StudioError
 from studio.core.pose import PoseSequence
 from studio.core.rotations import to_euler
 from studio.core.skeleton import Skeleton
-from studio.io.replacing import write_whole
+from studio.io.registry import Progress
+from studio.io.replacing import replacing
 
 FloatArray = NDArray[np.float64]
 
 _ORDER = "ZXY"
 _WORLD_TO_FILE = [1, 2, 0]
 """Y up: file x is world Y (left), y is Z (up), z is X (forward)."""
+_ROWS = 500
+"""Rows that are written between two reports of progress."""
 _SMALLEST_TRAVEL = 1e-9
 """Metres by which a translation must leave its offset to need position channels."""
 
@@ -31,13 +34,15 @@ def write_bvh(
     unit_scale: float = 100.0,
     position_channels: Sequence[int] | None = None,
     decimals: int | None = None,
+    progress: Progress = lambda share, text: None,
 ) -> None:
     """Write ``poses`` so that reading back gives every joint within 0.01 mm.
 
     ``unit_scale`` is file units a metre. ``position_channels`` are the joints that get positions; None means
     the root and every joint whose translation leaves its offset. ``decimals`` rounds the numbers of the motion
     (file units and degrees) for a smaller file, None keeps all that count: with 4, a body of human size is still
-    within 0.01 mm. The file appears whole or not at all. Raises StudioError when it cannot be written.
+    within 0.01 mm. The file appears whole or not at all, also when ``progress`` raises to cancel. Raises StudioError
+    when it cannot be written.
     """
     if position_channels is None:
         travel = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2))
@@ -48,8 +53,12 @@ def write_bvh(
     text.writelines(_hierarchy(skeleton, positioned, unit_scale))
     text.write(f"MOTION\nFrames: {poses.frame_count}\nFrame Time: {1.0 / frame_rate:.10f}\n")
     rows = _rows(skeleton, poses, positioned, unit_scale)
-    np.savetxt(text, rows if decimals is None else rows.round(decimals) + 0.0, fmt="%.9g")  # no "-0"
-    write_whole(Path(path), text.getvalue().encode())
+    with replacing(Path(path)) as part, open(part, "wb") as file:
+        file.write(text.getvalue().encode())
+        for first in range(0, len(rows), _ROWS):
+            progress(first / len(rows), f"Writing {Path(path).name}")
+            some = rows[first : first + _ROWS]
+            np.savetxt(file, some if decimals is None else some.round(decimals) + 0.0, fmt="%.9g")  # no "-0"
 
 
 def _hierarchy(skeleton: Skeleton, positioned: frozenset[int], scale: float) -> Iterator[str]:

@@ -3,7 +3,7 @@
 Metres and world axes, Z up; rotations as quaternions x, y, z, w.
 """
 
-from io import BytesIO, StringIO
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from studio.core.rotations import from_matrix, sign_continuous
 from studio.io.export import Take
 from studio.io.registry import Progress
 from studio.io.replacing import write_whole
+from studio.io.zipped import npy, write_zip
 
 FloatArray = NDArray[np.float64]
 
@@ -64,11 +65,7 @@ def write_npz(path: Path, take: Take, progress: Progress) -> None:
         "constraints": np.array(list(residuals), dtype=str),
         "residuals": np.array(list(residuals.values())).reshape(len(residuals), len(positions)),
     }
-    progress(0.4, f"Writing {path.name}")
-    stream = BytesIO()
-    np.savez_compressed(stream, allow_pickle=False, **arrays)
-    progress(0.9, f"Writing {path.name}")
-    write_whole(path, stream.getvalue())
+    write_zip(path, {f"{name}.npy": npy(array) for name, array in arrays.items()}, 4, progress)
 
 
 def _world(take: Take) -> tuple[FloatArray, FloatArray]:

@@ -4,10 +4,8 @@ A ZIP of one JSON record and of arrays as ``.npy``: ``zipfile`` and ``numpy`` ar
 """
 
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +22,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
 from studio.io.constraint_file import constraint_record
 from studio.io.registry import Progress
-from studio.io.replacing import replacing
+from studio.io.zipped import npy, write_zip
 
 FloatArray = NDArray[np.float64]
 
@@ -36,7 +34,6 @@ GRID = 2.0**-17
 _UNROUNDED = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE + 4)
 """Channels whose square root places elbow and knee of a straight limb: kept as float32 has them."""
 _STILL = 1e-9
-_EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +55,12 @@ def write_s4d(path: Path, s4d: S4d, progress: Progress = lambda share, text: Non
     poses = s4d.actor.pass_through
     members = {
         RECORD: json.dumps(_record(s4d, free, moving), ensure_ascii=False, allow_nan=False).encode(),
-        CHANNELS: _npy(_channels(s4d.motion.channels)),
-        ROTATIONS: _npy(_on_grid(poses.local_rotations[:, free])),
-        TRANSLATIONS: _npy(_on_grid(poses.local_translations[:, moving])),
+        CHANNELS: npy(_channels(s4d.motion.channels)),
+        ROTATIONS: npy(_on_grid(poses.local_rotations[:, free])),
+        TRANSLATIONS: npy(_on_grid(poses.local_translations[:, moving])),
     }
-    with replacing(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for place, (name, content) in enumerate(members.items()):
-            progress(place / len(members), f"Writing {path.name}")
-            archive.writestr(zipfile.ZipInfo(name, _EPOCH), content, zipfile.ZIP_DEFLATED, 9)
-        progress(1.0, f"Wrote {path.name}")
+    write_zip(path, members, 9, progress)
+    progress(1.0, f"Wrote {path.name}")
 
 
 def pass_through_joints(actor: Actor) -> tuple[list[int], list[int]]:
@@ -135,10 +129,4 @@ def _channels(channels: FloatArray) -> NDArray[np.float32]:
 
 def _on_grid(values: FloatArray) -> NDArray[np.float32]:
     """Float32 with the frames of one number side by side, as a ZIP packs them best."""
-    return np.asfortranarray(np.round(values / GRID) * GRID + 0.0, dtype=np.float32)
-
-
-def _npy(array: NDArray[np.float32]) -> bytes:
-    stream = BytesIO()
-    np.lib.format.write_array(stream, array.astype("<f4", order="K", copy=False), version=(1, 0), allow_pickle=False)
-    return stream.getvalue()
+    return np.asfortranarray(np.round(values / GRID) * GRID + 0.0, dtype="<f4")

@@ -73,4 +73,7 @@ def own_poses(actor: Actor, positions: FloatArray, rotations: FloatArray, first_
             offset = positions[:, 0] + actor.origin - from_origin
             translations[:, joint] = np.einsum("fji,fj->fi", carrier, offset)
         places[:, joint] = from_origin + np.einsum("fij,fj->fi", carrier, translations[:, joint])
-    return PoseSequence(from_matrix(local), translations)
+    turns = np.array(actor.pass_through.local_rotations[frames])
+    mapped = sorted(segment_of)
+    turns[:, mapped] = from_matrix(local[:, mapped])
+    return PoseSequence(turns, translations)
