@@ -8,6 +8,7 @@ FloatArray = NDArray[np.float64]
 
 IDENTITY: FloatArray = np.array([0.0, 0.0, 0.0, 1.0])
 IDENTITY.setflags(write=False)
+_SIX_DIGITS = 1e-6
 _BLOCK = 1 << 14
 """Rotations turned at a time: what stays in the processor's cache."""
 
@@ -70,9 +71,30 @@ def to_matrix(quaternions: FloatArray) -> FloatArray:
 
 
 def from_matrix(matrices: FloatArray) -> FloatArray:
-    """Unit quaternions (..., 4) of rotation matrices (..., 3, 3)."""
-    flat = np.reshape(matrices, (-1, 3, 3))
-    return Rotation.from_matrix(flat).as_quat().reshape(*np.shape(matrices)[:-2], 4)
+    """Unit quaternions (..., 4) of rotation matrices (..., 3, 3), by their largest component (Shepperd 1978).
+
+    A matrix that is no rotation to six digits gives the nearest one, found by scipy; ValueError for a mirroring one.
+    """
+    flat = np.reshape(np.asarray(matrices, dtype=np.float64), (-1, 3, 3))
+    trace = flat[:, 0, 0] + flat[:, 1, 1] + flat[:, 2, 2]
+    largest = np.argmax([flat[:, 0, 0], flat[:, 1, 1], flat[:, 2, 2], trace], axis=0)
+    scaled = np.empty((len(flat), 4))  # four times the largest component times the quaternion
+    for i in range(3):
+        rows = np.flatnonzero(largest == i)
+        m, j, k = flat[rows], (i + 1) % 3, (i + 2) % 3
+        scaled[rows, i] = 1.0 - trace[rows] + 2.0 * m[:, i, i]
+        scaled[rows, j], scaled[rows, k] = m[:, j, i] + m[:, i, j], m[:, k, i] + m[:, i, k]
+        scaled[rows, 3] = m[:, k, j] - m[:, j, k]
+    rows = np.flatnonzero(largest == 3)
+    m = flat[rows]
+    scaled[rows, 0], scaled[rows, 1] = m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0]
+    scaled[rows, 2], scaled[rows, 3] = m[:, 1, 0] - m[:, 0, 1], 1.0 + trace[rows]
+    squares = np.einsum("ni,ni->n", scaled, scaled)
+    quaternions = scaled / np.sqrt(np.where(squares > 0.0, squares, 1.0))[:, None]
+    other = ~(np.abs(squares - 4.0 * scaled[np.arange(len(flat)), largest]) < _SIX_DIGITS)  # NaN is one as well
+    if other.any():
+        quaternions[other] = Rotation.from_matrix(flat[other]).as_quat()
+    return quaternions.reshape(*np.shape(matrices)[:-2], 4)
 
 
 def multiply(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.spatial.transform import Rotation
 
 from studio.core import rotations
 
@@ -110,3 +111,25 @@ def test_slerp_goes_the_share_of_the_way(first: np.ndarray, second: np.ndarray, 
 def test_the_angle_between_neighbours_is_exact_for_tiny_turns() -> None:
     tiny = rotations.from_euler("X", np.array([1e-9]))
     assert rotations.angle_between(rotations.IDENTITY, tiny) == pytest.approx(1e-9)
+
+
+@given(st.integers(0, 10_000))
+def test_a_matrix_gives_the_quaternion_that_scipy_gives(seed):
+    """Half turns about every axis too, where the largest component changes; a sheared matrix gives the nearest one."""
+    generator = np.random.default_rng(seed)
+    axes = np.concatenate([np.eye(3), generator.normal(size=(5, 3))])
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    angles = np.concatenate([np.full(3, np.pi), generator.uniform(-np.pi, np.pi, 5)])
+    matrices = Rotation.from_rotvec(axes * angles[:, None]).as_matrix()
+    for given_ in (matrices, matrices + 1e-3 * generator.normal(size=(8, 3, 3))):
+        between = rotations.angle_between(rotations.from_matrix(given_), Rotation.from_matrix(given_).as_quat())
+        assert between.max() < 1e-9
+
+
+def test_a_mirror_is_no_rotation():
+    with pytest.raises(ValueError, match="determinant"):
+        rotations.from_matrix(np.diag([1.0, 1.0, -1.0])[None])
+
+
+def test_no_matrices_give_no_quaternions():
+    assert rotations.from_matrix(np.empty((0, 3, 3))).shape == (0, 4)
