@@ -21,7 +21,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.chains import free_joints, segment_masses
-from studio.core.solver.following import point_track
+from studio.core.solver.following import next_guess, point_track
 from studio.core.solver.footing import Footing, find_footing, leashes
 from studio.core.solver.holding import held_points, placed_above, release_hands
 from studio.core.solver.packing import is_pair, limb_of, pack, point_indices
@@ -32,7 +32,7 @@ from studio.core.solver.tracks import Targets, Track, Tracks
 
 FloatArray = NDArray[np.float64]
 
-PASSES = 3
+PASSES = 4
 """Times a motion is solved whose constraints follow points of its own body: each to where the last one had them."""
 
 
@@ -110,9 +110,11 @@ def hold(
         known = _known_tracks(standing, constraints, window, tracks)
         followed = {follow for each in constraints if not is_pair(each) for follow in follows_of(each)}
         own = [follow for follow in followed if isinstance(follow, FollowBody)]
+        asked: dict[FollowBody, list[tuple[Track, Track]]] = {follow: [] for follow in own}
         for _ in range(PASSES if own else 1):
             for follow in own:
-                known[follow] = point_track(follow.point, follow.turn, positions, rotations, standing.morphology.still)
+                found = point_track(follow.point, follow.turn, positions, rotations, standing.morphology.still)
+                known[follow] = next_guess(asked[follow], found)
             positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
             _solve(standing, constraints, window, known, bound, residuals, positions, rotations)
     return _answer(standing, first, positions, rotations, residuals)

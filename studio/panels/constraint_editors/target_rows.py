@@ -27,6 +27,8 @@ KINDS = (
     (FollowProp.kind, "Follows a prop"),
     (FollowTracked.kind, "Follows the capture"),
 )
+NARROW = 30
+"""Pixels of a button with one sign."""
 WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
 
 
@@ -173,12 +175,13 @@ class KeyRow:
         self._buttons = [
             press_button("‹", lambda: self._go(-1)),
             press_button("›", lambda: self._go(1)),
-            press_button("Set", self._set),
-            press_button("Delete", self._delete),
+            press_button("+", self._set),
+            press_button("−", self._delete),
         ]
         for button, name in zip(self._buttons, ("Key before", "Next key", "Set key", "Delete key"), strict=True):
             button.setAccessibleName(name)
-            button.setToolTip(name)
+            button.setToolTip(f"{name} at the playhead" if name in ("Set key", "Delete key") else name)
+            button.setFixedWidth(NARROW)
         self._caption = section.add_row("Keys", self._words, *self._buttons)
 
     def refresh(self, known: bool = True) -> None:
