@@ -36,8 +36,8 @@ class Report:
 
     ``residuals`` (C, F) metres or radians, NaN where not active; ``winners`` (C, F) who kept each from being met: the
     row of a constraint, or one of the names above; ``slides`` and ``heights`` (9, F) metres, a row a ``ContactPoint``,
-    NaN where a point does not stand; ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre of mass to
-    the edge of what is stood on, negative outside, NaN in flight.
+    NaN where a point does not stand; ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre of
+    mass to the edge of what is stood on, negative outside, NaN in flight.
     """
 
     residuals: FloatArray
