@@ -2,7 +2,7 @@
 PYTHON ?= python3
 STUDIO = .venv/bin/python main.py
 
-.PHONY: run test bench examples pictures format
+.PHONY: run test bench soak examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -17,6 +17,9 @@ test: .venv/.ready-to-test
 bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.bench
 	.venv/bin/python benchmarks/long_capture.py
+
+soak: .venv/.ready-to-test
+	.venv/bin/python -m tests.soak
 
 examples: .venv/.ready-to-run
 	@set -e; for made in captures characters; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done

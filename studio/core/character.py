@@ -1,5 +1,6 @@
 """A character: a build, the proportions put upon it, a colour and a skin."""
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -11,7 +12,7 @@ from studio.core.skin import Blending, SkinnedMesh
 class Character:
     """A body that can perform. ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``.
 
-    Raises ValueError when the skin does not fit the build.
+    Raises ValueError when the skin does not fit the build, or the colour is none.
     """
 
     name: str
@@ -22,6 +23,8 @@ class Character:
     blending: Blending = Blending.LINEAR
 
     def __post_init__(self) -> None:
+        if not re.fullmatch(r"#[0-9A-Fa-f]{6}", self.colour):
+            raise ValueError(f"colour: #RRGGBB expected, not '{self.colour[:40]}'.")
         if not self.skin.fits(self.build.layout.segment_count):
             raise ValueError("skin: it is bound to segments that the build has not.")
 

@@ -158,5 +158,6 @@ def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
         EOFError,
         ValueError,
         struct.error,
+        OSError,  # a directory that points before the file
     ):
         return {}

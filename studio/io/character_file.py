@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import re
 import struct
 import zipfile
 import zlib
@@ -83,9 +82,6 @@ def read_character(path: Path) -> Character:
     mesh_name = _member(record, "mesh", str, path)
     if Path(mesh_name).name != mesh_name:
         raise StudioError(f"{path}: 'mesh' must name a file beside it, not '{mesh_name}'.")
-    colour = _member(record, "colour", str, path)
-    if not re.fullmatch(r"#[0-9A-Fa-f]{6}", colour):
-        raise StudioError(f"{path}: 'colour' is '{colour}', expected #RRGGBB.")
     mesh_path = path.with_name(mesh_name)
     content = _read_bytes(mesh_path)
     if hashlib.sha256(content).hexdigest() != record.get("sha256"):
@@ -99,7 +95,11 @@ def read_character(path: Path) -> Character:
     skin = read_mesh(content, str(mesh_path), record.get("materials", []))
     if not skin.fits(build.layout.segment_count):
         raise StudioError(f"{mesh_path}: 'segments' names a segment that this body has not.")
-    return Character(_member(record, "name", str, path), colour, build, skin, proportions, blending)
+    name, colour = (_member(record, member, str, path) for member in ("name", "colour"))
+    try:
+        return Character(name, colour, build, skin, proportions, blending)
+    except ValueError as error:
+        raise StudioError(f"{path}: {error}") from error
 
 
 @lru_cache(maxsize=1)

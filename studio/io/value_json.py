@@ -140,9 +140,10 @@ def _array(record: Json, hint: Any, members: MemberCodec) -> Array:
         return members.load(_plain(record.get("member"), str))
     _checked(record, isinstance(record, list | int | float), "numbers")
     try:
-        array = np.array(record, dtype=kind)
-    except (TypeError, OverflowError) as error:
-        raise ValueError("numbers expected.") from error
+        with np.errstate(over="raise"):
+            array = np.array(record, dtype=kind)
+    except (TypeError, OverflowError, FloatingPointError) as error:
+        raise ValueError("numbers expected, none of them beyond all bounds.") from error
     array.setflags(write=False)
     return array
 

@@ -1,0 +1,41 @@
+"""Every kind of file that the studio reads, spoilt in a few places: read, or refused in a sentence. Seeded.
+
+Kinds come from the registry, so that none is forgotten; ``make soak`` goes on where this ends.
+"""
+
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from studio.core.errors import StudioError
+from studio.io.registry import OWN_FORMATS
+from tests.io.seeds import SEEDS, read, spoiled
+
+MUTATIONS = 2000
+ELSEWHERE = {".c3d": 100, ".gltf": 100, ".vrm": 100, ".vrml": 100, ".x3dv": 100}
+"""Of those that are spoilt in tests of their own, or are read as another of the same parser."""
+
+
+def test_every_kind_of_file_that_is_read_is_spoilt() -> None:
+    readers = [known for known in OWN_FORMATS if known.capture_reader or known.character_reader]
+    assert {suffix for known in readers for suffix in known.suffixes} <= set(SEEDS)
+
+
+@pytest.mark.parametrize("suffix", SEEDS)
+def test_a_spoilt_file_is_read_or_refused_in_a_sentence(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"take{suffix}"
+    SEEDS[suffix](path)
+    read(path)
+    original, opened = path.read_bytes(), 0
+    sentences: list[str] = []
+    count = ELSEWHERE.get(suffix, MUTATIONS)
+    for seed in range(count):
+        path.write_bytes(spoiled(Random(seed), original))
+        try:
+            read(path)
+            opened += 1
+        except StudioError as error:
+            sentences.append(str(error))
+    assert 0 < opened < count
+    assert all(10 < len(sentence) < 4000 for sentence in sentences)

@@ -1,0 +1,124 @@
+"""Spoilt files without end: ``make soak``, or ``python -m tests.soak [--count N] [--kind SUFFIX...] [--keep FOLDER]``.
+
+Every kind of file that the studio reads, each in a process of its own with limits of memory and time. Whatever is
+neither read nor refused in a sentence (another exception, a process that dies, more than ten seconds) is kept in a
+folder, with the seed that makes it again; the exit code is then 1.
+"""
+
+import argparse
+import contextlib
+import multiprocessing
+import os
+import resource
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.sharedctypes import Synchronized
+from pathlib import Path
+from random import Random
+
+from studio.cli.process import prepare_process
+
+COUNT, COUNTS = 1_000_000, {".c3d": 50_000}
+SECONDS = 10.0
+MEMORY = 500 << 20
+TIMES_SIZE = 20
+MOST_KEPT = 20
+
+
+def spoil(suffix: str, first: int, count: int, now: "Synchronized[int]", keep: Path) -> None:
+    """Read one spoilt file after another; ``now`` is the seed under way. What is wrong is kept with its stack."""
+    prepare_process()
+    from studio.core.errors import StudioError
+    from tests.io.seeds import SEEDS, read, spoiled
+
+    warnings.simplefilter("error")
+    kept = 0
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"take{suffix}"
+        SEEDS[suffix](path)
+        read(path)
+        original = path.read_bytes()
+        limit_memory(len(original))
+        for seed in range(first, count):
+            now.value = seed
+            path.write_bytes(spoiled(Random(seed), original))
+            try:
+                with contextlib.suppress(StudioError):
+                    read(path)
+            except Exception:  # noqa: BLE001 - this is what is looked for
+                (keep / f"{seed}{suffix}").write_bytes(path.read_bytes())
+                (keep / f"{seed}{suffix}.txt").write_text(traceback.format_exc())
+                kept += 1
+                if kept == MOST_KEPT:
+                    break
+    now.value = count
+
+
+def limit_memory(size: int) -> None:
+    """What the process has now, and as much more as a file of that size may cost."""
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    most = pages * resource.getpagesize() + MEMORY + TIMES_SIZE * size
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def watch(suffix: str, count: int, keep: Path) -> str:
+    """Spoil ``count`` files of one kind; a process that dies or hangs is told and another goes on behind it."""
+    context = multiprocessing.get_context("spawn")
+    start, lost, seed = time.monotonic(), 0, 0
+    while seed < count and lost < MOST_KEPT:
+        now = context.Value("q", seed - 1)
+        process = context.Process(target=spoil, args=(suffix, seed, count, now, keep), daemon=True)
+        process.start()
+        reason = _until_it_ends_or_hangs(process, now)
+        if now.value >= count:
+            break
+        lost += 1
+        seed = max(now.value, seed) + 1
+        (keep / f"{now.value}{suffix}.txt").write_text(reason)
+    wrong = len(list(keep.glob(f"*{suffix}.txt")))
+    return (
+        f"{suffix:14} {min(seed if lost else count, count):>9,} files, {wrong} wrong, {time.monotonic() - start:.0f} s"
+    )
+
+
+def _until_it_ends_or_hangs(process: "multiprocessing.process.BaseProcess", now: "Synchronized[int]") -> str:
+    seen, since = now.value, time.monotonic() + 60.0  # for its start
+    while process.is_alive():
+        process.join(0.5)
+        if now.value != seen:
+            seen, since = now.value, time.monotonic()
+        elif time.monotonic() - since > SECONDS:
+            process.kill()
+            process.join()
+            return f"seed {seen}: more than {SECONDS:g} seconds"
+    return f"seed {now.value}: the process died with {process.exitcode}"
+
+
+def main() -> int:
+    """Every kind beside the others, as many at a time as there are cores."""
+    from tests.io.seeds import SEEDS
+
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, help=f"files of each kind; {COUNT:,} by default, of C3D 50,000")
+    parser.add_argument("--kind", nargs="+", default=list(SEEDS), choices=list(SEEDS), help="all by default")
+    parser.add_argument("--keep", type=Path, default=Path("soak"), help="folder for what is wrong")
+    arguments = parser.parse_args()
+    arguments.keep.mkdir(parents=True, exist_ok=True)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = [
+            pool.submit(watch, suffix, arguments.count or COUNTS.get(suffix, COUNT), arguments.keep)
+            for suffix in arguments.kind
+        ]
+        for job in jobs:
+            print(job.result(), flush=True)
+    wrong = sorted(arguments.keep.glob("*.txt"))
+    print(f"{len(wrong)} wrong" + (f", kept in {arguments.keep}" if wrong else ""))
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
