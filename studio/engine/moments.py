@@ -83,12 +83,12 @@ class Moment:
         return None
 
     def outline(self) -> FloatArray | None:
-        """(N, 2) the outline of the soles that stand now, in the motion's space; None where none does."""
-        from studio.core.solver.footing import foot_states  # as above
-        from studio.core.solver.support import corners, outlines
+        """(N, 2) the outline of what stands now, in the motion's space; None where nothing does."""
+        from studio.core.solver.support import corners, outlines, standing_points  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)
         contacts = tuple(self.project.contacts_of(self.pose.motion_id or "").values())
-        states = foot_states(contacts, motion.first_frame + motion.frame_count)[:, motion.first_frame :][:, row]
-        area = corners(outlines(motion.positions[row], motion.rotations[row], states, motion.morphology))[0]
+        frame = self.pose.row + motion.first_frame
+        stands = standing_points(contacts, frame + 1)[:, frame:]
+        area = corners(outlines(motion.positions[row], motion.rotations[row], stands, motion.morphology))[0]
         return None if np.isnan(area).any() else area

@@ -16,6 +16,7 @@ from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.metrics import centre_of_mass, contact_quality
@@ -27,7 +28,7 @@ from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, hold, place_of, stand
 from studio.core.solver.following import performer_track, prop_track, tracked_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.support import outlines, smoothed, support_margins
+from studio.core.solver.support import outlines, smoothed, standing_points, support_margins
 from studio.io.character_file import bundled_characters
 from tests.core.motions import RATE, swaying, walk
 from tests.core.test_constraint_kinds import ALL, HEAD, LEFT, MET, RIGHT, ask
@@ -228,15 +229,31 @@ def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body
     asked = ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), place=Support(margin))
     standing = stand(WALK, body, CONTACTS, Ground())
     before, adapted = hold(standing, ()), hold(standing, (asked,))
-    states = standing.footing.states
-    areas, presence = smoothed(outlines(before.positions, before.rotations, states, body), RATE)
+    stands = standing_points(CONTACTS, WALK.frame_count)
+    areas, presence = smoothed(outlines(before.positions, before.rotations, stands, body), RATE)
     held = (presence > 1.0 - 1e-9) & (adapted.residuals[0] < 1e-3)
     margins = [support_margins(areas, centre_of_mass(each)[:, :2]) for each in (before, adapted)]
     assert held.sum() > 30
     assert margins[1][held].min() > -1e-3
     assert margins[0].min() < margins[1].min()
-    plain = outlines(before.positions, before.rotations, states, body)
+    plain = outlines(before.positions, before.rotations, stands, body)
     assert np.nanmin(support_margins(plain, plain_centre(plain))) > 0.0
+
+
+@every_body
+def test_who_stands_on_hands_and_knees_is_supported_between_them(body: Morphology) -> None:
+    standing = stand(WALK, body, CONTACTS, Ground())
+    points = [ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT]
+    contacts = [ContactInterval("walk", point, 10, 20) for point in points]
+    areas = outlines(standing.positions, standing.rotations, standing_points(contacts, WALK.frame_count), body)
+    assert (
+        np.isfinite(areas).all(axis=1) == ((np.arange(WALK.frame_count) >= 10) & (np.arange(WALK.frame_count) <= 20))
+    ).all()
+    layout = body.layout
+    middle = standing.positions[10:21, [layout.wrist(0), layout.wrist(1), layout.hip(0) + 1, layout.hip(1)], :2].mean(
+        axis=1
+    )
+    assert support_margins(areas[10:21], middle).min() > 0.0
 
 
 def plain_centre(areas: np.ndarray) -> np.ndarray:

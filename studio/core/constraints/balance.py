@@ -10,9 +10,10 @@ from studio.core.constraints.target import Place, checked_place
 
 @dataclass(frozen=True)
 class Support:
-    """Over the soles that stand: wherever the motion has it there, and ``margin`` metres within their outline.
+    """Over the soles, hands, knees and seat that stand: where the motion has it, or the nearest place over them.
 
-    Half the breadth of a sole is the most that is kept: nobody stands more surely than over the middle line of a foot.
+    It is kept ``margin`` metres within their outline. Half the breadth of a sole is the most that is
+    kept: nobody stands more surely than over the middle line of a foot.
     """
 
     kind: ClassVar[str] = "support"

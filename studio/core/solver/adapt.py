@@ -27,7 +27,7 @@ from studio.core.solver.holding import held_points, placed_above, release_hands
 from studio.core.solver.packing import is_pair, limb_of, pack, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.settling import Arms, settle
-from studio.core.solver.support import mass_path, support_path
+from studio.core.solver.support import mass_path, standing_points, support_path
 from studio.core.solver.tracks import Targets, Track, Tracks
 
 FloatArray = NDArray[np.float64]
@@ -134,7 +134,8 @@ def _known_tracks(
         place = getattr(constraint, "place", None)
         if isinstance(place, Support):
             path = support_path(
-                standing.positions, standing.rotations, standing.footing.states, standing.morphology.still,
+                standing.positions, standing.rotations,
+                standing_points(standing.contacts, standing.motion.frame_count), standing.morphology.still,
                 standing.motion.frame_rate, place.margin, window,
             )  # fmt: skip
             known[place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))

@@ -15,7 +15,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.metrics import centre_of_mass, contact_tracks, knee_speeds
 from studio.core.solver.adapt import Bound, Standing, constraint_activations, hold, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.support import outlines, support_margins
+from studio.core.solver.support import outlines, standing_points, support_margins
 from studio.core.solver.tracks import Tracks
 
 FloatArray = NDArray[np.float64]
@@ -52,7 +52,8 @@ def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     """All there is to say of ``adapted``, the answer to ``request`` in any window."""
     standing = stand(request.motion, request.morphology, request.contacts, request.ground)
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    areas = outlines(adapted.positions, adapted.rotations, standing.footing.states[:, window], adapted.morphology)
+    stands = standing_points(request.contacts, request.motion.frame_count)[:, window]
+    areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, request.contacts, request.ground)
     return Report(
         adapted.residuals,

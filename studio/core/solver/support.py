@@ -1,13 +1,15 @@
-"""What a body stands on: the outline of its standing soles, and where the centre of mass is to be over it.
+"""What a body stands on: the outline of its standing soles, hands, knees and seat, and where the mass is to be over it.
 
 An outline is its support function h (N,) for N directions n over the ground: it holds the points p with n . p <= h for
 all of them. So outlines are averaged over time (Minkowski), shrunk and measured by simple arithmetic.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kernels.feet import HEEL, TOE
+from studio.core.contacts import ContactInterval, ContactPoint, contact_mask, touching_points
 from studio.core.morphology import Morphology
 from studio.core.solver.chains import segment_masses
 
@@ -18,6 +20,8 @@ SMOOTHING = 0.3
 """Seconds before and after over which an outline is averaged, so that it changes smoothly with every step."""
 BALL, REAR, TIP = 0.19, 0.13, 0.10
 """Radii of a sole at ball, heel and tip, as parts of its length (breadth of an adult's foot 0.38 of its length)."""
+HAND, KNEE, SEAT = 0.05, 0.05, 0.1
+"""Radii of palm and fingers, knee and half a seat, as parts of the leg's length."""
 _ANGLES = np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
 _NORMALS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
 _SIDEWAYS = np.stack([-np.sin(_ANGLES), np.cos(_ANGLES)], axis=1)
@@ -32,21 +36,26 @@ def mass_path(positions: FloatArray, body: Morphology) -> FloatArray:
     return np.asarray(shares @ (begin + along[:, None] * (end - begin)))
 
 
-def outlines(
-    positions: FloatArray, rotations: FloatArray, states: NDArray[np.int64], body: Morphology, margin: float = 0.0
-) -> FloatArray:
-    """(F, N) the outline of the standing soles, ``margin`` metres shrunk; NaN where nothing stands.
+def standing_points(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.bool_]:
+    """(9, F) where each ``ContactPoint`` stands."""
+    spans = [[(each.first, each.last) for each in contacts if each.point is point] for point in ContactPoint]
+    return np.array([contact_mask(each, frame_count) for each in spans])
 
-    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``states`` (2, F) as of ``Footing``. It shrinks to the middle
-    line of the soles at most.
+
+def outlines(
+    positions: FloatArray, rotations: FloatArray, standing: NDArray[np.bool_], body: Morphology, margin: float = 0.0
+) -> FloatArray:
+    """(F, N) the outline of what stands, ``margin`` metres shrunk; NaN where nothing does.
+
+    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``standing`` (9, F) as of ``standing_points``. It shrinks to
+    the middle line of a sole at most.
     """
     found = np.full((len(positions), DIRECTIONS), -np.inf)
-    for side in range(2):
-        centres, radii = _sole(positions, rotations, body, side)
-        for place, bit in enumerate((HEEL, TOE, TOE)):
-            reach = centres[:, place] @ _NORMALS.T + max(radii[place] - margin, 0.0)
-            stands = (states[side] & bit) != 0
-            found[stands] = np.maximum(found[stands], reach[stands])
+    for point, stands in zip(ContactPoint, standing, strict=True):
+        if stands.any():
+            for centres, radius in _circles(point, positions[stands], rotations[stands], body):
+                reach = centres @ _NORMALS.T + max(radius - margin, 0.0)
+                found[stands] = np.maximum(found[stands], reach)
     return np.where(np.isfinite(found), found, np.nan)
 
 
@@ -68,7 +77,7 @@ def smoothed(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArr
 def support_path(
     positions: FloatArray,
     rotations: FloatArray,
-    states: NDArray[np.int64],
+    standing: NDArray[np.bool_],
     body: Morphology,
     frame_rate: float,
     margin: float,
@@ -81,7 +90,7 @@ def support_path(
     half = max(1, round(SMOOTHING * frame_rate))
     first, stop, _ = window.indices(len(positions))
     wide = slice(max(first - 2 * half, 0), min(stop + 2 * half, len(positions)))
-    areas, presence = smoothed(outlines(positions[wide], rotations[wide], states[:, wide], body, margin), frame_rate)
+    areas, presence = smoothed(outlines(positions[wide], rotations[wide], standing[:, wide], body, margin), frame_rate)
     rows = slice(first - wide.start, stop - wide.start)
     masses = mass_path(positions[window], body)
     places = nearest_within(areas[rows], masses[:, :2])
@@ -120,14 +129,32 @@ def _beyond(areas: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(np.max(points @ _NORMALS.T - areas, axis=1))
 
 
-def _sole(positions: FloatArray, rotations: FloatArray, body: Morphology, side: int) -> tuple[FloatArray, FloatArray]:
-    """Circles in which a sole lies: centres (F, 3, 2) at heel, ball and tip, radii (3,)."""
+def _circles(
+    point: ContactPoint, positions: FloatArray, rotations: FloatArray, body: Morphology
+) -> list[tuple[FloatArray, float]]:
+    """What of a body lies on the ground at a contact point, as circles: centres (F, 2) and a radius."""
+    if point.is_foot:
+        rear, ball, tip = _sole(positions, rotations, body, point.side)
+        return [rear] if point.is_heel else [ball, tip]
+    radius = body.leg_length * {"hand": HAND, "knee": KNEE, "seat": SEAT}[point.member]
+    joints = touching_points(point, body.layout)
+    if point.member == "hand":
+        joints = [joints[0], joints[0] + 1]
+    return [(positions[:, joint, :2], radius) for joint in joints]
+
+
+def _sole(positions: FloatArray, rotations: FloatArray, body: Morphology, side: int) -> list[tuple[FloatArray, float]]:
+    """Circles in which a sole lies, at heel, ball and tip."""
     layout = body.layout
     ankle, ball, tip = (positions[:, layout.ankle(side) + step] for step in range(3))
     foot = rotations[:, layout.spine_count + 12 + 4 * side]
     rear = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
     line = ball[:, :2] - rear[:, :2]
     ahead = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
-    length = body.heel_length[side] + np.hypot(*body.foot[side, :2]) + np.hypot(*body.toe[side, :2])
-    radii = length * np.array([REAR, BALL, TIP])
-    return np.stack([rear[:, :2] + radii[0] * ahead, ball[:, :2], tip[:, :2] - radii[2] * ahead], axis=1), radii
+    length = float(body.heel_length[side] + np.hypot(*body.foot[side, :2]) + np.hypot(*body.toe[side, :2]))
+    at_rear, at_tip = REAR * length, TIP * length
+    return [
+        (rear[:, :2] + at_rear * ahead, at_rear),
+        (ball[:, :2], BALL * length),
+        (tip[:, :2] - at_tip * ahead, at_tip),
+    ]
