@@ -7,7 +7,7 @@ from pictured.bodies import bodies, priorities
 from pictured.encode import write_film, write_picture
 from pictured.figures import FIGURES, write_figure
 from pictured.kick_film import FRAME_RATE, KickFilm
-from pictured.shots import constrain, import_report, sliders, timeline, window
+from pictured.shots import constrain, import_report, markers, sliders, timeline, window
 
 FILM_WIDTH = 880
 STILLS = {
@@ -15,6 +15,7 @@ STILLS = {
     "constrain": constrain,
     "timeline": timeline,
     "import_report": import_report,
+    "markers": markers,
     "sliders": sliders,
     "method_bodies": bodies,
     "method_priorities": priorities,

@@ -1,6 +1,8 @@
 """The still pictures: each a moment of a session."""
 
 from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
@@ -8,7 +10,10 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
 
 from pictured.session import KICK_TIME, Session, example, kick_target, left_wrist
+from studio.app.marker_dialog import open_markers
 from studio.core.morphology import Proportions
+from studio.io.export import write_capture
+from studio.io.importing import load_capture
 from studio.viewport.body_points import body_joints
 
 LEFT, NO_KEY = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
@@ -58,6 +63,23 @@ def import_report() -> QImage:
     session.settle()
     session.look(35, 8, 1.15)
     return _taken(session, [session.bench.viewport, session.window.docks["Inspector"]])
+
+
+def markers() -> QImage:
+    """The markers of a walk that was written as C3D: the map on the figure."""
+    session = Session("walk_turn", (1280, 900))
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "walk.c3d"
+        write_capture(load_capture(example("walk_turn")), path)
+        session.window.open_paths([path])
+        session.until(lambda: len(session.document.project.captures) == 2)
+        session.settle()
+    dialog = open_markers(session.bench, list(session.document.project.captures)[-1])
+    dialog.assistant.choose_role("left_knee")
+    session.rest(0.5)
+    image = dialog.grab().toImage()
+    session.close()
+    return image
 
 
 def sliders() -> QImage:

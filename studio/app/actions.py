@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from studio.app import casting, recovery
+from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.verbs import editing, files, playback, view
 from studio.app.verbs.constraining import add_box, adder
 from studio.app.workbench import Workbench
@@ -105,6 +106,10 @@ EDIT = (
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
         tooltip="What was read and guessed of the motion that plays", enabled=_performing,
+    ),
+    Action(
+        "markers", "Edit", "Markers…", open_markers, tooltip="Which marker of an optical capture is what; its signals",
+        enabled=has_markers,
     ),
     Action("ground", "Edit", "Edit ground", editing.select_ground, tooltip="Show the ground in the inspector"),
 )  # fmt: skip

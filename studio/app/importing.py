@@ -113,7 +113,7 @@ def _read_again(bench: Workbench, capture_id: str, options: ImportOptions, text:
         if capture_id in bench.document.project.captures:
             if capture_id in bench.read_as:
                 bench.read_as[capture_id] = replace(bench.read_as[capture_id], options=options)
-            _replace_motion(bench.document, capture_id, read, text)
+            replace_motion(bench.document, capture_id, read.capture, read.annotations, text)
             tell_repairs(bench, capture_id)
 
     bench.runner.run(text, lambda progress: read_motion(path, options, progress), done)
@@ -178,16 +178,19 @@ def show_motion(document: Document) -> None:
         document.playhead.set_frame(capture.first_frame)
 
 
-def _replace_motion(document: Document, capture_id: str, read: ReadMotion, text: str) -> None:
+def replace_motion(document: Document, capture_id: str, capture: Capture, known: Annotations, text: str) -> None:
+    """Another reading of a capture in its place, with its contacts; the bodies play it if it had no body before."""
     old = document.project.captures[capture_id]
     with document.group(text):
-        document.replace("captures", capture_id, replace(read.capture, name=old.name), text)
+        document.replace("captures", capture_id, replace(capture, name=old.name), text)
         for motion_id, motion in document.project.motions.items():
             if motion.capture_id == capture_id:
                 for key in document.project.contacts_of(motion_id):
                     document.remove("contacts", key, text)
-                contacts = Annotations(read.annotations.contacts)  # the constraints are the user's by now
+                contacts = Annotations(known.contacts)  # the constraints are the user's by now
                 _annotate(document, motion_id, contacts, text)
+                if old.body_map is None:
+                    _perform(document, motion_id, text)
 
 
 def _annotate(document: Document, motion_id: str, annotations: Annotations, text: str) -> None:

@@ -8,8 +8,9 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent, QResizeEvent
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QVBoxLayout, QWidget
 
-from studio.app import casting, importing
+from studio.app import casting, importing, marker_solving
 from studio.app.action_set import ActionSet
+from studio.app.marker_dialog import open_markers
 from studio.app.top_bar import TopBar
 from studio.app.verbs import files
 from studio.app.workbench import Workbench
@@ -198,6 +199,7 @@ class MainWindow(QMainWindow):
         self.status.progress.told.connect(self._show_progress)
         self.library.wanted.connect(lambda capture: importing.perform_capture(bench, capture))
         self.inspector.reimport_wanted.connect(self._reimport)
+        self.inspector.markers_wanted.connect(lambda capture: open_markers(bench, capture))
         self.inspector.character_wanted.connect(lambda capture: casting.make_actor_character(bench, capture))
         document.entity_changed.connect(lambda collection, key: importing.keep_corrections(bench, collection, key))
 
@@ -233,7 +235,7 @@ class MainWindow(QMainWindow):
 
     def _reimport(self, capture_id: str, option: dict[str, Any]) -> None:
         try:
-            importing.reimport(self.bench, capture_id, option)
+            marker_solving.read_again(self.bench, capture_id, option)
         except StudioError as error:
             self.strip.say(str(error))
 

@@ -2,7 +2,7 @@
 
 from studio.core.project import Project
 
-DROP = "Drop a BVH here"
+DROP = "Drop a capture here"
 HIDDEN = "All characters are hidden. Shift+H shows them."
 
 

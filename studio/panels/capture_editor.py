@@ -5,7 +5,7 @@ from html import escape
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from studio.core.capture import Capture, Guess
 from studio.document import colours
@@ -25,6 +25,8 @@ class CaptureEditor(Editor):
 
     reimport_wanted = Signal(str, object)
     """Capture id, {option: value}."""
+    markers_wanted = Signal(str)
+    """Capture id."""
     character_wanted = Signal(str)
     """Capture id: its actor is to become a character."""
 
@@ -39,6 +41,13 @@ class CaptureEditor(Editor):
             self._facts.add_row(name, value)
         self.column.addWidget(self._facts)
         self._add_options()
+        self._markers = labelled("", "value")
+        open_markers = press_button("Open…", lambda: self.markers_wanted.emit(self.entity_id))
+        open_markers.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        open_markers.setAccessibleName("Open markers")
+        self._marker_section = Section("Markers")
+        self._marker_section.add_row("Map", self._markers, open_markers)
+        self.column.addWidget(self._marker_section)
         self._report: QWidget | None = None
         self._body_map = BodyMapSection(self)
         self.column.addWidget(self._body_map)
@@ -97,6 +106,9 @@ class CaptureEditor(Editor):
         self._floor.show_value(capture.floor)
         self._first.show_value(capture.first_frame)
         self._body_map.refresh()
+        self._marker_section.setVisible(capture.markers is not None)
+        if capture.markers is not None:
+            self._markers.setText(capture.markers.marker_map.name)
         self._show_report(capture)
 
     def _show_report(self, capture: Capture) -> None:

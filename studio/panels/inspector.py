@@ -32,6 +32,8 @@ class Inspector(QScrollArea):
 
     reimport_wanted = Signal(str, object)
     """Capture id, {option: value}: the file is to be read otherwise."""
+    markers_wanted = Signal(str)
+    """Capture id: its markers are to be shown."""
     character_wanted = Signal(str)
     """Capture id: its actor is to become a character."""
 
@@ -61,6 +63,7 @@ class Inspector(QScrollArea):
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
             self.editor.reimport_wanted.connect(self.reimport_wanted)
+            self.editor.markers_wanted.connect(self.markers_wanted)
             self.editor.character_wanted.connect(self.character_wanted)
         self.setWidget(self.editor)
 

@@ -28,7 +28,7 @@ class Row:
 def rows_of(project: Project, motion_id: str | None) -> list[Row]:
     """All rows in their order; ``motion_id`` names the motion whose constraints are listed."""
     return [
-        *_section("Captures", _captures(project, motion_id), "Drop a BVH here"),
+        *_section("Captures", _captures(project, motion_id), "Drop a capture here"),
         *_section("Characters", _bodies(project), "The bundled characters come with the first capture"),
         *_section("Constraints", _constraints(project, motion_id), "Pick a joint and press C to add one"),
         *_section("Stage", _stage(project), ""),

@@ -9,7 +9,7 @@ STEPS = (
     "Select a character to change its body.",
     "Click a joint in the viewport and press C to give it a target.",
     "Select a bar on the timeline to say when it acts.",
-    "Drop a BVH anywhere to see it on these bodies.",
+    "Drop a capture anywhere to see it on these bodies.",
 )
 
 

@@ -478,7 +478,7 @@ def test_without_a_motion_one_line_says_what_to_do_and_nothing_breaks(document, 
     assert not timeline.tracks.grab().isNull()
     QTest.mouseClick(timeline.tracks, LEFT, NONE, QPoint(300, 100))
     QTest.keyClick(timeline.tracks, Qt.Key.Key_Delete)
-    assert timeline.tracks.prompt == "Drop a BVH here"
+    assert timeline.tracks.prompt == "Drop a capture here"
 
 
 def test_with_nobody_shown_the_line_asks_for_a_character(document, timeline):

@@ -20,6 +20,8 @@ FloatArray = NDArray[np.float64]
 Fill = Callable[[FloatArray, Gap], FloatArray | None]
 
 _ORDER = 2
+_MOST_GAPS = 3000
+"""A trial with more of them is noise; the rest stays open."""
 _SHOWN = 6
 """Lines of detail in a report; the rest is counted."""
 
@@ -164,7 +166,7 @@ def clean(trial: Trial, steps: Sequence[Step]) -> tuple[Trial, tuple[StepReport,
 def _filled(trial: Trial, title: str, gaps: list[Gap], fill: Fill, how: str) -> tuple[Trial, StepReport]:
     points = trial.points.copy()
     done, details = [], []
-    for gap in gaps:
+    for gap in gaps[:_MOST_GAPS]:
         path = fill(points, gap)
         if path is not None:
             points[gap.first : gap.last + 1, gap.place] = path

@@ -15,7 +15,7 @@ class Role:
     part: str
     """``head``, ``trunk``, ``pelvis``, ``left arm``, ``right leg`` ..."""
     spot: tuple[float, float]
-    """On a figure seen from the front: across from -1 (its right, left in the picture) to 1, up from 0 to 1."""
+    """On a figure: across from -1 (the right of the body) to 1 (its left), up from 0 (soles) to 1 (crown)."""
     hint: str
 
 

@@ -1,0 +1,135 @@
+"""Markers of a capture: map, cleaning and signals in one window; what it changes is undone like any edit."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QDialog, QHBoxLayout, QTabWidget, QVBoxLayout
+
+from studio.app.marker_solving import solve_again
+from studio.app.workbench import Workbench
+from studio.core.capture import Capture
+from studio.core.errors import StudioError
+from studio.core.markers.cleaning import StepReport, clean
+from studio.core.markers.take import MarkerTake, mapped_labels
+from studio.panels.fields import SIDE, labelled, press_button
+from studio.panels.markers.assistant import MarkerAssistant
+from studio.panels.markers.signals import SignalPlot
+from studio.panels.markers.steps import StepList
+
+SIZE = (880, 680)
+
+
+def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDialog":
+    """The markers of a capture, by default of the one that plays or is selected. Raises StudioError without any."""
+    capture_id = capture_id or _shown_capture(bench)
+    capture = bench.document.project.captures.get(capture_id or "")
+    if capture_id is None or capture is None or capture.markers is None:
+        raise StudioError("No optical capture is selected. Import a C3D file, or select one in the library.")
+    dialog = MarkerDialog(bench, capture_id, capture)
+    dialog.show()
+    return dialog
+
+
+def has_markers(bench: Workbench) -> bool:
+    """Whether ``open_markers`` has something to show."""
+    capture = bench.document.project.captures.get(_shown_capture(bench) or "")
+    return capture is not None and capture.markers is not None
+
+
+def _shown_capture(bench: Workbench) -> str | None:
+    selected = bench.document.selection.of("captures")
+    if selected:
+        return str(selected[0])
+    motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
+    return motion.capture_id if motion else None
+
+
+class MarkerDialog(QDialog):
+    """Not modal. What is set here is applied by its button, as one step that can be undone."""
+
+    def __init__(self, bench: Workbench, capture_id: str, capture: Capture) -> None:
+        super().__init__(bench.window)
+        assert capture.markers is not None
+        self._bench, self._capture_id, self._take = bench, capture_id, capture.markers
+        self.setWindowTitle(f"Markers of {capture.name}")
+        self.setObjectName("marker_dialog")
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.resize(*SIZE)
+        self.assistant = MarkerAssistant(self._take)
+        self.steps = StepList(self._take.steps)
+        self.signals = SignalPlot(self._take.trial, self._seek)
+        self.tabs = QTabWidget()
+        self.tabs.setDocumentMode(True)
+        for widget, title in ((self.assistant, "Map"), (self.steps, "Cleaning"), (self.signals, "Signals")):
+            self.tabs.addTab(widget, title)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, SIDE)
+        column.addWidget(self.tabs, 1)
+        column.addLayout(self._make_foot())
+        self.assistant.changed.connect(self._refresh)
+        self.steps.changed.connect(self._clean)
+        bench.document.playhead.changed.connect(self.signals.show_time)
+        bench.document.entity_changed.connect(self._entity_changed)
+        self.signals.show_time(bench.document.playhead.time)
+        self._clean()
+
+    def _make_foot(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        self.words = labelled("", "hint")
+        self.apply = press_button("Apply", self.solve, "main")
+        self.apply.setToolTip("Find the body anew with this map and these steps")
+        row.addWidget(self.words, 1)
+        row.addWidget(self.apply)
+        row.addWidget(press_button("Close", self.close))
+        return row
+
+    @property
+    def take(self) -> MarkerTake:
+        """As it is set here."""
+        return replace(
+            self._take,
+            marker_map=self.assistant.marker_map,
+            subject=self.assistant.subject,
+            steps=self.steps.steps,
+        )
+
+    def solve(self) -> None:
+        """Put what is set here to the capture."""
+        self.apply.setEnabled(False)
+        solve_again(self._bench, self._capture_id, self.take)
+
+    def _clean(self) -> None:
+        """Try the steps, in the background: their reports are shown before anything is applied."""
+        take = self.take
+
+        def work(progress: Callable[[float, str], None]) -> tuple[StepReport, ...]:
+            progress(0.0, "Cleaning")
+            return clean(take.trial.only(mapped_labels(take)), take.steps)[1]
+
+        def done(reports: tuple[StepReport, ...]) -> None:
+            if self.steps.steps == take.steps:
+                self.steps.show_reports(reports)
+
+        self._bench.runner.run("Trying the steps", work, done)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        self.words.setText(self.assistant.words)
+        now, shown = self.take, self._take
+        same = (now.marker_map, now.subject, now.steps) == (shown.marker_map, shown.subject, shown.steps)
+        self.apply.setEnabled(not same)
+
+    def _entity_changed(self, collection: str, entity_id: str) -> None:
+        if (collection, entity_id) != ("captures", self._capture_id):
+            return
+        capture = self._bench.document.project.captures.get(entity_id)
+        if capture is None or capture.markers is None:
+            self.close()
+            return
+        self._take = capture.markers
+        self._refresh()
+
+    def _seek(self, seconds: float) -> None:
+        self._bench.document.playhead.set_time(seconds)

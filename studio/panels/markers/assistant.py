@@ -1,0 +1,199 @@
+"""The map assistant: the proposed map on a body, the markers of the trial beside it, finished by clicks."""
+
+from collections.abc import Mapping
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
+
+from studio.core.markers.marker_map import MarkerMap, seen_labels
+from studio.core.markers.roles import ROLE, ROLES
+from studio.core.markers.take import MarkerTake
+from studio.core.markers.trial import bare_label, subject_of
+from studio.document import colours
+from studio.io.marker_maps import find_map, fitted, known_maps, save_map
+from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
+from studio.panels.markers.figure import MarkerFigure
+
+NOT_USED = "-"
+
+
+class MarkerAssistant(QWidget):
+    """Choose a place on the figure, then its marker in the list, or the other way round; nothing is kept here but the
+    map that is being made."""
+
+    changed = Signal()
+    """The map or the subject is another one now."""
+
+    def __init__(self, take: MarkerTake) -> None:
+        super().__init__()
+        self._trial = take.trial
+        self.subject, self.marker_map = take.subject, take.marker_map
+        self._role = ""
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(0)
+        self.figure = MarkerFigure()
+        self.figure.chosen.connect(self.choose_role)
+        row.addWidget(self.figure, 0, Qt.AlignmentFlag.AlignTop)
+        column = QVBoxLayout()
+        row.addLayout(column, 1)
+        column.addWidget(self._make_maps())
+        column.addWidget(self._make_place())
+        column.addWidget(self._make_list(), 1)
+        self._fill()
+        self.choose_role(next((role.id for role in ROLES if role.id not in self.marker_map.markers), ROLES[0].id))
+
+    def _make_maps(self) -> Section:
+        section = Section("Map")
+        self._maps = Choice("Map", [])
+        self._maps.setPlaceholderText("Take another map")
+        self._maps.chosen.connect(self._take_map)
+        self.name = QLineEdit(self.marker_map.name)
+        self.name.setAccessibleName("Name of the map")
+        self._save = press_button("Save map", self.save)
+        self._save.setToolTip("Keep it, to be used for every file with these markers")
+        subjects = sorted({subject_of(label) for label in self._trial.markers} - {""})
+        self._subjects = Choice("Subject", [("", "All markers"), *((name, name) for name in subjects)])
+        self._subjects.show_value(self.subject)
+        self._subjects.chosen.connect(self._take_subject)
+        if len(subjects) > 1:
+            section.add_row("Subject", self._subjects)
+        section.add_row("Use", self._maps)
+        section.add_row("Name", self.name, self._save)
+        self._fill_maps()
+        return section
+
+    def _make_place(self) -> Section:
+        section = Section("Place")
+        self._place, self._hint = labelled("", "title"), labelled("", "hint")
+        self._clear = press_button("Clear", self.clear_role, "link")
+        self._clear.setToolTip("No marker lies here")
+        section.head.addWidget(self._clear)
+        section.add_wide(self._place)
+        section.add_wide(self._hint)
+        return section
+
+    def _make_list(self) -> QWidget:
+        box = QWidget()
+        column = QVBoxLayout(box)
+        column.setContentsMargins(SIDE, 8, SIDE, 0)
+        self.list = QTreeWidget()
+        self.list.setHeaderLabels(["Marker", "Place", "Seen"])
+        self.list.setRootIsDecorated(False)
+        self.list.setUniformRowHeights(True)
+        self.list.setAccessibleName("Markers of the trial; activate one to put it on the chosen place")
+        self.list.itemClicked.connect(lambda item, _: self.put_marker(item.text(0)))
+        column.addWidget(self.list)
+        return box
+
+    @property
+    def words(self) -> str:
+        """What the map is good for, in a sentence."""
+        there = self.marker_map.among(self._labels())
+        parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
+        if len(parts) == 2:
+            return "Legs and arms can be followed."
+        if parts:
+            other = "arms" if parts == ["legs"] else "legs"
+            return f"The {parts[0]} can be followed; the {other} will stand in a plain rest."
+        lacking, more = there.lacking()[:4], len(there.lacking()) > 4
+        return f"No body can be followed yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
+
+    def choose_role(self, role: str) -> None:
+        """Show what lies at a place, and give it the next marker that is clicked."""
+        self._role = role
+        self._show()
+
+    def put_marker(self, label: str) -> None:
+        """Put a marker on the chosen place; where it is there already, take it away.
+
+        Thighs and shanks take several, which together show how the bone turns; other places take one.
+        """
+        own = self.marker_map.markers.get(self._role, ())
+        cluster = self._role.endswith(("thigh", "shank"))
+        if label in own:
+            labels = tuple(each for each in own if each != label)
+        else:
+            labels = (*own, label) if cluster else (label,)
+        self._set(self.marker_map.with_role(self._role, labels))
+
+    def clear_role(self) -> None:
+        """No marker on the chosen place."""
+        self._set(self.marker_map.with_role(self._role, ()))
+
+    def save(self) -> None:
+        """Keep the map under its name among the user's own."""
+        name = self.name.text().strip() or "My markers"
+        self.marker_map = MarkerMap(name, self.marker_map.markers, self.marker_map.centres)
+        path = save_map(self.marker_map)
+        self._fill_maps()
+        self._hint.setText(f"Saved as {path.name}: every file with these markers will be read by it.")
+
+    def _set(self, marker_map: MarkerMap) -> None:
+        self.marker_map = marker_map
+        self._show()
+        self.changed.emit()
+
+    def _take_map(self, chosen: object) -> None:
+        if chosen == "propose":
+            self.marker_map = find_map(self._trial, self.subject)
+        else:
+            assert isinstance(chosen, MarkerMap)
+            self.marker_map = fitted(chosen, self._labels())
+        with QSignalBlocker(self.name):
+            self.name.setText(self.marker_map.name)
+        self._set(self.marker_map)
+
+    def _take_subject(self, subject: object) -> None:
+        self.subject = str(subject)
+        self.marker_map = find_map(self._trial, self.subject)
+        self._fill()
+        self._set(self.marker_map)
+
+    def _labels(self) -> list[str]:
+        return list(seen_labels(self._trial, self.subject, ("marker", "virtual")).values())
+
+    def _fill_maps(self) -> None:
+        self._maps.clear_all()
+        self._maps.add("propose", "What fits best")
+        for known in known_maps():
+            self._maps.add(known, known.name)
+        self._maps.setCurrentIndex(-1)
+
+    def _fill(self) -> None:
+        self.list.clear()
+        for label, bare in seen_labels(self._trial, self.subject).items():
+            track = self._trial.track(label)
+            share = float((track == track).all(axis=1).mean())  # NaN is not itself
+            item = QTreeWidgetItem([bare_label(bare), "", f"{100 * share:.0f} %"])
+            item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight)
+            self.list.addTopLevelItem(item)
+
+    def _show(self) -> None:
+        markers = self.marker_map.markers
+        self.figure.show_map(markers, self._role)
+        role = ROLE[self._role]
+        own = markers.get(self._role, ())
+        self._place.setText(f"{role.words}: {', '.join(own) if own else 'no marker'}")
+        self._hint.setText(f"{role.hint}. Click its marker in the list.")
+        self._clear.setEnabled(bool(own))
+        self._show_list(markers, own)
+
+    def _show_list(self, markers: Mapping[str, tuple[str, ...]], own: tuple[str, ...]) -> None:
+        places: dict[str, list[str]] = {}
+        for role, labels in markers.items():
+            for label in labels:
+                places.setdefault(label, []).append(ROLE[role].words)
+        for place in range(self.list.topLevelItemCount()):
+            item = self.list.topLevelItem(place)
+            assert item is not None
+            words = places.get(item.text(0), [])
+            item.setText(1, ", ".join(words) or NOT_USED)
+            colour = QColor(colours.TEXT if words else colours.TEXT_THIRD)
+            for at in range(3):
+                item.setForeground(at, colour)
+            item.setSelected(item.text(0) in own)
+        for column in (0, 2):
+            self.list.resizeColumnToContents(column)
+        self.list.setColumnWidth(1, 190)

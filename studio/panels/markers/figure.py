@@ -1,0 +1,141 @@
+"""A body on which the places of markers are shown: filled where a marker lies, hollow where one could."""
+
+from collections.abc import Mapping, Sequence
+
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPainterPath, QPaintEvent, QPen
+from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
+
+from studio.core.markers.roles import ROLE, ROLES
+from studio.document import colours
+
+WIDTH, HEIGHT = 300, 520
+MARGIN = 24
+DOT = 5.0
+REACH = 11.0
+"""Pixels from a dot within which a click means it."""
+
+_LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
+    ((0.21, 0.8), (0.39, 0.645), 26.0),
+    ((0.39, 0.645), (0.54, 0.535), 21.0),
+    ((0.54, 0.535), (0.585, 0.455), 17.0),
+    ((0.12, 0.51), (0.115, 0.3), 40.0),
+    ((0.115, 0.3), (0.11, 0.085), 30.0),
+    ((0.11, 0.06), (0.17, 0.02), 17.0),
+)
+"""From joint to joint of the left side, and how thick."""
+
+
+class MarkerFigure(QWidget):
+    """Click a place to choose it; its own left is the picture's left, as on the other figures of the studio."""
+
+    chosen = Signal(str)
+    """A role."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setAccessibleName("Places of markers on a body; filled ones have a marker")
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+        self._markers: Mapping[str, Sequence[str]] = {}
+        self._role = ""
+        self._under = ""
+
+    def sizeHint(self) -> QSize:
+        return QSize(WIDTH, HEIGHT)
+
+    def show_map(self, markers: Mapping[str, Sequence[str]], role: str) -> None:
+        """Labels by role, and the role that is chosen."""
+        self._markers, self._role = markers, role
+        self.update()
+
+    def place_of(self, role: str) -> QPointF:
+        """Where on the widget a role lies."""
+        return _place(*ROLE[role].spot)
+
+    def role_at(self, point: QPointF) -> str:
+        """The role under a point of the widget; empty beside all."""
+        role, distance = min(
+            ((role.id, (self.place_of(role.id) - point).manhattanLength()) for role in ROLES), key=lambda pair: pair[1]
+        )
+        return role if distance < 1.4 * REACH else ""
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        role = self.role_at(event.position())
+        if role:
+            self.chosen.emit(role)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        under = self.role_at(event.position())
+        if under != self._under:
+            self._under = under
+            self.update()
+
+    def leaveEvent(self, _: QEvent) -> None:
+        self._under = ""
+        self.update()
+
+    def event(self, event: QEvent) -> bool:
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
+            role = self.role_at(QPointF(event.pos()))
+            if role:
+                labels = ", ".join(self._markers.get(role, ())) or "no marker"
+                QToolTip.showText(event.globalPos(), f"{ROLE[role].words}: {labels}", self)
+            else:
+                QToolTip.hideText()
+            return True
+        return bool(super().event(event))
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        self._paint_body(painter)
+        for role in ROLES:
+            self._paint_dot(painter, role.id)
+        painter.setPen(QColor(colours.TEXT_THIRD))
+        painter.drawText(QPointF(MARGIN - 10, MARGIN + 4), "L")
+        painter.drawText(QPointF(WIDTH - MARGIN, MARGIN + 4), "R")
+        painter.end()
+
+    def _paint_body(self, painter: QPainter) -> None:
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(colours.EDGE))
+        head = _place(0.0, 0.93)
+        painter.drawEllipse(head, 29.0, 36.0)
+        painter.drawRoundedRect(QRectF(head.x() - 13, head.y() + 26, 26, 34), 8, 8)
+        trunk = QPainterPath()
+        shoulders, hips = _place(0.24, 0.825), _place(0.2, 0.49)
+        right, low = _place(-0.24, 0.825), _place(-0.2, 0.49)
+        trunk.moveTo(shoulders)
+        waist = _place(0.15, 0.62)
+        trunk.cubicTo(waist, waist, hips)
+        trunk.lineTo(low)
+        waist = _place(-0.15, 0.62)
+        trunk.cubicTo(waist, waist, right)
+        trunk.closeSubpath()
+        painter.setPen(QPen(QColor(colours.EDGE), 18.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap,
+                            Qt.PenJoinStyle.RoundJoin))  # fmt: skip
+        painter.drawPath(trunk)
+        for side in (1.0, -1.0):
+            for (across, up), (far_across, far_up), thick in _LIMBS:
+                painter.setPen(QPen(QColor(colours.EDGE), thick, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+                painter.drawLine(_place(side * across, up), _place(side * far_across, far_up))
+
+    def _paint_dot(self, painter: QPainter, role: str) -> None:
+        place = self.place_of(role)
+        filled = bool(self._markers.get(role))
+        if role == self._role:
+            painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 2.0))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawEllipse(place, DOT + 5, DOT + 5)
+        edge = colours.SELECTED_HANDLE if role == self._under else colours.TEXT_THIRD
+        painter.setPen(QPen(QColor(colours.WINDOW if filled else edge), 1.2))
+        painter.setBrush(QColor(colours.KINDS["position"]) if filled else QColor(colours.PANEL))
+        size = DOT if filled else DOT - 1.5
+        painter.drawEllipse(place, size, size)
+
+
+def _place(across: float, up: float) -> QPointF:
+    width = (WIDTH - 2 * MARGIN) / 2
+    return QPointF(WIDTH / 2 - across * width * 1.55, MARGIN + (1.0 - up) * (HEIGHT - 2 * MARGIN))

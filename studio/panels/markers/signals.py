@@ -1,0 +1,162 @@
+"""What was recorded beside the points: forces on the plates, analog signals, events, over the time of the motion."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QHBoxLayout, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
+
+from studio.core.markers.force_plates import plate_force, sample_times
+from studio.core.markers.trial import MARKER, VIRTUAL, ForcePlate, Trial
+from studio.document import colours
+from studio.panels.fields import SIDE, labelled
+
+FloatArray = NDArray[np.float64]
+Curves = list[tuple[str, FloatArray, FloatArray]]
+"""Name, times and values."""
+
+LIST_WIDTH = 210
+AXES = ("x", "y", "z")
+
+
+class SignalPlot(QWidget):
+    """Tick signals in the list; the plot shows them, the events as lines, and the playhead."""
+
+    def __init__(self, trial: Trial, seek: Callable[[float], object]) -> None:
+        super().__init__()
+        self._trial, self._seek = trial, seek
+        row = QHBoxLayout(self)
+        row.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        self.list = QTreeWidget()
+        self.list.setHeaderHidden(True)
+        self.list.setFixedWidth(LIST_WIDTH)
+        self.list.setAccessibleName("Signals of the trial; tick those to be plotted")
+        row.addWidget(self.list)
+        column = QVBoxLayout()
+        row.addLayout(column, 1)
+        self.plot = pg.PlotWidget(self, background=colours.WELL)
+        self.plot.setAccessibleName("Plot of the ticked signals over time")
+        self.plot.showGrid(x=True, y=True, alpha=0.15)
+        self.plot.setLabel("bottom", "Time (s)")
+        self.plot.setMouseEnabled(x=True, y=False)
+        self.plot.enableAutoRange(axis="y")
+        self.plot.setAutoVisible(y=True)
+        self.plot.getPlotItem().setMenuEnabled(False)
+        self.plot.getPlotItem().hideButtons()
+        self.plot.addLegend(offset=(-8, -8), colCount=3, brush=colours.BAR, labelTextColor=colours.TEXT_SECOND)
+        self._playhead = pg.InfiniteLine(angle=90, pen=pg.mkPen(colours.PLAYHEAD, width=1))
+        self.plot.scene().sigMouseClicked.connect(self._clicked)
+        column.addWidget(self.plot, 1)
+        self.note = labelled(_events_words(trial), "hint")
+        column.addWidget(self.note)
+        self._sources: list[tuple[QTreeWidgetItem, Callable[[], Curves], str]] = []
+        self._fill()
+        self.list.itemChanged.connect(lambda *_: self.refresh())
+        self.refresh()
+        self.plot.setXRange(0.0, trial.frame_count / trial.frame_rate, padding=0.01)
+
+    def show_time(self, seconds: float) -> None:
+        """Move the playhead's line."""
+        self._playhead.setValue(seconds)
+
+    def ticked(self) -> list[str]:
+        """Names of what is plotted."""
+        return [item.text(0) for item, _, _ in self._sources if item.checkState(0) is Qt.CheckState.Checked]
+
+    def tick(self, name: str, on: bool = True) -> None:
+        """Plot a signal, or not any more."""
+        for item, _, _ in self._sources:
+            if item.text(0) == name:
+                item.setCheckState(0, Qt.CheckState.Checked if on else Qt.CheckState.Unchecked)
+
+    def refresh(self) -> None:
+        """Draw what is ticked anew."""
+        self.plot.clear()
+        units, number = [], 0
+        for item, make, unit in self._sources:
+            if item.checkState(0) is Qt.CheckState.Checked:
+                units.append(unit)
+                for name, times, values in make():
+                    pen = pg.mkPen(QColor(colours.character_colour(number)), width=1.3)
+                    curve = self.plot.plot(times, values, pen=pen, name=name, connect="finite")
+                    curve.setDownsampling(auto=True, method="peak")
+                    curve.setClipToView(True)
+                    number += 1
+        self.plot.setLabel("left", " · ".join(dict.fromkeys(filter(None, units))))
+        for event in self._trial.events:
+            self._mark(event.label, event.context, self._trial.event_frame(event) / self._trial.frame_rate)
+        self.plot.addItem(self._playhead)
+
+    def _mark(self, label: str, context: str, seconds: float) -> None:
+        colour = {"Left": colours.CHARACTERS[3], "Right": colours.CHARACTERS[2]}.get(context, colours.TEXT_THIRD)
+        line = pg.InfiniteLine(
+            seconds,
+            angle=90,
+            pen=pg.mkPen(QColor(colour), width=1, style=Qt.PenStyle.DashLine),
+            label=f"{context[:1]} {label}".strip(),
+            labelOpts={"position": 0.97, "rotateAxis": (1, 0), "anchors": [(1, 0), (1, 1)], "color": colour},
+        )
+        self.plot.addItem(line)
+
+    def _fill(self) -> None:
+        trial = self._trial
+        with QSignalBlocker(self.list):
+            plates = self._group("Force plates", bool(trial.plates))
+            for place, plate in enumerate(trial.plates):
+                name = f"Plate {place + 1}"
+                unit = trial.analog.units[plate.channels[0]]
+                self._add(plates, name, partial(self._force, name, plate), unit, ticked=True)
+            analog = self._group("Signals", bool(trial.analog.labels))
+            times = sample_times(trial)
+            for column, (label, unit) in enumerate(zip(trial.analog.labels, trial.analog.units, strict=True)):
+                samples = trial.analog.samples[:, column]
+                self._add(analog, label, partial(_one, label, times, samples), unit)
+            points = self._group("Computed by a model", any(kind not in (MARKER, VIRTUAL) for kind in trial.kinds))
+            frames = np.arange(trial.frame_count) / trial.frame_rate
+            for column, (label, kind) in enumerate(zip(trial.labels, trial.kinds, strict=True)):
+                if kind not in (MARKER, VIRTUAL):
+                    track = trial.points[:, column]
+                    self._add(points, label, partial(_axes, label, frames, track), kind)
+        for group in (plates, analog, points):
+            group.setExpanded(group.childCount() <= 24)
+
+    def _group(self, name: str, shown: bool) -> QTreeWidgetItem:
+        group = QTreeWidgetItem([name])
+        group.setFlags(Qt.ItemFlag.ItemIsEnabled)
+        self.list.addTopLevelItem(group)
+        group.setHidden(not shown)
+        return group
+
+    def _add(
+        self, group: QTreeWidgetItem, name: str, make: Callable[[], Curves], unit: str, ticked: bool = False
+    ) -> None:
+        item = QTreeWidgetItem([name])
+        item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsUserCheckable)
+        item.setCheckState(0, Qt.CheckState.Checked if ticked else Qt.CheckState.Unchecked)
+        group.addChild(item)
+        self._sources.append((item, make, unit))
+
+    def _force(self, name: str, plate: ForcePlate) -> Curves:
+        return _axes(name, sample_times(self._trial), plate_force(self._trial, plate))
+
+    def _clicked(self, event: object) -> None:
+        place = self.plot.getPlotItem().vb.mapSceneToView(event.scenePos())  # type: ignore[attr-defined]
+        self._seek(float(place.x()))
+
+
+def _one(name: str, times: FloatArray, values: FloatArray) -> Curves:
+    return [(name, times, values)]
+
+
+def _axes(name: str, times: FloatArray, values: FloatArray) -> Curves:
+    return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(AXES)]
+
+
+def _events_words(trial: Trial) -> str:
+    if not (trial.analog.labels or trial.events):
+        return "This trial has neither signals nor events."
+    return f"{len(trial.events)} events. Wheel to zoom in time, drag to move, click to go there."

@@ -1,0 +1,117 @@
+"""The steps by which a trial is cleaned, each with what it did; the recording itself is never changed."""
+
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
+
+from studio.core.markers.cleaning import FillLongGaps, FillShortGaps, LowPass, Step, StepReport, UndoSwaps
+from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+
+OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
+    (UndoSwaps, "Undo swaps"),
+    (FillShortGaps, "Fill short gaps"),
+    (FillLongGaps, "Fill long gaps"),
+    (LowPass, "Smooth"),
+)
+
+
+class StepList(QWidget):
+    """The list of steps in their order: add one, take one away, set its number."""
+
+    changed = Signal()
+
+    def __init__(self, steps: tuple[Step, ...]) -> None:
+        super().__init__()
+        self.steps = steps
+        self._reports: tuple[StepReport, ...] = ()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        self._rows = QVBoxLayout()
+        column.addLayout(self._rows)
+        row = QHBoxLayout()
+        row.setContentsMargins(SIDE, SIDE, SIDE, 0)
+        self.add = Choice("Add a step", list(OFFERED))
+        self.add.setPlaceholderText("Add a step")
+        self.add.setCurrentIndex(-1)
+        self.add.chosen.connect(self._add)
+        row.addWidget(self.add)
+        row.addStretch(1)
+        column.addLayout(row)
+        column.addStretch(1)
+        self._show()
+
+    def show_reports(self, reports: tuple[StepReport, ...]) -> None:
+        """What the steps did, in their order."""
+        self._reports = reports
+        self._show()
+
+    def _add(self, make: object) -> None:
+        assert callable(make)
+        self.add.setCurrentIndex(-1)
+        self._set((*self.steps, make()))
+
+    def _set(self, steps: tuple[Step, ...]) -> None:
+        self.steps, self._reports = steps, ()
+        self._show()
+        self.changed.emit()
+
+    def _show(self) -> None:
+        while self._rows.count():
+            item = self._rows.takeAt(0)
+            widget = item.widget() if item is not None else None
+            if widget is not None:
+                widget.deleteLater()
+        for place, step in enumerate(self.steps):
+            self._rows.addWidget(self._make_row(place, step))
+        if not self.steps:
+            note = labelled("The points are used as they were recorded.", "hint")
+            note.setContentsMargins(SIDE, SIDE, SIDE, 0)
+            self._rows.addWidget(note)
+
+    def _make_row(self, place: int, step: Step) -> Section:
+        section = Section(f"{place + 1}  {step.title}")
+        for text, to in (("Earlier", place - 1), ("Later", place + 1)):
+            if 0 <= to < len(self.steps):
+                section.head.addWidget(press_button(text, partial(self._move, place, to), "link"))
+        section.head.addWidget(press_button("Remove", partial(self._remove, place), "link"))
+        match step:
+            case FillShortGaps():
+                field = NumberField("Longest gap", "s", 0.01, 5.0, 0.01)
+                self._number(section, place, "Up to", field, step.longest, lambda value: FillShortGaps(longest=value))
+            case LowPass():
+                field = NumberField("Cut-off", "Hz", 0.5, 500.0, 0.5, 1)
+                self._number(section, place, "Cut-off", field, step.cutoff, lambda value: LowPass(cutoff=value))
+        if place < len(self._reports):
+            report = self._reports[place]
+            section.add_wide(labelled(report.summary, "value"))
+            if report.details:
+                section.add_wide(labelled("; ".join(report.details), "hint"))
+        return section
+
+    def _number(
+        self,
+        section: Section,
+        place: int,
+        label: str,
+        field: NumberField,
+        value: float,
+        make: Callable[[float], Step],
+    ) -> None:
+        field.show_value(value)
+
+        def put(number: float) -> None:
+            self.steps = (*self.steps[:place], make(number), *self.steps[place + 1 :])
+
+        field.edited.connect(put)
+        field.ended.connect(self.changed)
+        section.add_row(label, field)
+
+    def _move(self, place: int, to: int) -> None:
+        steps = list(self.steps)
+        steps.insert(to, steps.pop(place))
+        self._set(tuple(steps))
+
+    def _remove(self, place: int) -> None:
+        self._set((*self.steps[:place], *self.steps[place + 1 :]))

@@ -1,0 +1,164 @@
+"""The markers of a C3D in the real window: a map finished by clicks, saved and used again; steps; signals."""
+
+from dataclasses import replace
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from studio.app.application import make_application, make_window
+from studio.app.marker_dialog import open_markers
+from studio.app.settings import Settings
+from studio.core.markers.cleaning import LowPass
+from studio.core.markers.trial import AnalogSignals, ForcePlate, Trial, TrialEvent
+from studio.document.document import Document
+from studio.io.c3d_writer import write_c3d
+from studio.io.marker_maps import known_maps, maps_folder
+from tests.builders import make_project
+from tests.core.markers.made import FRAMES, RATE, made_trial
+from tests.io.trials import make_trial
+
+PATIENCE = 30_000
+KNEE, MARKER = "left_knee", "P_left_knee"
+
+
+@pytest.fixture
+def window(qtbot, tmp_path):
+    make_application()
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project(characters=1)))
+    with qtbot.waitExposed(window):
+        window.show()
+    yield window
+    window.leave()
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+def nameless() -> Trial:
+    """Legs and arms of the made body under labels that say nothing, with a plate and an event."""
+    trial, marker_map = made_trial()
+    of_label = {labels[0]: f"P_{role}" for role, labels in marker_map.markers.items()}
+    made = make_trial()
+    samples = made.analog.samples[:1].repeat(FRAMES * 4, axis=0)
+    return replace(
+        trial,
+        labels=tuple(of_label[label][::-1] for label in trial.labels),
+        analog=AnalogSignals(made.analog.labels, made.analog.units, 4 * RATE, samples),
+        plates=(ForcePlate(2, made.plates[0].corners, made.plates[0].origin, (0, 1, 2, 3, 4, 5)),),
+        events=(TrialEvent("Foot Strike", "Left", 0.5),),
+    )
+
+
+@pytest.fixture
+def dialog(qtbot, window, tmp_path):
+    """The nameless trial, dropped on the window, with its markers on show."""
+    write_c3d(tmp_path / "walk.c3d", nameless())
+    project = window.bench.document.project
+    known = set(project.captures)
+    window.open_paths([tmp_path / "walk.c3d"])
+    qtbot.waitUntil(lambda: set(window.bench.document.project.captures) != known, timeout=PATIENCE)
+    [capture_id] = set(window.bench.document.project.captures) - known
+    return open_markers(window.bench, capture_id)
+
+
+def capture_of(window, dialog):
+    return window.bench.document.project.captures[dialog._capture_id]
+
+
+def put(dialog, role: str) -> None:
+    """Click a place on the figure, then its marker in the list, by mouse."""
+    figure, markers = dialog.assistant.figure, dialog.assistant.list
+    QTest.mouseClick(figure, Qt.MouseButton.LeftButton, pos=figure.place_of(role).toPoint())
+    [item] = markers.findItems(f"P_{role}"[::-1], Qt.MatchFlag.MatchExactly, 0)
+    markers.scrollToItem(item)
+    place = markers.visualItemRect(item).center()
+    QTest.mouseClick(markers.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(20, place.y()))
+
+
+LEGS = [f"{side}_{part}" for side in ("left", "right") for part in ("front_hip", "back_hip", "knee", "ankle", "toe")]
+
+
+def test_a_map_is_finished_by_clicks_applied_and_undone(qtbot, window, dialog) -> None:
+    assert capture_of(window, dialog).body_map is None
+    assert "Still missing: left front of the pelvis" in dialog.words.text()
+    assert not dialog.apply.isEnabled()
+    for role in LEGS:
+        put(dialog, role)
+    assert dialog.words.text() == "The legs can be followed; the arms will stand in a plain rest."
+    qtbot.mouseClick(dialog.apply, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: capture_of(window, dialog).body_map is not None, timeout=PATIENCE)
+    document = window.bench.document
+    assert not dialog.apply.isEnabled()
+    assert all(performer.clips for performer in document.project.performers.values())
+    document.undo_stack.undo()
+    assert capture_of(window, dialog).body_map is None
+
+
+def test_a_saved_map_is_used_for_the_next_file_of_its_set(qtbot, window, dialog, tmp_path) -> None:
+    for role in LEGS:
+        put(dialog, role)
+    dialog.assistant.name.setText("Backwards")
+    dialog.assistant.save()
+    try:
+        assert "Backwards" in [known.name for known in known_maps()]
+        known = set(window.bench.document.project.captures)
+        window.open_paths([tmp_path / "walk.c3d"])
+        qtbot.waitUntil(lambda: set(window.bench.document.project.captures) != known, timeout=PATIENCE)
+        [added] = set(window.bench.document.project.captures) - known
+        capture = window.bench.document.project.captures[added]
+        assert capture.markers.marker_map.name == "Backwards"
+        assert capture.body_map is not None
+    finally:
+        (maps_folder() / "Backwards.json").unlink()
+
+
+def test_a_marker_is_taken_from_its_place_by_a_second_click_or_by_clear(dialog) -> None:
+    put(dialog, "left_knee")
+    assert dialog.assistant.marker_map.markers["left_knee"]
+    put(dialog, "left_knee")
+    assert "left_knee" not in dialog.assistant.marker_map.markers
+    put(dialog, "left_thigh")
+    dialog.assistant.put_marker("P_left_shank"[::-1])
+    assert len(dialog.assistant.marker_map.markers["left_thigh"]) == 2
+    dialog.assistant.clear_role()
+    assert "left_thigh" not in dialog.assistant.marker_map.markers
+
+
+def test_every_place_can_be_hit_with_the_mouse(dialog) -> None:
+    from studio.core.markers.roles import ROLES
+
+    figure = dialog.assistant.figure
+    assert [figure.role_at(figure.place_of(role.id)) for role in ROLES] == [role.id for role in ROLES]
+
+
+def test_a_step_is_added_tried_and_applied(qtbot, window, dialog) -> None:
+    for role in LEGS:
+        put(dialog, role)
+    before = len(dialog.steps.steps)
+    dialog.steps.add.chosen.emit(LowPass)
+    assert len(dialog.steps.steps) == before + 1
+    qtbot.waitUntil(lambda: len(dialog.steps._reports) == before + 1, timeout=PATIENCE)
+    assert dialog.steps._reports[-1].summary.startswith("Smoothed at 8 Hz")
+    qtbot.mouseClick(dialog.apply, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: capture_of(window, dialog).markers.steps[-1] == LowPass(), timeout=PATIENCE)
+    assert any(guess.subject == "smooth" for guess in capture_of(window, dialog).guesses)
+
+
+def test_signals_and_events_are_plotted_and_a_click_moves_the_playhead(window, dialog) -> None:
+    dialog.tabs.setCurrentIndex(2)
+    signals = dialog.signals
+    assert signals.ticked() == ["Plate 1"]
+    signals.tick("Mx1")
+    names = [curve.name() for curve in signals.plot.getPlotItem().listDataItems()]
+    assert names == ["Plate 1 x", "Plate 1 y", "Plate 1 z", "Mx1"]
+    assert "1 events" in signals.note.text()
+    dialog._seek(0.3)
+    assert window.bench.document.playhead.time == pytest.approx(0.3)
+    assert signals._playhead.value() == pytest.approx(0.3)
+
+
+def test_without_an_optical_capture_it_says_what_to_do(window) -> None:
+    from studio.core.errors import StudioError
+
+    with pytest.raises(StudioError, match="Import a C3D file"):
+        open_markers(window.bench)
