@@ -73,7 +73,7 @@ def _describer(path: Path) -> Callable[[Path, ImportOptions], Record]:
     if path.suffix.lower() == ".studio":
         return _project
     found = format_of(path, "capture_reader", "character_reader")
-    return _capture if found.capture_reader else _character
+    return _character if found.character_reader else _capture
 
 
 def _capture(path: Path, options: ImportOptions) -> Record:

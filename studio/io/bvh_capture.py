@@ -11,16 +11,15 @@ from studio.core.errors import StudioError
 from studio.core.humanoid import BodyMap
 from studio.core.kinematics import joint_world
 from studio.core.pose import PoseSequence
-from studio.core.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
-from studio.io.body_maps import FoundBody, find_body, similar_joints
+from studio.io.body_maps import find_body
 from studio.io.bvh import BvhFile, read_bvh
+from studio.io.capture_guesses import body_guesses, floor_of, reference_of
 from studio.io.guessing import (
     AXES,
     Scale,
     guess_first_frame,
-    guess_floor,
     guess_frame_rate,
     guess_unit,
     guess_up_axis,
@@ -47,7 +46,7 @@ def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     sample = PoseSequence(*file.transforms(looked_at))
     points = joint_world(file.skeleton, sample)[0]
     found = find_body(file.skeleton, points, options.body_map)
-    guesses: list[Guess] = _body_guesses(file.skeleton, found, options)
+    guesses: list[Guess] = body_guesses(file.skeleton, found, options)
     scale = _unit(points, found.body_map, options, guesses)
     up_axis = _up_axis(file.skeleton, points, found.body_map, options, guesses)
     skeleton, poses = to_world(file, AXES[up_axis], scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING))
@@ -56,8 +55,8 @@ def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     positions = joint_world(skeleton, poses)[0]
     first_frame, guess = guess_first_frame(positions, frame_rate)
     guesses += [guess] if guess else []
-    floor = _floor(skeleton, positions[first_frame:], found.body_map, options, guesses)
-    reference = _reference(skeleton, poses, found.body_map, options, guesses)
+    floor = floor_of(skeleton, positions[first_frame:], found.body_map, options, guesses)
+    reference = reference_of(skeleton, poses, found.body_map, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return Capture(
         name=path.stem,
@@ -98,18 +97,6 @@ def to_world(
     return turned, PoseSequence(rotations, translations)
 
 
-def _body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
-    if found.body_map is None:
-        offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
-        reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
-        return [Guess("body map", "none", f"This is no complete human body: {reason}.")]
-    if options.body_map:
-        return []
-    parts = len(found.body_map.parts)
-    reason = f"Names as in {found.family}; topology, constant bones and symmetry agree."
-    return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)]
-
-
 def _unit(points: FloatArray, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]) -> Scale:
     leg = leg_length(points, body_map) if body_map else None
     if options.unit is not None:
@@ -148,51 +135,3 @@ def _frame_rate(frame_time: float | None, digit: float, options: ImportOptions, 
     rate, guess = guess_frame_rate(frame_time, digit)
     guesses += [guess] if guess else []
     return rate
-
-
-def _floor(
-    skeleton: Skeleton,
-    positions: FloatArray,
-    body_map: BodyMap | None,
-    options: ImportOptions,
-    guesses: list[Guess],
-) -> float:
-    if options.floor is not None:
-        return options.floor
-    if body_map is None:
-        guesses.append(Guess("floor", "0 m", "Without feet nothing tells where the ground is."))
-        return 0.0
-    guesses.append(guess_floor(skeleton, positions, body_map))
-    return float(guesses[-1].value.split()[0])
-
-
-def _reference(
-    skeleton: Skeleton,
-    poses: PoseSequence,
-    body_map: BodyMap | None,
-    options: ImportOptions,
-    guesses: list[Guess],
-) -> FloatArray:
-    zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
-    if options.reference is not None:
-        return _chosen_reference(skeleton, poses, body_map, options.reference, zero)
-    if body_map is None:
-        reference = ReferencePose(zero, "zero pose", "Without a human body no other pose is known to be upright.")
-    else:
-        reference = find_reference_pose(skeleton, poses, body_map)
-    guesses.append(Guess("reference pose", reference.source, reference.reason))
-    return reference.rotations
-
-
-def _chosen_reference(
-    skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str, zero: FloatArray
-) -> FloatArray:
-    if chosen == "zero":
-        stood = stand_up(skeleton, zero, body_map) if body_map else None
-        return zero if stood is None else stood
-    if not (chosen.isdecimal() and int(chosen) < poses.frame_count):
-        raise StudioError(
-            f"'{chosen}' is no reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
-        )
-    rotations: FloatArray = poses.local_rotations[int(chosen)]
-    return rotations

@@ -123,6 +123,7 @@ OWN_FORMATS = (
         name="glTF",
         suffixes=(".glb", ".gltf"),
         sniff="studio.io.gltf.container:is_gltf",
+        capture_reader="studio.io.gltf.capture:load_gltf",
         character_reader="studio.io.gltf.character:load_character",
         motion_writer="studio.io.gltf.take_writer:write_take",
     ),
@@ -130,6 +131,7 @@ OWN_FORMATS = (
         name="VRM",
         suffixes=(".vrm",),
         sniff="studio.io.gltf.container:is_gltf",
+        capture_reader="studio.io.gltf.capture:load_gltf",
         character_reader="studio.io.gltf.character:load_character",
     ),
     Format(

@@ -1,0 +1,83 @@
+"""What every reader of captures has to find out when the file does not say it: the body, the ground, who stands how."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.capture import Guess
+from studio.core.errors import StudioError
+from studio.core.humanoid import BodyMap
+from studio.core.pose import PoseSequence
+from studio.core.reference_pose import ReferencePose, find_reference_pose, stand_up
+from studio.core.rotations import IDENTITY
+from studio.core.skeleton import Skeleton
+from studio.io.body_maps import FoundBody, similar_joints
+from studio.io.guessing import guess_floor
+from studio.io.importing import ImportOptions
+
+FloatArray = NDArray[np.float64]
+
+
+def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
+    """How the body was found, or which limbs are missing and what looks like them; nothing where the user said."""
+    if found.body_map is None:
+        offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
+        reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
+        return [Guess("body map", "none", f"This is no complete human body: {reason}.")]
+    if options.body_map:
+        return []
+    parts = len(found.body_map.parts)
+    reason = f"Names as in {found.family}; topology, constant bones and symmetry agree."
+    return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)]
+
+
+def floor_of(
+    skeleton: Skeleton,
+    positions: FloatArray,
+    body_map: BodyMap | None,
+    options: ImportOptions,
+    guesses: list[Guess],
+) -> float:
+    """Height of the ground in metres, as the user says or as the feet of ``positions`` (F, J, 3) tell."""
+    if options.floor is not None:
+        return options.floor
+    if body_map is None:
+        guesses.append(Guess("floor", "0 m", "Without feet nothing tells where the ground is."))
+        return 0.0
+    guesses.append(guess_floor(skeleton, positions, body_map))
+    return float(guesses[-1].value.split()[0])
+
+
+def reference_of(
+    skeleton: Skeleton,
+    poses: PoseSequence,
+    body_map: BodyMap | None,
+    options: ImportOptions,
+    guesses: list[Guess],
+) -> FloatArray:
+    """(J, 4) local rotations that stand the body upright, as the user says or as they are found.
+
+    Raises StudioError for a choice that there is not.
+    """
+    zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    if options.reference is not None:
+        return _chosen_reference(skeleton, poses, body_map, options.reference, zero)
+    if body_map is None:
+        reference = ReferencePose(zero, "zero pose", "Without a human body no other pose is known to be upright.")
+    else:
+        reference = find_reference_pose(skeleton, poses, body_map)
+    guesses.append(Guess("reference pose", reference.source, reference.reason))
+    return reference.rotations
+
+
+def _chosen_reference(
+    skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str, zero: FloatArray
+) -> FloatArray:
+    if chosen == "zero":
+        stood = stand_up(skeleton, zero, body_map) if body_map else None
+        return zero if stood is None else stood
+    if not (chosen.isdecimal() and int(chosen) < poses.frame_count):
+        raise StudioError(
+            f"'{chosen}' is no reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
+        )
+    rotations: FloatArray = poses.local_rotations[int(chosen)]
+    return rotations

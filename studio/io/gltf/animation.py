@@ -1,0 +1,93 @@
+"""An animation of a glTF file: what its samplers say at evenly spaced times."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.rotations import normalized, slerp
+from studio.io.gltf.accessors import Accessors
+from studio.io.json_record import Record
+
+FloatArray = NDArray[np.float64]
+
+_WIDTHS = {"translation": 3, "rotation": 4, "scale": 3}
+_LONGEST = 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Keys of one property of one node."""
+
+    node: int
+    path: str
+    """``translation``, ``rotation`` or ``scale``."""
+    times: FloatArray
+    """(K,) seconds, rising."""
+    values: FloatArray
+    """(K, 3) or (K, 4); for cubic splines (K, 3, width): tangent in, value, tangent out."""
+    interpolation: str
+
+    def at(self, times: FloatArray) -> FloatArray:
+        """(F, width) at ``times`` in seconds, held beyond the first and the last key."""
+        after = np.clip(np.searchsorted(self.times, times, side="right"), 1, max(len(self.times) - 1, 1))
+        before = after - 1
+        if len(self.times) == 1:
+            after = before
+        span = self.times[after] - self.times[before]
+        share = np.clip((times - self.times[before]) / np.where(span > 0.0, span, 1.0), 0.0, 1.0)
+        if self.interpolation == "CUBICSPLINE":
+            return self._spline(before, after, span, share)
+        if self.interpolation == "STEP":
+            return self.values[np.where(share >= 1.0, after, before)]
+        if self.path == "rotation":
+            return slerp(self.values[before], self.values[after], share)
+        return self.values[before] + share[:, None] * (self.values[after] - self.values[before])
+
+    def _spline(
+        self, before: NDArray[np.int64], after: NDArray[np.int64], span: FloatArray, share: FloatArray
+    ) -> FloatArray:
+        """Cubic Hermite (glTF 2.0, appendix C.5)."""
+        t, d = share[:, None], span[:, None]
+        start, end = self.values[before], self.values[after]
+        value = (2 * t**3 - 3 * t**2 + 1) * start[:, 1] + d * (t**3 - 2 * t**2 + t) * start[:, 2]
+        value += (-2 * t**3 + 3 * t**2) * end[:, 1] + d * (t**3 - t**2) * end[:, 0]
+        return normalized(value) if self.path == "rotation" else value
+
+
+def read_tracks(animation: Record, accessors: Accessors, node_count: int) -> list[Track]:
+    """The tracks of one animation that move nodes. Raises StudioError for keys that make no sense."""
+    samplers = animation.records("samplers")
+    tracks = []
+    for channel in animation.records("channels"):
+        target = channel.inner("target")
+        node, path = target.index("node", node_count), target.text("path")
+        if node is None or path not in _WIDTHS:
+            continue
+        place = channel.index("sampler", len(samplers))
+        if place is None:
+            raise channel.wrong("sampler", "the number of a sampler")
+        sampler = samplers[place]
+        interpolation = sampler.text("interpolation", "LINEAR")
+        if interpolation not in ("LINEAR", "STEP", "CUBICSPLINE"):
+            raise sampler.wrong("interpolation", "LINEAR, STEP or CUBICSPLINE")
+        times = accessors.numbers(sampler.whole("input"), 1)[:, 0]
+        values = accessors.numbers(sampler.whole("output"), _WIDTHS[path])
+        spline = interpolation == "CUBICSPLINE"
+        if not len(times) or (np.diff(times) <= 0.0).any() or np.abs(times).max() > _LONGEST:
+            raise sampler.wrong("input", "times that rise")
+        if len(values) != len(times) * (3 if spline else 1):
+            raise sampler.wrong("output", "a value for every time")
+        if spline:
+            values = values.reshape(len(times), 3, -1)
+        if path == "rotation" and not spline:
+            values = _turns(values, sampler)
+        tracks.append(Track(node, path, times, values, interpolation))
+    return tracks
+
+
+def _turns(values: FloatArray, sampler: Record) -> FloatArray:
+    lengths = np.linalg.norm(values, axis=1, keepdims=True)
+    if (lengths < 1e-6).any():
+        raise sampler.wrong("output", "rotations, and none of them zero")
+    return np.asarray(values / lengths)

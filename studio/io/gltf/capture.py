@@ -1,0 +1,222 @@
+"""The animation of a glTF, GLB or VRM file as a capture."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.capture import Capture, Guess
+from studio.core.errors import StudioError
+from studio.core.pose import PoseSequence
+from studio.core.rotations import from_matrix, to_matrix
+from studio.core.skeleton import Skeleton
+from studio.io.body_maps import find_body
+from studio.io.capture_guesses import body_guesses, floor_of, reference_of
+from studio.io.gltf.accessors import Accessors
+from studio.io.gltf.animation import Track, read_tracks
+from studio.io.gltf.container import GltfFile, read_gltf
+from studio.io.gltf.nodes import Nodes, read_nodes
+from studio.io.gltf.vrm import vrm_bones
+from studio.io.guessing import AXES, guess_first_frame, guess_frame_rate, leg_length, unit_called
+from studio.io.importing import ImportOptions
+from studio.io.registry import Progress
+
+FloatArray = NDArray[np.float64]
+
+_SPARSE = 1.0 / 15.0
+"""Seconds between keys from which they are an animator's and not a recording's."""
+_USUAL_RATE = 30.0
+_DIGIT = 1e-4
+_SPARE_POSES = 2_500_000
+_PIECE = 1024
+"""Frames whose matrices are made at a time."""
+_LOOKED_AT = 128
+
+
+@dataclass(frozen=True, eq=False)
+class _Figure:
+    """The nodes that are joints, parents first; ``parents`` counts in them. Several roots hang from one of ours."""
+
+    nodes: tuple[int, ...]
+    """-1 for the root that the file has not."""
+    parents: tuple[int, ...]
+    names: tuple[str, ...]
+
+
+def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """The first animation in the file, on the joints of its skins; all angles are zero as the file's nodes rest.
+
+    Raises StudioError where the file is damaged or holds no animation.
+    """
+    progress(0.0, f"Reading {path.name}")
+    file = read_gltf(path)
+    nodes, accessors = read_nodes(file.root), Accessors(file)
+    bones = vrm_bones(file.root, len(nodes.parents))
+    tracks, guesses = _first_animation(file, accessors, len(nodes.parents))
+    figure = _figure(file, nodes, tracks, bones)
+    rate = _frame_rate(tracks, options, guesses)
+    times = _times(tracks, rate, len(nodes.parents), file)
+    axis = (options.up_axis or "Y").upper()
+    if axis not in AXES:
+        raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")
+    places, turns = _world(nodes, figure, tracks, times, AXES[axis], progress)
+    rest_places, rest_turns = _world(nodes, figure, [], times[:1], AXES[axis], lambda share, text: None)
+    progress(0.7, f"Finding the body in {path.name}")
+    offsets, local, moves = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
+    skeleton = Skeleton(figure.names, np.array(figure.parents), offsets, np.zeros(len(offsets), bool))
+    sample = places[np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))]
+    chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
+    found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
+    guesses += body_guesses(skeleton, found, options)
+    metres = 1.0
+    if options.unit is not None:
+        metres = unit_called(options.unit, leg_length(sample, found.body_map) if found.body_map else None).metres
+    skeleton = Skeleton(figure.names, skeleton.parents, metres * offsets, skeleton.end_sites)
+    poses = PoseSequence(local, metres * moves)
+    first_frame, guess = guess_first_frame(metres * places, rate)
+    guesses += [guess] if guess else []
+    floor = floor_of(skeleton, metres * places[first_frame:], found.body_map, options, guesses)
+    reference = reference_of(skeleton, poses, found.body_map, options, guesses)
+    progress(1.0, f"Loaded {path.name}")
+    return Capture(
+        name=path.stem,
+        source=path.name,
+        skeleton=skeleton,
+        poses=poses,
+        frame_rate=rate,
+        body_map=found.body_map,
+        reference_rotations=reference,
+        floor=floor,
+        unit=options.unit or "m",
+        up_axis=axis,
+        first_frame=first_frame,
+        guesses=tuple(guesses),
+        repairs=(),
+    )
+
+
+def _first_animation(file: GltfFile, accessors: Accessors, node_count: int) -> tuple[list[Track], list[Guess]]:
+    animations = file.root.records("animations")
+    for place, animation in enumerate(animations):
+        tracks = read_tracks(animation, accessors, node_count)
+        if tracks:
+            name = animation.text("name") or f"animation {place}"
+            others = [each.text("name") for each in animations[:9] if each is not animation]
+            reason = f"The file holds {len(animations)}; others are {', '.join(others)}."
+            return tracks, [Guess("animation", name, reason)] if len(animations) > 1 else []
+    raise StudioError(f"{file.path.name} holds no animation: there is no motion to read. Export it with one.")
+
+
+def _figure(file: GltfFile, nodes: Nodes, tracks: list[Track], bones: dict[str, int]) -> _Figure:
+    """The joints of all skins, else what is moved, and all nodes above them."""
+    skinned = {joint for skin in file.root.records("skins") for joint in skin.indices("joints", len(nodes.parents))}
+    wanted = skinned | set(bones.values()) or {track.node for track in tracks}
+    for node in list(wanted):
+        while (node := nodes.parents[node]) >= 0 and node not in wanted:
+            wanted.add(node)
+    chosen = [node for node in nodes.order if node in wanted]
+    several = sum(nodes.parents[node] < 0 for node in chosen) > 1
+    if several:
+        chosen = [-1, *chosen]
+    place = {node: joint for joint, node in enumerate(chosen)}
+    names = nodes.names()
+    parents = [-1 if node < 0 else place.get(nodes.parents[node], -1) for node in chosen]
+    own = "Root" if "Root" not in names else "Root of all"
+    return _Figure(tuple(chosen), tuple(parents), tuple(own if node < 0 else names[node] for node in chosen))
+
+
+def _frame_rate(tracks: list[Track], options: ImportOptions, guesses: list[Guess]) -> float:
+    if options.frame_rate is not None:
+        return options.frame_rate
+    densest = max(tracks, key=lambda track: len(track.times)).times
+    step = float(np.median(np.diff(densest))) if len(densest) > 1 else np.inf
+    if step > _SPARSE:
+        guesses.append(Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate."))
+        return _USUAL_RATE
+    rate, guess = guess_frame_rate(step, _DIGIT)
+    guesses += [guess] if guess else []
+    return rate
+
+
+def _times(tracks: list[Track], rate: float, node_count: int, file: GltfFile) -> FloatArray:
+    """(F,) seconds of every frame; StudioError for more than a file of its size can hold."""
+    begin = min(float(track.times[0]) for track in tracks)
+    end = max(float(track.times[-1]) for track in tracks)
+    count = int((end - begin) * rate + 1e-3) + 1
+    if count * node_count > _SPARE_POSES + file.size:
+        raise StudioError(
+            f"{file.path.name}: its animation lasts {end - begin:g} s, {count} frames of {node_count} nodes: more than"
+            " a file of this size can hold. Export it again."
+        )
+    return begin + np.arange(count) / rate
+
+
+def _world(
+    nodes: Nodes, figure: _Figure, tracks: list[Track], times: FloatArray, axes: FloatArray, progress: Progress
+) -> tuple[FloatArray, FloatArray]:
+    """Places (F, J, 3) and turns (F, J, 3, 3) of the joints in world axes, whatever scales stand above them."""
+    places = np.zeros((len(times), len(figure.nodes), 3))
+    turns = np.tile(np.eye(3), (len(times), len(figure.nodes), 1, 1))
+    for first in range(0, len(times), _PIECE):
+        progress(0.1 + 0.6 * first / len(times), "Posing the joints")
+        piece = slice(first, first + _PIECE)
+        matrices: dict[int, FloatArray] = {}
+        for joint, node in enumerate(figure.nodes):
+            if node < 0:
+                continue
+            local = _local(nodes, node, [track for track in tracks if track.node == node], times[piece])
+            above = matrices.get(nodes.parents[node])
+            matrices[node] = local if above is None else above @ local
+            places[piece, joint] = matrices[node][:, :3, 3]
+            turns[piece, joint] = _without_scale(matrices[node][:, :3, :3])
+    return places @ axes.T, axes @ turns @ axes.T
+
+
+def _local(nodes: Nodes, node: int, tracks: list[Track], times: FloatArray) -> FloatArray:
+    """(F, 4, 4) node to parent; what no track moves is as the file has it."""
+    still = nodes.local[node]
+    scale = np.linalg.norm(still[:3, :3], axis=0)
+    turn, move = (
+        np.tile(_without_scale(still[None, :3, :3]), (len(times), 1, 1)),
+        np.tile(still[:3, 3], (len(times), 1)),
+    )
+    scales = np.tile(scale, (len(times), 1))
+    for track in tracks:
+        values = track.at(times)
+        match track.path:
+            case "rotation":
+                turn = to_matrix(values)
+            case "translation":
+                move = values
+            case "scale":
+                scales = values
+    local = np.tile(np.eye(4), (len(times), 1, 1))
+    local[:, :3, :3] = turn * scales[:, None, :]
+    local[:, :3, 3] = move
+    return local
+
+
+def _without_scale(matrices: FloatArray) -> FloatArray:
+    """(F, 3, 3) rotations of matrices that scale as well; the identity where they flatten."""
+    lengths = np.linalg.norm(matrices, axis=1, keepdims=True)
+    turned = matrices / np.where(lengths > 1e-9, lengths, 1.0)
+    flat = np.linalg.det(turned) < 1e-6
+    turned[flat] = np.eye(3)
+    return to_matrix(from_matrix(turned))
+
+
+def _joint_motion(
+    figure: _Figure, rest_places: FloatArray, rest_turns: FloatArray, places: FloatArray, turns: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Offsets (J, 3), local rotations (F, J, 4) and translations (F, J, 3) on joints whose zero pose is the rest."""
+    world = turns @ np.swapaxes(rest_turns, 1, 2)
+    offsets, moves = rest_places.copy(), places.copy()
+    local = world.copy()
+    for joint, parent in enumerate(figure.parents):
+        if parent >= 0:
+            carrier = np.swapaxes(world[:, parent], 1, 2)
+            offsets[joint] -= rest_places[parent]
+            local[:, joint] = carrier @ world[:, joint]
+            moves[:, joint] = np.einsum("fij,fj->fi", carrier, places[:, joint] - places[:, parent])
+    return offsets, from_matrix(local), moves

@@ -1,0 +1,132 @@
+"""Animations of glTF as captures: the studio's own come back, others move as their keys say."""
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicHermiteSpline
+
+from studio.cli.main import main
+from studio.core.errors import StudioError
+from studio.core.kinematics import joint_world
+from studio.io.export import take_of_capture, write_take
+from studio.io.gltf.animation import Track
+from studio.io.importing import ImportOptions, load_capture
+from tests.builders import make_capture
+
+TENTH_OF_A_MILLIMETRE = 1e-4
+
+
+def world(capture):
+    return joint_world(capture.skeleton, capture.poses)[0]
+
+
+@pytest.mark.parametrize("clip", ["accad_male2_G7_Capoeira", "pybvh_test3_fingers"])
+def test_a_real_capture_goes_out_and_comes_in(captures, tmp_path, clip):
+    [source] = (captures / "bvh").rglob(f"{clip}.bvh")
+    before = load_capture(source)
+    write_take(take_of_capture(before), tmp_path / "out.glb")
+    after = load_capture(tmp_path / "out.glb")
+    order = [after.skeleton.index(name) for name in before.skeleton.names]
+    assert np.abs(world(after)[:, order] - world(before)).max() < TENTH_OF_A_MILLIMETRE
+    assert after.frame_rate == before.frame_rate
+    assert after.body_map.to_json(after.skeleton) == before.body_map.to_json(before.skeleton)
+    assert after.floor == pytest.approx(before.floor, abs=1e-4)
+
+
+def test_a_character_with_many_animations_gives_the_first_and_says_so(captures):
+    capture = load_capture(captures / "characters" / "kaykit_barbarian_stocky.glb")
+    assert capture.body_map is not None
+    [guess] = [guess for guess in capture.guesses if guess.subject == "animation"]
+    assert guess.value == "1H_Melee_Attack_Chop"
+    assert "holds 76" in guess.reason
+    assert np.ptp(world(capture)[:, capture.skeleton.index("hand.r")], axis=0).max() > 0.3
+
+
+def test_joints_under_a_turned_root_stand_upright(captures):
+    """The file turns Z up into Y up above its skin."""
+    capture = load_capture(captures / "characters" / "cesium_man.gltf")
+    heights = world(capture)[0, :, 2]
+    assert 1.0 < np.ptp(heights) < 1.7
+    assert capture.frame_count > 40
+
+
+def test_any_format_becomes_any_other(tmp_path):
+    write_take(take_of_capture(make_capture()), tmp_path / "walk.bvh")
+    ways = ["walk.bvh", "walk.s4d", "walk.glb", "again.s4d", "again.gltf", "last.bvh"]
+    for source, target in pairwise(ways):
+        assert main(["convert", str(tmp_path / source), str(tmp_path / target)]) == 0
+    first, last = load_capture(tmp_path / "walk.bvh"), load_capture(tmp_path / "last.bvh")
+    order = [last.skeleton.index(name) for name in first.skeleton.names if not name.endswith(("End", "_end"))]
+    same = [first.skeleton.index(last.skeleton.names[joint]) for joint in order]
+    assert np.abs(world(last)[:, order] - world(first)[:, same]).max() < TENTH_OF_A_MILLIMETRE
+
+
+def test_a_unit_and_a_rate_can_be_overruled(tmp_path):
+    write_take(take_of_capture(make_capture()), tmp_path / "walk.glb")
+    half = load_capture(tmp_path / "walk.glb", ImportOptions(unit="0.5", frame_rate=30.0))
+    assert half.frame_count == 15
+    assert np.ptp(world(half)[0, :, 2]) == pytest.approx(0.5 * np.ptp(world(make_capture())[0, :, 2]), abs=1e-4)
+
+
+def test_keys_are_followed_as_they_say():
+    times, values = np.array([0.0, 1.0, 3.0]), np.array([[0.0, 1, 2], [4, 4, 4], [0, 0, 9]])
+    at = np.array([-1.0, 0.0, 0.4, 1.0, 2.5, 9.0])
+    linear = Track(0, "translation", times, values, "LINEAR").at(at)
+    assert linear == pytest.approx(np.stack([np.interp(at, times, column) for column in values.T], axis=1))
+    step = Track(0, "translation", times, values, "STEP").at(at)
+    assert step[2] == pytest.approx(values[0])
+    assert step[3] == pytest.approx(values[1])
+    assert step[5] == pytest.approx(values[2])
+    slopes = np.array([[1.0, 0, 0], [0, 2, 0], [0, 0, -1]])
+    spline = Track(0, "translation", times, np.stack([slopes, values, slopes], axis=1), "CUBICSPLINE").at(at)
+    assert spline == pytest.approx(CubicHermiteSpline(times, values, slopes)(np.clip(at, 0.0, 3.0)))
+    single = Track(0, "translation", times[:1], values[:1], "LINEAR").at(at)
+    assert single == pytest.approx(np.tile(values[0], (6, 1)))
+
+
+def with_animation(tmp_path, change):
+    """The file of a capture, its JSON changed."""
+    path = tmp_path / "walk.gltf"
+    write_take(take_of_capture(make_capture(frames=4)), path)
+    root = json.loads(path.read_text())
+    change(root)
+    path.write_text(json.dumps(root))
+    return path
+
+
+def beyond_time(root):
+    accessor = root["accessors"][root["animations"][0]["samplers"][0]["input"]]
+    accessor["componentType"], accessor["normalized"] = 5125, False
+
+
+BAD = {
+    "no animation": (lambda root: root.update(animations=[]), "holds no animation"),
+    "no channel": (lambda root: root["animations"][0].update(channels=[]), "holds no animation"),
+    "a sampler that is not there": (
+        lambda root: root["animations"][0]["channels"][0].update(sampler=999),
+        "walk.gltf",
+    ),
+    "an unknown interpolation": (
+        lambda root: root["animations"][0]["samplers"][0].update(interpolation="MAGIC"),
+        "LINEAR, STEP or CUBICSPLINE",
+    ),
+    "a spline without tangents": (
+        lambda root: root["animations"][0]["samplers"][0].update(interpolation="CUBICSPLINE"),
+        "a value for every time",
+    ),
+    "times beyond belief": (beyond_time, "times that rise"),
+    "times that fall": (
+        lambda root: root["animations"][0]["samplers"][0].update(input=root["animations"][0]["samplers"][0]["output"]),
+        "walk.gltf",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_it_is_refused_in_a_sentence(tmp_path, case):
+    change, sentence = BAD[case]
+    with pytest.raises(StudioError, match=sentence) as refusal:
+        load_capture(with_animation(tmp_path, change))
+    assert "walk.gltf" in str(refusal.value)
