@@ -6,6 +6,7 @@ from pathlib import Path
 
 from studio.app.importing import UNCHANGED
 from studio.app.workbench import Workbench
+from studio.core.capture import Guess
 from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
@@ -81,10 +82,20 @@ def put_character(document: Document, character: Character, text: str) -> str:
 
 
 def _tell(bench: Workbench, source: str, read: ReadCharacter) -> None:
-    """What had to be repaired; without repairs, what went wrong before is past."""
-    if not read.repairs:
+    """What had to be repaired or is a daring guess; where nothing is, what went wrong before is past."""
+    count = len(read.repairs)
+    daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_daring(guess)]
+    if count:
+        first = read.repairs[0].removeprefix(f"{source}, ")
+        sentence = f"{source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
+    elif daring:
+        sentence = f"{source} was read; guessed {' '.join(daring)}"
+    else:
         bench.window.strip.clear()
         return
-    count, first = len(read.repairs), read.repairs[0].removeprefix(f"{source}, ")
-    sentence = f"{source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
     bench.window.strip.say(sentence, ("Close", bench.window.strip.clear))
+
+
+def is_daring(guess: Guess) -> bool:
+    """Whether a guess goes beyond names that are known."""
+    return guess.subject != "body map" or "by shape" in guess.value

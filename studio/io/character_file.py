@@ -166,6 +166,7 @@ def _material_records(look: Appearance | None) -> list[dict[str, Any]]:
             "colour": each.colour,
             "texture": None if each.texture is None else places[id(each.texture)],
             "two_sided": each.two_sided,
+            "cut_out": each.cut_out,
         }
         for each in look.materials
     ]
@@ -179,7 +180,10 @@ def _appearance(file: Mapping[str, Any], records: Sequence[Any]) -> Appearance:
         if place is not None and place not in pictures:
             pictures[place] = checked_picture(file[f"texture_{int(place)}"].astype(np.uint8).tobytes())
         texture = None if place is None else pictures[place]
-        materials.append(Material(str(record["name"]), str(record["colour"]), texture, bool(record["two_sided"])))
+        holes = bool(record.get("cut_out", False))
+        materials.append(
+            Material(str(record["name"]), str(record["colour"]), texture, bool(record["two_sided"]), holes)
+        )
     return Appearance(tuple(materials), *(file[name] for name in _LOOK))
 
 

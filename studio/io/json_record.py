@@ -74,6 +74,13 @@ class Record:
             raise self.wrong(key, f"{len(default)} believable numbers")
         return tuple(map(float, values))
 
+    def number(self, key: str, default: float) -> float:
+        """One finite number."""
+        value = self.value.get(key, default)
+        if not _is_number(value):
+            raise self.wrong(key, "a believable number")
+        return float(value)
+
     def flag(self, key: str) -> bool:
         """Whether ``key`` is true."""
         return self.value.get(key) is True

@@ -26,7 +26,7 @@ def shown_picture(content: bytes) -> NDArray[np.uint8]:
 
 
 def decoded(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:
-    """(height, width, 3) RGB of a PNG or JPEG, made smaller where a side is over ``largest``; ValueError if it is none.
+    """(height, width, 4) RGBA of a PNG or JPEG, smaller where a side is over ``largest``; ValueError if it is none.
 
     The size that its header claims is checked before anything of that size is made.
     """
@@ -39,7 +39,7 @@ def decoded(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:
                 if max(picture.size) > LARGEST_SIDE:
                     raise ValueError(f"it claims {picture.width} x {picture.height} pixels, {LARGEST_SIDE} are allowed")
                 picture.draft("RGB", (largest, largest))
-                shown = picture.convert("RGB")
+                shown = picture.convert("RGBA")
                 shown.thumbnail((largest, largest))
                 return np.asarray(shown)
     except Image.DecompressionBombError as error:

@@ -10,10 +10,14 @@ from studio.core.appearance import Appearance, Material
 from studio.io.textures import shown_picture
 from studio.viewport.live_mesh import LiveMesh
 
+_HOLES = """//VTK::TCoord::Impl
+  if (fragOutput0.a < 0.5) { discard; }
+"""
+
 
 def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearance) -> list[Any]:
     """An actor for every material that some triangles of ``mesh`` have."""
-    pictures: dict[int, pv.Texture | None] = {}
+    pictures: dict[tuple[int, bool], pv.Texture | None] = {}
     actors = []
     for index in np.unique(look.triangle_materials):
         material = look.materials[index]
@@ -26,21 +30,25 @@ def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearan
         if picture is not None:
             polydata.active_texture_coordinates = look.coordinates.astype(np.float64)
             actor.texture = picture
+            if material.cut_out:
+                actor.ForceOpaqueOn()  # holes need no sorting
+                actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::TCoord::Impl", True, _HOLES, False)
         actors.append(actor)
     return actors
 
 
-def _picture(material: Material, known: dict[int, pv.Texture | None]) -> pv.Texture | None:
+def _picture(material: Material, known: dict[tuple[int, bool], pv.Texture | None]) -> pv.Texture | None:
     if material.texture is None:
         return None
-    key = id(material.texture)
+    key = id(material.texture), material.cut_out
     if key not in known:
         try:
             pixels = shown_picture(material.texture.tobytes())
         except ValueError:  # said when it was imported; the base colour stays
             known[key] = None
         else:
-            texture = pv.Texture(np.ascontiguousarray(pixels))
+            channels = 4 if material.cut_out else 3
+            texture = pv.Texture(np.ascontiguousarray(pixels[..., :channels]))
             texture.repeat = True
             texture.interpolate = True
             texture.mipmap = True

@@ -225,3 +225,18 @@ def test_what_would_take_all_memory_is_refused(
     monkeypatch.setattr(f"{module}.{limit}", 5)
     with pytest.raises(StudioError, match=words):
         read(tmp_path, FILES[name](), name)
+
+
+def test_a_texture_may_be_moved_and_may_cut_holes(tmp_path: Path):
+    made = Gltf()
+    coordinates = np.tile([[0.25, 0.5]], (len(PLACES) * 8, 1)).astype("<f4")
+    primitive = made.root["meshes"][0]["primitives"][0]
+    primitive["attributes"]["TEXCOORD_1"] = made.add(coordinates, "VEC2")
+    moved = {"offset": [0.1, 0.2], "rotation": np.pi / 2, "scale": [2.0, 1.0], "texCoord": 1}
+    slot = {"index": 0, "extensions": {"KHR_texture_transform": moved}}
+    made.root["materials"] = [{"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": slot}}]
+    look = read(tmp_path, made.glb()).character.skin.appearance
+    assert look is not None
+    assert look.materials[0].cut_out
+    # Scaled to (0.5, 0.5), turned to (0.5, -0.5), moved to (0.6, -0.3); upwards from the lower left 1.3.
+    assert look.coordinates[0] == pytest.approx([0.6, 1.3], abs=1e-6)

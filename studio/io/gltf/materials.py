@@ -1,5 +1,7 @@
 """Base colours and base colour textures of a glTF file."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,31 @@ from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.json_record import Record
 from studio.io.textures import checked_picture
+
+
+@dataclass(frozen=True, eq=False)
+class Placing:
+    """Which set of texture coordinates a texture follows, and how they are moved (KHR_texture_transform)."""
+
+    set: int
+    form: NDArray[np.float64]
+    """(2, 2)"""
+    offset: NDArray[np.float64]
+    """(2,)"""
+
+    @classmethod
+    def of(cls, slot: Record) -> "Placing":
+        """What a texture's record says; its ``extensions`` overrule the set."""
+        moved = slot.inner("extensions").inner("KHR_texture_transform")
+        angle = moved.number("rotation", 0.0)
+        c, s = np.cos(angle), np.sin(angle)
+        form = np.array([[c, s], [-s, c]]) * moved.numbers("scale", (1.0, 1.0))
+        offset = np.array(moved.numbers("offset", (0.0, 0.0)))
+        return cls(moved.whole("texCoord", slot.whole("texCoord", 0)), form, offset)
+
+    def applied_to(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(V, 2) places in the picture, from its lower left, for a file's coordinates, from its upper left."""
+        return (coordinates @ self.form.T + self.offset) * [1.0, -1.0] + [0.0, 1.0]
 
 
 class Materials:
@@ -28,21 +55,18 @@ class Materials:
         """How many there are."""
         return len(self._materials)
 
-    def __getitem__(self, index: int) -> tuple[Material, int]:
-        """A material, and which set of texture coordinates is its own."""
+    def __getitem__(self, index: int) -> tuple[Material, "Placing"]:
+        """A material, and how its texture is laid on."""
         return self._materials[index]
 
-    def _material(self, record: Record) -> tuple[Material, int]:
+    def _material(self, record: Record) -> tuple[Material, "Placing"]:
         surface = record.inner("pbrMetallicRoughness")
         linear = np.clip(surface.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0))[:3], 0.0, 1.0)
         slot = surface.inner("baseColorTexture")
-        texture, coordinates = None, 0
-        if "index" in slot:
-            texture = self._texture(slot)
-            coordinates = slot.whole("texCoord", 0)
-        return Material(
-            record.text("name"), hex_colour(shown(linear)), texture, record.flag("doubleSided")
-        ), coordinates
+        texture = self._texture(slot) if "index" in slot else None
+        cut_out = record.text("alphaMode", "OPAQUE") != "OPAQUE"
+        colour, sides = hex_colour(shown(linear)), record.flag("doubleSided")
+        return Material(record.text("name"), colour, texture, sides, cut_out), Placing.of(slot)
 
     def _texture(self, slot: Record) -> NDArray[np.uint8] | None:
         texture = slot.index("index", len(self._textures))

@@ -81,11 +81,11 @@ class MeshReader:
 
     def _look(self, record: Record, attributes: Record, count: int) -> tuple[Material | None, FloatArray]:
         index = record.index("material", self.materials.count)
-        material, chosen = (None, 0) if index is None else self.materials[index]
-        coordinates = self._attribute(attributes, f"TEXCOORD_{chosen}", 2, count)
-        if coordinates is None:
-            return material, np.zeros((count, 2))
-        return material, coordinates * [1.0, -1.0] + [0.0, 1.0]
+        if index is None:
+            return None, np.zeros((count, 2))
+        material, placing = self.materials[index]
+        coordinates = self._attribute(attributes, f"TEXCOORD_{placing.set}", 2, count)
+        return material, np.zeros((count, 2)) if coordinates is None else placing.applied_to(coordinates)
 
     def _attribute(self, attributes: Record, name: str, width: int, count: int) -> FloatArray | None:
         index = attributes.index(name, self._accessors.count)
