@@ -131,17 +131,17 @@ def angular_acceleration(rotations: FloatArray, frame_rate: float) -> FloatArray
 
 
 def acceleration_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Worst peak angular acceleration of a thigh or shank, beside the same segment's peak in the source.
+    """Worst peak angular acceleration of an upper or lower arm or leg, beside the same segment's peak in the source.
 
-    About 1 is as smooth as the capture; a popping knee shows as 5 and more. 1 for fewer than three frames.
+    About 1 is as smooth as the capture; a popping knee or elbow shows as 5 and more. 1 for fewer than three frames.
     """
     worst = 0.0
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    for side in range(2):
+    for limb in (3, 7, 10, 14):
         for bone in range(2):
             peaks = []
             for motion, frames in ((adapted, slice(None)), (source, window)):
-                segment = motion.morphology.layout.spine_count + 10 + 4 * side + bone
+                segment = motion.morphology.layout.spine_count + limb + bone
                 if len(motion.rotations[frames]) < 3:
                     return 1.0
                 peaks.append(angular_acceleration(motion.rotations[frames, segment], motion.frame_rate).max())

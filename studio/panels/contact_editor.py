@@ -1,4 +1,4 @@
-"""A contact: which point of which foot stands still, from frame to frame."""
+"""A contact: which point of the body stands still, from frame to frame."""
 
 from studio.core.contacts import ContactPoint
 from studio.document.document import Document
@@ -9,7 +9,7 @@ from studio.panels.fields import Choice, NumberField, Section, labelled
 
 def contact_words(point: ContactPoint) -> str:
     """``Left heel``."""
-    return point.value.replace("_", " ").capitalize()
+    return point.words.capitalize()
 
 
 class ContactEditor(Editor):

@@ -86,9 +86,9 @@ class TrackCanvas(TrackView):
             self.end_gesture()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Add a contact at an empty place of a foot."""
+        """Add a contact at an empty place of a line."""
         hit = self.sheet.hit(event.position()) if self.sheet else None
-        if self.sheet and hit and hit.kind == "feet" and hit.part == Part.EMPTY:
+        if self.sheet and hit and hit.kind == "lane" and hit.part == Part.EMPTY:
             frame = round(self.sheet.shown.frame_at(event.position().x()))
             edits.add_contact(self.sheet.shown, ContactPoint(hit.id), frame)
         else:

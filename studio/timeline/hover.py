@@ -29,7 +29,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             rate = sheet.shown.subject.frame_rate
             seconds = (contact.last - contact.first) / rate
             return f"{name_of(contact)}: frames {contact.first} to {contact.last}, {seconds:.3f} s"
-        case "feet":
+        case "lane":
             return f"{hit.id.replace('_', ' ').capitalize()}: double-click to add a contact"
     return ""
 

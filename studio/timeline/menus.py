@@ -28,8 +28,8 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     elif hit.kind in edits.DELETABLE and hit.part != Part.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         _offer_deletion(menu, canvas, hit)
-    elif hit.kind == "feet" and hit.part == Part.EMPTY:
-        _offer_contact(menu, canvas, ContactPoint(hit.id), position)
+    elif hit.kind == "lane":
+        _offer_contacts(menu, canvas, hit, position)
     return menu if menu.actions() else None
 
 
@@ -47,11 +47,22 @@ def _offer_deletion(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
     menu.addAction(action)
 
 
-def _offer_contact(menu: QMenu, canvas: "TrackCanvas", point: ContactPoint, position: QPointF) -> None:
+def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPointF) -> None:
+    """A contact of the line under the mouse there, and one of any other point there (at the playhead from a name)."""
     shown = canvas.shown
     if shown is None:
         return
-    frame = round(shown.frame_at(position.x()))
-    action = menu.addAction(f"Add {point.value.replace('_', ' ')} contact here")
-    action.setEnabled(new_contact(shown, point, frame) is not None)
+    on_name = hit.part == Part.LABEL
+    time = shown.document.playhead.time
+    frame = round(shown.subject.motion_frame(time) if on_name else shown.frame_at(position.x()))
+    if not on_name:
+        _offer_contact(menu, canvas, ContactPoint(hit.id), frame, f"Add {ContactPoint(hit.id).words} contact here")
+    others = menu.addMenu("Add contact of")
+    for point in ContactPoint:
+        _offer_contact(others, canvas, point, frame, point.words.capitalize())
+
+
+def _offer_contact(menu: QMenu, canvas: "TrackCanvas", point: ContactPoint, frame: int, text: str) -> None:
+    action = menu.addAction(text)
+    action.setEnabled(canvas.shown is not None and new_contact(canvas.shown, point, frame) is not None)
     action.triggered.connect(lambda: canvas.shown and edits.add_contact(canvas.shown, point, frame))

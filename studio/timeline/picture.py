@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
-from studio.timeline.tracks import clip, constraint, feet, ruler
+from studio.timeline.tracks import clip, constraint, contacts, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import PlotPicture
 
@@ -105,8 +105,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
     match row.kind:
         case "clip":
             clip.paint_clip_label(painter, area, shown)
-        case "feet":
-            feet.paint_feet_label(painter, area, row.id)
+        case "lane":
+            contacts.paint_contacts_label(painter, area, row.id)
         case "constraints":
             constraint.paint_constraint_label(painter, area, shown, row.id)
 
@@ -115,7 +115,7 @@ def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> No
     match row.kind:
         case "clip":
             clip.paint_clip(painter, area, shown)
-        case "feet":
-            feet.paint_feet(painter, area, shown, row.id)
+        case "lane":
+            contacts.paint_contacts(painter, area, shown, row.id)
         case "constraints":
             constraint.paint_constraint(painter, area, shown, row.id)

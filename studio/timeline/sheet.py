@@ -5,20 +5,20 @@ from dataclasses import dataclass
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
 from studio.timeline.shown import LABEL_WIDTH, Hit, Part, Row, Shown
-from studio.timeline.tracks import clip, constraint, feet, plot, ruler
+from studio.timeline.tracks import clip, constraint, contacts, plot, ruler
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
 
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
-    """Clip, left foot, right foot, then the motion's constraints by priority."""
+    """Clip, what touches the ground, then the motion's constraints by priority."""
     constraints = shown.project.constraints_of(shown.subject.motion_id)
+    touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     tall = constraint.height(len(shown.subject.bodies))
     heights = [
         ("clip", shown.subject.performer_id, clip.HEIGHT),
-        ("feet", "left", feet.HEIGHT),
-        ("feet", "right", feet.HEIGHT),
+        *(("lane", row, contacts.HEIGHT) for row in contacts.rows_with(touching)),
         *(("constraints", key, tall) for key in constraints),
     ]
     rows, y = [], 0
@@ -97,6 +97,6 @@ class Sheet:
         match row.kind:
             case "clip":
                 return clip.clip_hit(self.shown, area, position)
-            case "feet":
-                return feet.feet_hit(self.shown, area, row.id, position)
+            case "lane":
+                return contacts.contacts_hit(self.shown, area, row.id, position)
         return constraint.constraint_hit(self.shown, area, row.id, position)

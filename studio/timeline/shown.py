@@ -38,7 +38,7 @@ EDGES = (Part.FIRST, Part.LAST)
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its kind (constraints, clip, feet), the id there, and its place from the top of all rows."""
+    """One row: its kind (constraints, clip, lane), the id there, and its place from the top of all rows."""
 
     kind: str
     id: str
@@ -48,7 +48,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Hit:
-    """What lies under a point: its kind, its id (an empty place of a foot has the foot point's), its part."""
+    """What lies under a point: its kind, its id (an empty place of a line has its contact point), its part."""
 
     kind: str
     id: str

@@ -12,7 +12,7 @@ from studio.timeline.canvas import TrackCanvas
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import Part
 from studio.timeline.strips import StripState
-from studio.timeline.tracks import constraint, feet
+from studio.timeline.tracks import constraint, contacts
 from studio.timeline.tracks.strip import PITCH
 from studio.timeline.transport import Transport
 
@@ -48,7 +48,7 @@ class Timeline(QWidget):
     def row_rect(self, kind: str, row_id: str = "") -> QRect:
         """Where a row lies, empty where there is none.
 
-        Kinds: ``ruler``, ``clip`` (performer), ``feet`` (left, right), ``constraints``, ``plot``.
+        Kinds: ``ruler``, ``clip`` (performer), ``lane`` (left foot, right foot, hands, knees, seat), ``constraints``, ``plot``.
         """
         sheet = self.tracks.sheet
         if sheet is None:
@@ -69,8 +69,8 @@ class Timeline(QWidget):
         """Where a contact's bar lies."""
         sheet = self._sheet()
         contact = sheet.shown.project.contacts[contact_id]
-        row = self.row_rect("feet", feet.side_of(contact.point))
-        return feet.contact_bar(sheet.shown, row, contact).toRect()
+        row = self.row_rect("lane", contacts.row_of(contact.point))
+        return contacts.contact_bar(sheet.shown, row, contact).toRect()
 
     def strip_point(self, constraint_id: str, performer_id: str, frame: int) -> QPoint:
         """Where a body's strip lies at a frame of the motion."""

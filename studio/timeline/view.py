@@ -122,12 +122,14 @@ class TrackView(QWidget):
 
     def _show_change(self, collection: str, entity_id: str) -> None:
         """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
-        if self.sheet is None or collection not in ("constraints", "contacts"):
+        if (
+            self.sheet is None
+            or collection not in ("constraints", "contacts")
+            or rows_of(self.sheet.shown) != self.sheet.rows
+        ):
             self.lay_out()
         elif collection == "contacts":
-            self._redraw(("feet", "left"), ("feet", "right"))
-        elif rows_of(self.sheet.shown) != self.sheet.rows:
-            self.lay_out()
+            self._redraw(*((row.kind, row.id) for row in self.sheet.rows if row.kind == "lane"))
         else:
             self._redraw(("constraints", entity_id))
 

@@ -114,7 +114,7 @@ def pixels(timeline, count):
 
 
 def in_lane(timeline, frame, toe=False):
-    row = timeline.row_rect("feet", "left")
+    row = timeline.row_rect("lane", "left foot")
     return QPoint(round(timeline.x_of_frame(frame)), row.center().y() + (4 if toe else -4))
 
 
@@ -311,7 +311,7 @@ def test_a_contact_can_be_added_at_the_playhead_without_the_mouse(document, time
 
 def test_the_menu_of_a_foot_adds_and_that_of_a_contact_deletes(document, timeline):
     menu = menu_at(timeline.tracks, QPointF(in_lane(timeline, 40)))
-    assert [action.text() for action in menu.actions()] == ["Add left heel contact here"]
+    assert [action.text() for action in menu.actions()] == ["Add left heel contact here", "Add contact of"]
     menu.actions()[0].trigger()
     added = document.selection.current[1]
     menu = menu_at(timeline.tracks, QPointF(timeline.contact_rect(added).center()))

@@ -93,5 +93,5 @@ def select_capture(bench: Workbench) -> None:
 def _name(bench: Workbench, collection: str, key: str) -> str:
     entity = bench.document.project.get(collection, key)
     if isinstance(entity, ContactInterval):
-        return f"{entity.point.value.replace('_', ' ')} contact"
+        return f"{entity.point.words} contact"
     return str(getattr(entity, "name", "selection"))

@@ -33,7 +33,7 @@ def cursor_at(hit: Hit) -> Cursor:
         return Cursor.OpenHandCursor
     if hit.part == Part.LABEL and hit.kind in ("constraints", "plot", "performers"):
         return Cursor.PointingHandCursor
-    if hit.kind == "feet" and hit.part == Part.EMPTY:
+    if hit.kind == "lane" and hit.part == Part.EMPTY:
         return Cursor.CrossCursor
     return Cursor.ArrowCursor
 
@@ -47,4 +47,4 @@ def item_of(hit: Hit) -> tuple[str, str] | None:
 
 def name_of(contact: ContactInterval) -> str:
     """``Left heel contact``."""
-    return f"{contact.point.value.replace('_', ' ').capitalize()} contact"
+    return f"{contact.point.words.capitalize()} contact"

@@ -51,7 +51,7 @@ class DragContact(EditGesture):
     def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
-        name = self.original.point.value.replace("_", " ")
+        name = self.original.point.words
         self.text = f"Move {name} contact" if part == Part.BODY else f"Trim {name} contact"
         subject = shown.subject
         self._room = free_stretch(

@@ -1,4 +1,4 @@
-"""A foot's contacts: two thin lines, the heel above, the ball below."""
+"""Contacts of a foot, the hands, the knees or the seat: a thin line a point, heel above ball, left above right."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter
@@ -11,25 +11,34 @@ from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
 HEIGHT = 24
 LINE = 7
 EDGE_REACH = 5.0
-SIDES = {
-    "left": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
-    "right": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
+LANES = {
+    "left foot": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
+    "right foot": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
+    "hands": (ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND),
+    "knees": (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE),
+    "seat": (ContactPoint.SEAT,),
 }
-FILLS = {
-    True: colours.mixed(colours.KINDS["contact"], colours.PANEL, 0.30),
-    False: colours.KINDS["contact"],
-}
+"""The rows and the points whose contacts lie in them, from above."""
+ALWAYS = ("left foot", "right foot")
+"""Rows that are there without a contact, too."""
+FILLS = (colours.mixed(colours.KINDS["contact"], colours.PANEL, 0.30), colours.KINDS["contact"])
 
 
-def side_of(point: ContactPoint) -> str:
-    """The row's id of a foot point."""
-    return "left" if point.side == 0 else "right"
+def rows_with(points: set[ContactPoint]) -> tuple[str, ...]:
+    """The rows of a motion whose contacts are of these points: feet always, others where they touch."""
+    return tuple(row for row, lanes in LANES.items() if row in ALWAYS or not points.isdisjoint(lanes))
+
+
+def row_of(point: ContactPoint) -> str:
+    """The row in which a point's contacts lie."""
+    return next(row for row, lanes in LANES.items() if point in lanes)
 
 
 def lane(row: QRect, point: ContactPoint) -> QRectF:
-    """The height at which a point's contacts lie in its foot's row."""
+    """The height at which a point's contacts lie in its row."""
+    lanes = LANES[row_of(point)]
     middle = row.top() + row.height() / 2
-    top = middle - LINE - 0.5 if point.is_heel else middle + 0.5
+    top = middle - LINE / 2 if len(lanes) == 1 else middle + 0.5 - (LINE + 1) * (1 - lanes.index(point))
     return QRectF(row.left(), round(top), row.width(), LINE)
 
 
@@ -41,40 +50,40 @@ def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
     return QRectF(left - spare, line.top(), right - left + 2 * spare, line.height())
 
 
-def paint_feet(painter: QPainter, row: QRect, shown: Shown, side: str) -> None:
+def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> None:
     """The selected contact has a light edge. Of an hour on a thousand pixels most bars lie on one another."""
     painted: set[QRect] = set()
-    for key, contact in _contacts(shown, side):
+    for key, contact in _contacts(shown, row_id):
         bar = contact_bar(shown, row, contact)
         edge = colours.SELECTED_HANDLE if shown.is_selected("contacts", key) else None
         pixels = bar.toRect()
         if edge is None and pixels in painted:
             continue
         painted.add(pixels)
-        paint_bar(painter, bar, translucent(FILLS[contact.point.is_heel], 1.0), 2, None)
+        paint_bar(painter, bar, translucent(FILLS[LANES[row_id].index(contact.point)], 1.0), 2, None)
         if edge:
             paint_bar(painter, bar.adjusted(0.5, 0.5, -0.5, -0.5), translucent(edge, 0.25), 2, edge)
             _paint_edge(painter, bar, shown.handle)
 
 
-def paint_feet_label(painter: QPainter, row: QRect, side: str) -> None:
-    """Which foot; the two lines are named when pointed at."""
-    paint_label(painter, label_area(row), f"{side.capitalize()} foot", colours.TEXT)
+def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
+    """What touches; the lines are named when pointed at."""
+    paint_label(painter, label_area(row), row_id.capitalize(), colours.TEXT)
 
 
-def feet_hit(shown: Shown, row: QRect, side: str, point: QPointF) -> Hit:
-    """A contact or its end; else the lane, named by its foot point."""
-    heel, toe = SIDES[side]
-    foot_point = heel if point.y() < row.top() + row.height() / 2 else toe
+def contacts_hit(shown: Shown, row: QRect, row_id: str, point: QPointF) -> Hit:
+    """A contact or its end; else the lane, named by its point."""
+    lanes = LANES[row_id]
+    touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
     hits = [
         (distance, Hit("contacts", key, part))
-        for key, contact in _contacts(shown, side)
-        if contact.point == foot_point
+        for key, contact in _contacts(shown, row_id)
+        if contact.point == touching
         for distance, part in _grip(contact_bar(shown, row, contact), point.x())
     ]
     if hits:
         return min(hits, key=lambda pair: pair[0])[1]
-    return Hit("feet", foot_point.value, Part.EMPTY)
+    return Hit("lane", touching.value, Part.EMPTY)
 
 
 def _grip(bar: QRectF, x: float) -> list[tuple[float, Part]]:
@@ -98,6 +107,6 @@ def _paint_edge(painter: QPainter, bar: QRectF, handle: Part | None) -> None:
         )
 
 
-def _contacts(shown: Shown, side: str) -> list[tuple[str, ContactInterval]]:
+def _contacts(shown: Shown, row_id: str) -> list[tuple[str, ContactInterval]]:
     own = shown.project.contacts_of(shown.subject.motion_id)
-    return [(key, contact) for key, contact in own.items() if contact.point in SIDES[side]]
+    return [(key, contact) for key, contact in own.items() if contact.point in LANES[row_id]]
