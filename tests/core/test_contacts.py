@@ -5,7 +5,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.contacts import BODY_POINTS, FOOT_POINTS, ContactInterval, ContactPoint, contact_mask, detect_contacts
+from studio.core.contacts import (
+    BODY_POINTS,
+    FOOT_POINTS,
+    WANDER,
+    ContactInterval,
+    ContactPoint,
+    contact_mask,
+    detect_body_contacts,
+    detect_contacts,
+    without,
+)
 
 RATE = 60.0
 
@@ -85,3 +95,42 @@ def test_contact_points_know_their_side_and_kind() -> None:
     assert [point.member for point in BODY_POINTS] == ["hand", "hand", "knee", "knee", "seat"]
     assert [point.limb for point in (*FOOT_POINTS, *BODY_POINTS)] == [2, 2, 3, 3, 0, 1, 2, 3, -1]
     assert ContactInterval("walk", "right_toe", 0, 0).point is ContactPoint.RIGHT_TOE  # type: ignore[arg-type]
+
+
+def _above_floor(height: float, drift: float = 0.0, frames: int = 120) -> np.ndarray:
+    """A track at rest at a height, but for a slow ``drift`` in metres a second."""
+    return np.stack([drift * np.arange(frames) / RATE, np.zeros(frames), np.full(frames, height)], axis=1)
+
+
+def _touching(point: ContactPoint, track: np.ndarray) -> list[tuple[int, int]]:
+    still = _above_floor(1.0, frames=len(track))
+    tracks = {each: track if each is point else still for each in BODY_POINTS}
+    return detect_body_contacts(tracks, 0.85, RATE)[point]
+
+
+@pytest.mark.parametrize(("point", "low"), [("left_hand", 0.06), ("right_knee", 0.06), ("seat", 0.1)])
+def test_what_lies_low_and_still_touches_and_what_is_higher_does_not(point: str, low: float) -> None:
+    assert _touching(ContactPoint(point), _above_floor(low)) == [(0, 119)]
+    assert _touching(ContactPoint(point), _above_floor(0.4)) == []
+
+
+def test_what_creeps_along_the_ground_touches_only_while_it_stays() -> None:
+    first, last = _touching(ContactPoint.LEFT_KNEE, _above_floor(0.06, drift=0.2))[0]
+    assert 0.2 * (last - first) / RATE <= 2 * WANDER + 0.01
+
+
+def test_knees_carry_nothing_while_the_seat_does() -> None:
+    low = _above_floor(0.06)
+    tracks = dict.fromkeys(BODY_POINTS, low)
+    tracks[ContactPoint.SEAT] = np.where(np.arange(120)[:, None] < 60, low, _above_floor(1.0))
+    found = detect_body_contacts(tracks, 0.85, RATE)
+    assert found[ContactPoint.SEAT][0][1] <= 60
+    assert found[ContactPoint.LEFT_KNEE][0][0] >= found[ContactPoint.SEAT][0][1] + 0.25 * RATE
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=50), st.lists(st.booleans(), min_size=50, max_size=50))
+def test_what_is_taken_out_of_a_contact_is_out(wanted: list[bool], gone: list[bool]) -> None:
+    mask = np.array(gone[: len(wanted)])
+    spans = [(frame, frame) for frame, yes in enumerate(wanted) if yes]
+    rest = contact_mask(without(spans, mask, 0), len(wanted))
+    assert np.array_equal(rest, np.array(wanted) & ~mask)

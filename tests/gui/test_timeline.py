@@ -319,6 +319,23 @@ def test_the_menu_of_a_foot_adds_and_that_of_a_contact_deletes(document, timelin
     assert set(document.project.contacts) == {"early", "late"}
 
 
+def test_a_hand_that_touches_gets_a_row_and_is_trimmed_as_a_foot(document, timeline, hand):
+    assert timeline.row_rect("lane", "hands").isEmpty()
+    menu = menu_at(timeline.tracks, QPointF(in_lane(timeline, 40)))
+    others = {action.text(): action for action in menu.actions()[1].menu().actions()}
+    assert list(others)[4:] == ["Left hand", "Right hand", "Left knee", "Right knee", "Seat"]
+    others["Right hand"].trigger()
+    added = document.selection.current[1]
+    assert document.project.contacts[added].point is ContactPoint.RIGHT_HAND
+    assert not timeline.row_rect("lane", "hands").isEmpty()
+    bar = timeline.contact_rect(added)
+    assert timeline.row_rect("lane", "hands").contains(bar.center())
+    hand.drag(bar.center(), pixels(timeline, 10))
+    assert contact_frames(document, added) == (41, 59)
+    QTest.keyClick(timeline.tracks, Qt.Key.Key_Delete)
+    assert timeline.row_rect("lane", "hands").isEmpty()
+
+
 @pytest.mark.parametrize("item", [("contacts", "early"), ("constraints", "kick")])
 def test_del_deletes_what_is_selected_and_undo_brings_it_back(document, timeline, item):
     before = document.project.get(*item)

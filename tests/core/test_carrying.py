@@ -1,0 +1,270 @@
+"""What carries a body: laws of its parts, and a handstand, a bear's walk and a seat on bodies of any build."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.ground import Ground
+from studio.core.kernels import carrying as kernel
+from studio.core.kernels import layout as at
+from studio.core.kernels.legs import place_leg
+from studio.core.metrics import contact_quality
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import normalize
+from studio.core.pose import PoseSequence
+from studio.core.rotations import multiply
+from studio.core.solver.adapt import adapt
+from studio.core.solver.carrying import averaged, eased, find_carrying
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.io.character_file import bundled_characters
+from tests.builders import make_capture, make_morphology, make_skeleton
+from tests.core.motions import RATE, about, random_rotations, walk
+from tests.core.twins.limb import place_limb, soft_reach
+from tests.core.twins.rotation import from_quaternion, shortest_arc
+
+seeds = st.integers(0, 2**32 - 1)
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+BODY = make_morphology(leg_scale=1.1)
+WALK = walk(60)[0]
+
+
+def _posed(frames: int, pitch: float, arms: float, legs: float, sway: float) -> NormalizedMotion:
+    """A body whose trunk is pitched forward, arms and legs raised forward from hanging and straight, radians."""
+    skeleton = make_skeleton()
+    phase = 2 * np.pi * np.arange(frames) / RATE
+    rotations = np.zeros((frames, skeleton.joint_count, 4))
+    rotations[..., 3] = 1.0
+    joint = skeleton.index
+    rotations[:, joint("Hips")] = about((0, 1, 0), pitch + sway * np.sin(phase))
+    for side, name in enumerate(("Left", "Right")):
+        down = about((-1 if side == 0 else 1, 0, 0), np.pi / 2 + 0.0 * phase)
+        forward = about((0, -1, 0), arms + sway * np.sin(phase + 1.0))
+        rotations[:, joint(f"{name}Arm")] = multiply(forward, down)
+        rotations[:, joint(f"{name}UpLeg")] = about((0, -1, 0), legs + sway * np.cos(phase))
+    translations = np.tile(skeleton.offsets, (frames, 1, 1))
+    translations[:, 0, 0] += 0.02 * np.sin(phase)
+    return normalize(make_capture("pose", frames, skeleton=skeleton, poses=PoseSequence(rotations, translations)))[0]
+
+
+def _contacts(frames: int, *names: str) -> tuple[ContactInterval, ...]:
+    return tuple(ContactInterval("pose", ContactPoint(name), 0, frames - 1) for name in names)
+
+
+HANDSTAND = _posed(90, np.pi, np.pi, 0.0, 0.04), _contacts(90, "left_hand", "right_hand")
+BEAR = _posed(90, 1.35, 1.2, 1.3, 0.04), _contacts(90, "left_hand", "right_hand", "left_toe", "right_toe")
+
+
+def _adapted(case: tuple[NormalizedMotion, tuple[ContactInterval, ...]], name: str) -> AdaptedMotion:
+    return adapt(AdaptRequest(case[0], BODIES[name], case[1]))
+
+
+@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("case", [HANDSTAND, BEAR], ids=["handstand", "bear"])
+def test_hands_stand_on_the_ground_of_every_body(
+    case: tuple[NormalizedMotion, tuple[ContactInterval, ...]], name: str
+) -> None:
+    quality = contact_quality(_adapted(case, name), case[1], Ground())
+    assert quality.slide < 1e-3
+    assert max(quality.rise, quality.penetration) < 2e-3
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_handstand_is_as_high_as_arms_and_trunk(name: str) -> None:
+    body, adapted = BODIES[name], _adapted(HANDSTAND, name)
+    layout = body.layout
+    high = adapted.positions[:, [layout.hip(0), layout.hip(1)], 2].mean(axis=1)
+    trunk = body.spine[:, 2].sum() + body.collar_base[0, 2] - body.hip_offset[0, 2]
+    expected = body.arm[0].sum() + trunk + 0.065 * body.leg_length
+    assert np.median(high) == pytest.approx(expected, rel=0.12)
+    reaches = np.linalg.norm(adapted.positions[:, layout.wrist(0)] - adapted.positions[:, layout.wrist(0) - 2], axis=1)
+    assert reaches.min() > 0.93 * body.arm[0].sum()  # on straight arms, as performed
+
+
+def test_longer_legs_do_not_raise_a_handstand_and_longer_arms_do() -> None:
+    body = BODIES["adult_woman"]
+
+    def height(other: object) -> float:
+        adapted = adapt(AdaptRequest(HANDSTAND[0], other, HANDSTAND[1]))
+        return float(np.median(adapted.positions[:, 0, 2]))
+
+    usual = height(body)
+    assert height(replace(body, leg=1.2 * body.leg)) == pytest.approx(usual, abs=0.02)
+    assert height(replace(body, arm=1.2 * body.arm)) == pytest.approx(usual + 0.2 * body.arm[0].sum(), abs=0.02)
+
+
+def test_palms_lie_flat() -> None:
+    adapted = _adapted(HANDSTAND, "tall_man")
+    layout = adapted.morphology.layout
+    for side in range(2):
+        fingers = adapted.positions[:, layout.wrist(side) + 1] - adapted.positions[:, layout.wrist(side)]
+        assert np.abs(fingers[:, 2]).max() < 0.01
+        assert np.abs(np.diff(fingers, axis=0)).max() < 1e-9
+
+
+def test_on_feet_alone_nothing_else_is_asked() -> None:
+    motion, contacts = walk(60)
+    positions = np.zeros((60, BODY.layout.point_count, 3))
+    assert find_carrying(motion, BODY, contacts, Ground(), positions) is None
+
+
+def test_who_carries_adds_up_to_everything_and_passes_on_smoothly() -> None:
+    motion = _posed(120, 1.35, 1.2, 1.3, 0.0)
+    contacts = (
+        ContactInterval("pose", ContactPoint.LEFT_TOE, 0, 50), ContactInterval("pose", ContactPoint.LEFT_HAND, 40, 80),
+        ContactInterval("pose", ContactPoint.SEAT, 95, 119),
+    )  # fmt: skip
+    carrying = find_carrying(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)))
+    assert carrying is not None
+    share = carrying.feet_share
+    assert share[0] == pytest.approx(1.0)
+    assert share[70:].max() < 1e-9
+    assert (np.diff(share) < 1e-12).all()
+    assert np.abs(np.diff(share, 2)).max() * RATE**2 < 80.0
+
+
+@given(arrays(np.float64, st.tuples(st.integers(1, 60), st.just(2)), elements=st.floats(-2, 2)), st.floats(0.02, 0.3))
+def test_averages_stay_within_and_keep_what_is_still(values: np.ndarray, reach: float) -> None:
+    smooth = averaged(values, reach, RATE)
+    assert smooth.shape == values.shape
+    assert (smooth <= values.max(axis=0) + 1e-12).all()
+    assert (smooth >= values.min(axis=0) - 1e-12).all()
+    assert np.allclose(averaged(np.full_like(values, 0.7), reach, RATE), 0.7)
+
+
+@given(seeds)
+def test_corrections_hold_where_they_are_known_and_fade_away_from_it(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    known = np.repeat(random.integers(0, 2, 12), random.integers(1, 40, 12)).astype(bool)
+    corrections = np.where(known[:, None], random.normal(size=(len(known), 3)), 0.0)
+    filled = eased(corrections, known, RATE)
+    assert np.array_equal(filled[known], corrections[known])
+    away = np.array([np.abs(np.flatnonzero(known) - frame).min(initial=999) for frame in range(len(known))])
+    assert (filled[away > 0.4 * RATE] == 0.0).all()
+
+
+class _Links:
+    """Random limbs round a root, all of which a small move brings into reach."""
+
+    def __init__(self, seed: int) -> None:
+        random = np.random.default_rng(seed)
+        self.starts = random.normal(size=(3, 1, 3)) * 0.3
+        wanted, turn = random.normal(size=3) * 0.05, Rotation.from_rotvec(random.normal(size=3) * 0.1)
+        ways = random.normal(size=(3, 1, 3))
+        lengths = random.uniform(0.3, 0.9, (3, 1))
+        self.roots = random.normal(size=(1, 3))
+        reached = self.roots + wanted + turn.apply(self.starts[:, 0])[:, None]
+        self.ends = reached + lengths[..., None] * ways / np.linalg.norm(ways, axis=2, keepdims=True)
+        self.least, self.most = lengths.copy(), lengths.copy()
+        self.least[0] = 0.0
+        self.seats = np.column_stack([random.normal(size=(1, 3)) * 0.1, np.zeros((1, 4))])
+
+    def misses(self, move: np.ndarray) -> np.ndarray:
+        turned = Rotation.from_rotvec(move[3:]).apply(self.starts[:, 0])
+        spans = np.linalg.norm(self.ends[:, 0] - self.roots[0] - move[:3] - turned, axis=1)
+        return spans - np.clip(spans, self.least[:, 0], self.most[:, 0])
+
+    def settled(self, stiffness: float) -> np.ndarray:
+        moves = np.zeros((1, 6))
+        kernel.settle_frames(
+            self.roots, self.starts, self.ends, self.least, self.most, self.seats, np.zeros((1, 6)), stiffness, moves
+        )
+        return moves[0]
+
+
+@given(seeds)
+@settings(max_examples=60)
+def test_a_body_settles_where_all_that_stands_is_nearly_or_wholly_in_reach(seed: int) -> None:
+    links = _Links(seed)
+    spread = np.linalg.svd(links.starts[:, 0], compute_uv=False)
+    assume(spread.min() > 0.15)
+    move = links.settled(1e-6)
+    assert np.abs(links.misses(move)).max() < 0.1 * np.abs(links.misses(np.zeros(6))).max() + 1e-3
+    assert np.linalg.norm(move) < 1.0
+
+
+@given(seeds)
+@settings(max_examples=25)
+def test_it_moves_no_more_than_an_optimum_does(seed: int) -> None:
+    links, stiffness = _Links(seed), 1e-2
+    links.least[0] = links.most[0]
+    weights = np.sqrt(stiffness) * np.array([1.0, 1.0, 1.0, *[kernel.LEAN] * 3])
+
+    def costs(move: np.ndarray) -> np.ndarray:
+        return np.concatenate([links.misses(move), weights * move])
+
+    best = least_squares(costs, np.zeros(6), xtol=1e-14, ftol=1e-14)
+    found = links.settled(stiffness)
+    assert np.sum(costs(found) ** 2) <= 1.02 * np.sum(best.fun**2) + 1e-8
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    side, row = int(random.integers(2)), WALK.channels[random.integers(WALK.frame_count)]
+    layout = BODY.layout
+    positions = np.tile(random.normal(size=3), (layout.point_count, 1))
+    rotations = random_rotations(random, layout.segment_count)
+    before = positions.copy()
+    shoulder, upper = layout.collar(side) + 1, layout.spine_count + 3 + 4 * side
+    way = random.normal(size=3)
+    wrist = positions[shoulder] + random.uniform(0.2, 1.3) * BODY.arm[side].sum() * way / np.linalg.norm(way)
+    hand, clavicle = random_rotations(random), rotations[upper - 1].copy()
+    kernel.place_arm(row, BODY.packed, side, wrist, hand, 1.0, np.empty((3, 3, 3)), positions, rotations)
+
+    rest = _frame_along(BODY.clavicle_rest[side])
+    frame = clavicle @ rest.T @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
+    apart, length = wrist - before[shoulder], BODY.arm[side].sum()
+    distance = np.linalg.norm(apart)
+    comfort = min(max(1.0 - row[at.LIMB_SLACK + side], 0.985), 1.0 - 1e-9)
+    elbow, reached, first, second = place_limb(
+        before[shoulder],
+        shortest_arc(frame[:, 2], apart / distance) @ frame,
+        length * soft_reach(distance / length, comfort),
+        tuple(BODY.arm[side]),
+        row[at.LIMB_OFF_PLANE + side] * length,
+        1.0,
+        row[at.LIMB_TWIST + 2 * side :][:2],
+    )
+    assert np.allclose(positions[shoulder + 1 : shoulder + 3], [elbow, reached], atol=1e-9)
+    assert np.allclose(rotations[upper : upper + 3], [first, second, hand], atol=1e-9)
+    assert np.allclose(positions[shoulder + 3], reached + hand @ BODY.hand[side], atol=1e-12)
+    others = np.delete(positions, range(shoulder + 1, shoulder + 4), axis=0)
+    assert np.array_equal(others, np.delete(before, range(shoulder + 1, shoulder + 4), axis=0))
+
+
+def _frame_along(direction: np.ndarray) -> np.ndarray:
+    """Columns x, y, z: z along the direction, x as far forward as it can be."""
+    z = direction / np.linalg.norm(direction)
+    x = np.array([1.0, 0.0, 0.0]) - z[0] * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+@given(seeds)
+@settings(max_examples=40)
+def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    side, layout = int(random.integers(2)), BODY.layout
+    upper, lower = BODY.leg[side]
+    positions = np.tile(random.normal(size=3), (layout.point_count, 1))
+    rotations = random_rotations(random, layout.segment_count)
+    hip = positions[0] + rotations[0] @ BODY.hip_offset[side]
+    ways = random.normal(size=(2, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    knee = hip + upper * ways[0]
+    ankle = knee + lower * ways[1]
+    span = np.linalg.norm(ankle - hip)
+    assume(0.5 * (upper + lower) < span < 0.9 * (upper + lower))
+    row, foot, toe = WALK.channels[0], random_rotations(random), random_rotations(random)
+    target = np.array([*ankle, *knee, 1.0])
+    place_leg(row, BODY.packed, side, 0.97, target, foot, toe, np.empty((3, 3, 3)), positions, rotations)
+    assert np.allclose(positions[layout.ankle(side)], ankle, atol=1e-9)
+    assert np.allclose(positions[layout.hip(side) + 1], knee, atol=1e-9)

@@ -1,0 +1,113 @@
+"""Real cartwheels, crawls and falls: hands, knees and seat stay on the ground on the five characters, without pops."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.contacts import BODY_POINTS, ContactPoint
+from studio.core.ground import Ground
+from studio.core.grounds import Slope
+from studio.core.metrics import acceleration_ratio, contact_quality
+from studio.core.solver.adapt import adapt, hold, place_of, stand
+from studio.core.solver.request import AdaptRequest
+from studio.core.solver.source import source_motion
+from studio.io.character_file import bundled_characters
+from tests.core.motions import target
+from tests.real.taken import HUMANS, contacts_of, named, taken
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+CARRIED = {
+    "accad_female1_D6_CartWheel": {"left_hand", "right_hand"},
+    "mass_cart": {"left_hand", "right_hand"},
+    "accad_female1_A11_CrawlForward": {"left_hand", "right_hand", "left_knee", "right_knee", "seat"},
+    "accad_female1_A08_CrouchToLie": {"left_hand", "right_hand", "seat"},
+    "assimp_Boxing_Toes": {"left_hand", "right_hand", "seat"},
+}
+
+
+def _points(stem: str) -> set[ContactPoint]:
+    return {each.point for each in contacts_of(taken(named(stem))[0])} & set(BODY_POINTS)
+
+
+@pytest.mark.parametrize("stem", CARRIED)
+def test_what_touches_is_found(captures: Path, stem: str) -> None:
+    assert _points(stem) == CARRIED[stem]
+
+
+def test_who_stays_on_its_feet_touches_with_nothing_else(captures: Path) -> None:
+    touching = {path.stem for path in HUMANS if _points(path.stem)}
+    assert touching - set(CARRIED) <= {"accad_male2_G7_Capoeira"}
+
+
+def test_hands_of_a_cartwheel_come_down_one_after_the_other(captures: Path) -> None:
+    contacts = contacts_of(taken(named("mass_cart"))[0])
+    left, right = ([each for each in contacts if each.point.value == f"{side}_hand"] for side in ("left", "right"))
+    assert (len(left), len(right)) == (1, 1)
+    assert left[0].first < right[0].first < left[0].last < right[0].last
+
+
+@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("stem", CARRIED)
+def test_what_stands_stays_and_nothing_pops(captures: Path, stem: str, name: str) -> None:
+    capture, motion, actor = taken(named(stem))
+    contacts = contacts_of(capture)
+    adapted = adapt(AdaptRequest(motion, BODIES[name], contacts), capture.first_frame)
+    quality = contact_quality(adapted, contacts, Ground())
+    assert quality.slide < 1e-3
+    assert quality.rise < 2e-3
+    assert quality.penetration < 2e-3
+    assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_cartwheel_holds_on_a_slope(captures: Path, name: str) -> None:
+    capture, motion, actor = taken(named("mass_cart"))
+    contacts, ground = contacts_of(capture), Slope(0.0, np.radians(10.0), 0.6)
+    adapted = adapt(AdaptRequest(motion, BODIES[name], contacts, (), ground), capture.first_frame)
+    quality = contact_quality(adapted, contacts, ground)
+    assert quality.slide < 1e-3
+    assert max(quality.rise, quality.penetration) < 2e-3
+    assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0
+
+
+def test_bones_keep_their_lengths_while_hands_and_knees_carry(captures: Path) -> None:
+    capture, motion, _ = taken(named("accad_female1_A11_CrawlForward"))
+    body = BODIES["child"]
+    points = adapt(AdaptRequest(motion, body, contacts_of(capture))).positions
+    for side in range(2):
+        for first, lengths in ((body.layout.hip(side), body.leg[side]), (body.layout.collar(side) + 1, body.arm[side])):
+            for bone, length in enumerate(lengths):
+                spans = np.linalg.norm(points[:, first + bone + 1] - points[:, first + bone], axis=1)
+                assert np.allclose(spans, length, atol=1e-9)
+
+
+def test_constraints_yield_to_hands_and_knees_and_scrubbing_is_playing(captures: Path) -> None:
+    capture, motion, _ = taken(named("accad_female1_A11_CrawlForward"))
+    contacts = contacts_of(capture)
+    standing = stand(motion, BODIES["adult_woman"], contacts, Ground())
+    chest = BodyPoint(BodyPart.THORAX, at_end=True)
+    place = place_of(chest, hold(standing, ()))[270] + [0.0, 0.0, 0.12]
+    curve = ActivationCurve(8.0, 9.0, 11.0, 12.0)
+    lifted = target("thorax", place, Chain(trunk=1.0, root=1.0), activation=curve)
+    moved = hold(standing, (lifted,))
+    assert moved.residuals.shape == (1, motion.frame_count)
+    assert moved.residuals[0, 270] < 0.03
+    quality = contact_quality(moved, contacts, Ground())
+    assert quality.slide < 1e-3
+    assert quality.penetration < 2e-3
+    window = hold(standing, (lifted,), 250, 290)
+    assert np.array_equal(window.positions, moved.positions[250:291])
+
+
+def test_a_target_for_a_hand_waits_until_the_hand_has_left_the_ground(captures: Path) -> None:
+    capture, motion, _ = taken(named("mass_cart"))
+    contacts = contacts_of(capture)
+    wrist = target("left_forearm", (0.0, 0.0, 1.0), Chain())
+    adapted = adapt(AdaptRequest(motion, BODIES["tall_man"], contacts, (wrist,)))
+    hand = next(each for each in contacts if each.point is ContactPoint.LEFT_HAND)
+    assert np.isnan(adapted.residuals[0, hand.first : hand.last + 1]).all()
+    assert contact_quality(adapted, contacts, Ground()).slide < 1e-3
