@@ -15,8 +15,9 @@ from studio.document import colours
 from studio.document.document import Document
 from studio.io.character_file import actor_character
 from studio.io.importing import GUESS_ALL, load_character
-from studio.io.registry import ReadCharacter
+from studio.io.registry import ReadCharacter, format_of
 
+JOBS = ("capture_reader", "character_reader")
 APART = 1.2
 """Metres from the outermost performer to a new one."""
 
@@ -32,7 +33,8 @@ def import_character(bench: Workbench, path: Path) -> int:
         try:
             return load_character(path, GUESS_ALL, progress)
         except StudioError as error:
-            raise StudioError(f"{error} {UNCHANGED}") from error
+            alone = " A motion alone comes by Import motion." if format_of(path, *JOBS).capture_reader else ""
+            raise StudioError(f"{error}{alone} {UNCHANGED}") from error
 
     task: int = bench.runner.run(f"Opening {path.name}", work, done)
     return task

@@ -1,6 +1,7 @@
 """Character files of every format give the same body; what is put right is told."""
 
 import base64
+import gzip
 import json
 import re
 from pathlib import Path
@@ -24,6 +25,7 @@ FILES = {
     "skin.wrl": lambda: vrml().encode(),
     "skin.x3dv": lambda: vrml(header="\ufeff#X3D V3.0 utf8\r\nPROFILE Immersive\r\nCOMPONENT H-Anim:1").encode(),
     "segments.wrl": lambda: vrml(skinned=False).encode(),
+    "packed.wrl": lambda: gzip.compress(vrml(more="PixelTexture { image 1 1 3 0xFF0000 }").encode()),
     "skin.x3d": lambda: x3d().encode(),
 }
 

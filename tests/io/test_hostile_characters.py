@@ -1,5 +1,6 @@
 """Character files that nobody vetted: each bad case by name, with the sentence it must produce."""
 
+import gzip
 import json
 import re
 import struct
@@ -226,6 +227,8 @@ VRML = {
         vrml().replace("skinCoordIndex [ 0 1", "skinCoordIndex [ 0 70000"),
         "joint 'humanoid_root' moves point 70000 of a skin of 152",
     ),
+    "packed and damaged": (gzip.compress(vrml().encode())[:40] + b"x" * 40, "is packed with gzip and damaged"),
+    "packed a thousandfold": (gzip.compress(bytes(61_000_000)), "would unpack to more than 60 MB"),
     "all joints at one place": (at_one_place(vrml()), "shows no complete human body"),
 }
 

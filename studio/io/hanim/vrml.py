@@ -1,6 +1,7 @@
 """VRML97 and classic X3D: text to nodes. PROTO instances keep their name and fields, with the defaults filled in."""
 
 import re
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,7 +14,7 @@ from studio.io.hanim.scene import DEEPEST, LARGEST, MOST_NODES, SceneNode, row_o
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _TOKEN = re.compile(
-    rf"""(?P<gap>[\s,]+|\#[^\n\r]*)
+    rf"""(?P<gap>[\s,]+|\#[^\n\r]*|0[xX][0-9a-fA-F]+)
     |(?P<string>"(?:[^"\\]++|\\.)*+")
     |(?P<numbers>(?:{_NUMBER}(?:[\s,]++|(?=[\]\}}\#])|\Z))++)
     |(?P<mark>[\[\]\{{\}}])
@@ -38,7 +39,7 @@ class _Token(NamedTuple):
 
 def read_vrml(path: Path) -> list[SceneNode]:
     """The nodes at the top of a .wrl or .x3dv file. Raises StudioError with file and line."""
-    content = read_bytes(path, LARGEST)
+    content = _unpacked(read_bytes(path, LARGEST), path.name)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -46,6 +47,23 @@ def read_vrml(path: Path) -> list[SceneNode]:
     if not text.lstrip().startswith(("#VRML V2.0", "#X3D V")):
         raise StudioError(f"{path.name} does not begin with '#VRML V2.0' or '#X3D V3'. Export it as VRML97 or X3D.")
     return _Parser(text, path.name).scene()
+
+
+def _unpacked(content: bytes, name: str) -> bytes:
+    """The text of a file that was packed with gzip, as VRML allows; any other as it is."""
+    if content[:2] != b"\x1f\x8b":
+        return content
+    unpacker = zlib.decompressobj(wbits=31)
+    damaged = StudioError(f"{name} is packed with gzip and damaged or cut off. Copy it anew.")
+    try:
+        text = unpacker.decompress(content, LARGEST + 1)
+    except zlib.error as error:
+        raise damaged from error
+    if len(text) > LARGEST:
+        raise StudioError(f"{name} would unpack to more than {LARGEST / 1e6:.0f} MB. Simplify the file.")
+    if not unpacker.eof:
+        raise damaged
+    return text
 
 
 class _Parser:
