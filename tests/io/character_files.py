@@ -108,6 +108,20 @@ class Gltf:
                 nodes[above].setdefault("children", []).append(place)
         return nodes
 
+    def moving(self) -> "Gltf":
+        """The same with an animation: the first joint travels, the last one turns."""
+        times = self.add(np.arange(4, dtype="<f4").reshape(-1, 1) / 30.0, "SCALAR")
+        path = self.add(np.linspace([0, 0, 0], [0.3, 0, 0.1], 4).astype("<f4"), "VEC3")
+        turn = self.add(np.tile([0.0, 0.6, 0.0, 0.8], (4, 1)).astype("<f4"), "VEC4")
+        targets = ({"node": 0, "path": "translation"}, {"node": len(JOINTS) - 1, "path": "rotation"})
+        self.root["animations"] = [
+            {
+                "samplers": [{"input": times, "output": path}, {"input": times, "output": turn}],
+                "channels": [{"sampler": place, "target": target} for place, target in enumerate(targets)],
+            }
+        ]
+        return self
+
     def gltf(self) -> bytes:
         """JSON with its buffer in a data URI."""
         uri = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()

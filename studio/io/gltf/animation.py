@@ -71,8 +71,10 @@ def read_tracks(animation: Record, accessors: Accessors, node_count: int) -> lis
         interpolation = sampler.text("interpolation", "LINEAR")
         if interpolation not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise sampler.wrong("interpolation", "LINEAR, STEP or CUBICSPLINE")
-        times = accessors.numbers(sampler.whole("input"), 1)[:, 0]
-        values = accessors.numbers(sampler.whole("output"), _WIDTHS[path])
+        keys, output = sampler.index("input", accessors.count), sampler.index("output", accessors.count)
+        if keys is None or output is None:
+            raise sampler.wrong("input and output", "the numbers of two accessors")
+        times, values = accessors.numbers(keys, 1)[:, 0], accessors.numbers(output, _WIDTHS[path])
         spline = interpolation == "CUBICSPLINE"
         if not len(times) or (np.diff(times) <= 0.0).any() or np.abs(times).max() > _LONGEST:
             raise sampler.wrong("input", "times that rise")
