@@ -81,3 +81,28 @@ def test_points_that_follow_each_other_in_a_circle_are_refused() -> None:
     assert objection(third, [first, second]) == sentence
     later = replace(third, activation=ActivationCurve(2.0, 2.5, 3.0, 3.5))
     assert objection(later, [first, second]) is None
+
+
+@pytest.mark.parametrize(
+    ("part", "at_end", "chain", "stuck"),
+    [
+        ("left_shank", True, Chain(limb=0.0, clavicle=1.0, trunk=1.0), True),
+        ("left_shank", True, Chain(limb=0.0, clavicle=0.0, root=0.1), False),
+        ("thorax", True, Chain(limb=1.0, clavicle=1.0), True),
+        ("left_forearm", True, Chain(limb=0.0, end_segment=1.0, clavicle=0.0), True),
+        ("left_hand", True, Chain(limb=0.0, end_segment=1.0, clavicle=0.0), False),
+        ("head", False, Chain(limb=0.0, clavicle=0.0, trunk=0.1), False),
+    ],
+)
+def test_a_chain_that_does_not_carry_its_point_is_refused(part: str, at_end: bool, chain: Chain, stuck: bool) -> None:
+    constraint = replace(REACH, point=BodyPoint(BodyPart(part), at_end=at_end), chain=chain)
+    sentence = objection(constraint, [])
+    assert (sentence is not None) == stuck
+    assert not stuck or sentence.startswith("'Reach': nothing that its chain frees can move the ")
+
+
+def test_the_other_end_of_a_distance_may_be_the_one_that_moves() -> None:
+    chain = Chain(limb=1.0, clavicle=0.0)
+    clap = DistanceConstraint("motion", "Touch", BodyPoint(BodyPart.THORAX), chain, 0, NOW, other=LEFT)
+    assert objection(clap, []) is None
+    assert "thorax" in objection(replace(clap, other=(0.0, 0.0, 0.0)), [])

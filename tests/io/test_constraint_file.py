@@ -53,7 +53,7 @@ def test_constraints_come_highest_priority_first_and_else_as_they_stand(tmp_path
     record = {
         "constraints": [
             {**WRIST, "name": name, "priority": priority, "point": {"part": part}}
-            for (name, priority), part in zip(asked, ("head", "thorax", "pelvis", "left_hand"), strict=True)
+            for (name, priority), part in zip(asked, ("head", "left_foot", "right_hand", "left_hand"), strict=True)
         ]
     }
     names = [constraint.name for constraint in read_constraints(written(tmp_path, record), "m").constraints]

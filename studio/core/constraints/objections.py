@@ -8,6 +8,17 @@ from studio.core.constraints.follow import FollowBody
 
 _EVERYWHERE = {"motion_id", "name", "chain", "priority", "activation", "enabled", "weight"}
 """Values that say nothing about what is asked."""
+_ARM, _LEG = ("limb", "clavicle", "trunk", "root"), ("limb", "end_segment", "root")
+_CARRIERS = {
+    **dict.fromkeys(("upper_arm", "forearm"), _ARM),
+    "hand": (*_ARM, "end_segment"),
+    "clavicle": ("clavicle", "trunk", "root"),
+    **dict.fromkeys(("neck", "head"), (*_ARM, "end_segment")),
+    **dict.fromkeys(("thorax", "abdomen"), ("trunk", "root")),
+    "pelvis": ("trunk", "root"),
+    **dict.fromkeys(("thigh", "shank", "foot", "toe"), _LEG),
+}
+"""The links of a chain that can move what is fixed to a part of the body."""
 _MANY = {"area"}
 """Kinds of which a point may have several at once."""
 
@@ -21,6 +32,11 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
     """
     if not constraint.enabled:
         return None
+    if is_stuck(constraint):
+        return (
+            f"'{constraint.name}': nothing that its chain frees can move the {constraint.point.part.label.lower()}."
+            " Free more of its chain, or choose another point."
+        )
     rivals = [each for each in others if each.enabled and each.motion_id == constraint.motion_id]
     for other in rivals:
         if _rivals(constraint, other):
@@ -39,6 +55,16 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
         names = ", ".join(f"'{each.name}'" for each in circle)
         return f"'{constraint.name}' would follow itself in a circle, by {names}. Let one of them stay where it is."
     return None
+
+
+def is_stuck(constraint: Constraint) -> bool:
+    """Whether no free part of the chain carries the point, nor the other end where that is on the body too."""
+    if constraint.kind == "balance":
+        return False
+    other = getattr(constraint, "other", None)
+    ends = (constraint.point, other) if isinstance(other, BodyPoint) else (constraint.point,)
+    links = {link for point in ends for link in _CARRIERS[point.part.value.partition("_")[2] or point.part.value]}
+    return not any(getattr(constraint.chain, link) > 0.0 for link in links)
 
 
 def objections(constraints: Sequence[Constraint]) -> list[str]:
