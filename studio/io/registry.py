@@ -131,7 +131,6 @@ OWN_FORMATS = (
         name="VRM",
         suffixes=(".vrm",),
         sniff="studio.io.gltf.container:is_gltf",
-        capture_reader="studio.io.gltf.capture:load_gltf",
         character_reader="studio.io.gltf.character:load_character",
     ),
     Format(
