@@ -33,6 +33,8 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray) -> BodyMap | None:
         return None
     arms = max(others, key=lambda pair: float(np.linalg.norm(points[pair[0][-1]] - points[pair[1][-1]])))
     parts: dict[BodyPart, int] = {}
+    if not _upright(points, arms, legs):
+        return None
     legs, arms = (_sorted_by_side(points, pair, _forward(points, legs)) for pair in (legs, arms))
     for side, leg, arm in zip(("LEFT", "RIGHT"), legs, arms, strict=True):
         hip, shoulder = _longest(points, leg), _longest(points, arm)
@@ -60,6 +62,12 @@ def _mirrored_chains(skeleton: Skeleton, points: FloatArray) -> list[_Pair]:
 
 def _above(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
     return bool(min(points[chain[0], 2] for chain in arms) > max(points[chain[0], 2] for chain in legs))
+
+
+def _upright(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
+    """Whether shoulders stand over hips and not, as an animal's, before them."""
+    trunk = sum(points[chain[0]] for chain in arms) - sum(points[chain[0]] for chain in legs)
+    return bool(trunk[2] > np.linalg.norm(trunk[:2]))
 
 
 def _forward(points: FloatArray, legs: _Pair) -> FloatArray:

@@ -50,7 +50,17 @@ def test_a_body_without_names_is_found_whichever_way_it_looks(turn: float):
         assert NAMES[found[part]] == name
 
 
-def test_a_quadruped_of_one_pair_is_no_body():
+def test_an_animal_on_four_legs_is_no_body():
+    skeleton, points = figure()
+    down = Rotation.from_euler("y", 80, degrees=True).as_matrix()
+    trunk = [
+        place for place, name in enumerate(NAMES) if "Leg" not in name and "Foot" not in name and "Toe" not in name
+    ]
+    points[trunk] = (points[trunk] - points[0]) @ down.T + points[0]
+    assert body_by_shape(skeleton, points) is None
+
+
+def test_a_body_without_arms_is_none():
     skeleton, points = figure()
     kept = [place for place, name in enumerate(NAMES) if "Arm" not in name and "Hand" not in name]
     parents = np.array([-1, *(kept.index(int(skeleton.parents[place])) for place in kept[1:])])

@@ -9,6 +9,7 @@ import pytest
 from studio.core.skin import Blending, bound_pose, skin_vertices
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.io.export import take_of_adapted, write_take
 from studio.io.importing import load_character
 from studio.io.registry import ReadCharacter
 from tests.conftest import CAPTURES
@@ -103,3 +104,21 @@ def test_a_missing_texture_is_told():
 def _longest_edge(vertices: np.ndarray, triangles: np.ndarray) -> float:
     corners = vertices[triangles]
     return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
+
+
+@pytest.mark.parametrize("name", ["kaykit_barbarian_stocky.glb", "joe_hanim_kick.x3d"])
+def test_written_with_its_motion_and_read_again_it_is_the_same_body(tmp_path: Path, name: str):
+    [path] = (path for path in FILES if path.name == name)
+    character = read(path).character
+    write_take(take_of_adapted("kick", kicking(path), character), tmp_path / "again.glb")
+    again = load_character(tmp_path / "again.glb").character
+    for measure in ("spine", "leg", "arm", "foot", "ankle_height", "hip_offset", "head"):
+        assert getattr(again.build, measure) == pytest.approx(getattr(character.build, measure), abs=1e-4)
+    assert len(again.skin.vertices) == len(character.skin.vertices)
+    one, other = again.skin.appearance, character.skin.appearance
+    assert one is not None
+    assert other is not None
+    for mine, theirs in zip(one.materials, other.materials, strict=True):
+        assert mine.colour == theirs.colour
+        assert (mine.texture is None) == (theirs.texture is None)
+        assert mine.texture is None or np.array_equal(mine.texture, theirs.texture)
