@@ -42,6 +42,9 @@ class Peer:
 PEERS = (
     Peer("pinocchio_clik.py", "pinocchio", "Pinocchio", "closed-loop inverse kinematics by hand, damped, weighted"),
     Peer("mink_qp.py", "mink", "mink", "quadratic programmes over MuJoCo, daqp, weighted"),
+    Peer(
+        "blender_ik.py", "bpy", "Blender", "its IK constraints; pelvis and feet fixed, neither balance nor priorities"
+    ),
 )
 
 
