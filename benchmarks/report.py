@@ -1,6 +1,6 @@
 """Tables out of what was measured, and into the documents: nothing in them is written by hand."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -127,22 +127,23 @@ def start(record: Record) -> str:
     )
 
 
+PARTS: dict[str, Callable[[Record], str]] = {
+    "times": times,
+    "quality": qualities,
+    "growth": growth,
+    "peers": peers,
+    "start": start,
+}
+"""What ``method.md`` shows between its marks."""
+
+
 def fill(record: Record, docs: Path) -> None:
     """Write ``benchmark.md``, and the marked places of ``method.md``."""
     (docs / "benchmark.md").write_text(HEADER + tables(record), encoding="utf-8")
-    method = docs / "method.md"
-    if not method.exists():
-        return
-    text = method.read_text(encoding="utf-8")
-    for name, make in (
-        ("times", times),
-        ("quality", qualities),
-        ("growth", growth),
-        ("peers", peers),
-        ("start", start),
-    ):
+    text = (docs / "method.md").read_text(encoding="utf-8")
+    for name, make in PARTS.items():
         text = replaced(text, name, make(record))
-    method.write_text(text, encoding="utf-8")
+    (docs / "method.md").write_text(text, encoding="utf-8")
 
 
 def replaced(text: str, name: str, new: str) -> str:
