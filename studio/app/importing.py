@@ -122,6 +122,10 @@ def _read_again(bench: Workbench, capture_id: str, options: ImportOptions, text:
 def tell_repairs(bench: Workbench, capture_id: str) -> None:
     """What had to be repaired, with the way to its report; without repairs, what went wrong before is past."""
     capture = bench.document.project.captures[capture_id]
+    if capture.markers is not None and capture.body_map is None:
+        ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))
+        bench.window.strip.say(f"{capture.source} shows no body yet: say which of its markers is what.", ask)
+        return
     if not capture.repairs:
         bench.window.strip.clear()
         return

@@ -31,8 +31,9 @@ def solve_again(bench: Workbench, capture_id: str, take: MarkerTake, options: Im
     chosen = replace(chosen, body_map=None, marker_map=None)
 
     def work(progress: Callable[[float, str], None]) -> tuple[Capture, Annotations]:
-        progress(0.0, f"Finding the body of {capture.name}")
-        solved = capture_of_take(take, chosen, capture.repairs)
+        solved = capture_of_take(
+            take, chosen, capture.repairs, lambda share, text: progress(importing.READ_SHARE * share, text)
+        )
         progress(importing.READ_SHARE, "looking for contacts")
         contacts = detected_contacts(solved, "") if solved.body_map else ()
         return solved, Annotations(contacts)

@@ -17,6 +17,7 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     progress(0.4, f"Finding the body in {path.name}")
     subject = find_subject(file.trial)
     marker_map = options.marker_map or find_map(file.trial, subject)
-    capture = capture_of_take(MarkerTake(file.trial, marker_map, subject=subject), options, file.repairs)
+    take = MarkerTake(file.trial, marker_map, subject=subject)
+    capture = capture_of_take(take, options, file.repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
     progress(1.0, f"Loaded {path.name}")
     return capture

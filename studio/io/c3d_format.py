@@ -7,8 +7,12 @@ from studio.io.registry import Progress
 
 
 def is_c3d(head: bytes) -> bool:
-    """Whether a file that begins so may be C3D: where its parameters are, then the mark of the format, 80."""
-    return len(head) >= 2 and head[0] >= 2 and head[1] == 0x50
+    """Whether a file that begins so may be C3D: the block of its parameters, the mark 80, and in that block the kind
+    of processor, as far as ``head`` reaches."""
+    if len(head) < 2 or head[0] < 2 or head[1] != 0x50:
+        return False
+    processor = (head[0] - 1) * 512 + 3
+    return head[processor] in (84, 85, 86) if processor < len(head) else len(head) >= 512
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:

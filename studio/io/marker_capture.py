@@ -12,12 +12,13 @@ from studio.core.kinematics import joint_world
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
-from studio.core.markers.trial import MARKER, METRES, VIRTUAL, bare_label, subject_of
+from studio.core.markers.trial import MARKER, METRES, VIRTUAL, bare_label, subject_of, whole
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
 from studio.io.guessing import AXES, guess_floor
 from studio.io.importing import ImportOptions
+from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
 
@@ -25,14 +26,21 @@ _LEG = (0.3, 1.4)
 """Metres of a leg, or twice an arm, from hip to ankle within which a unit is believed."""
 
 
-def capture_of_take(take: MarkerTake, options: ImportOptions, repairs: Sequence[str] = ()) -> Capture:
+def capture_of_take(
+    take: MarkerTake,
+    options: ImportOptions,
+    repairs: Sequence[str] = (),
+    progress: Progress = lambda share, text: None,
+) -> Capture:
     """The body that the take shows, or its bare markers where they do not make one; raises StudioError."""
+    progress(0.0, f"Cleaning the markers of {take.trial.name}")
     take, guesses = _in_unit(take, options)
     there = _there(take)
     followed = None
     lacking = f"{', '.join(there.lacking()[:6])} and others are missing"
     if there.has_legs() or there.has_arms():
         take, followed, lacking = _believable(take, options, guesses)
+    progress(0.5, f"Finding the body of {take.trial.name}")
     capture = _cloud(take, lacking, options, guesses) if followed is None else _body(take, followed, options, guesses)
     if options.body_map and capture.body_map:
         capture = capture.with_body_map(options.body_map)
@@ -219,7 +227,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
     points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ AXES[up_axis].T
     frames = np.arange(trial.frame_count)
     for place in range(len(labels)):
-        seen = np.flatnonzero(np.isfinite(points[:, place]).all(axis=1))
+        seen = np.flatnonzero(whole(points[:, place]))
         for axis in range(3):
             points[:, place, axis] = np.interp(frames, seen, points[seen, place, axis])
     translations = np.concatenate([np.zeros((len(points), 1, 3)), points], axis=1)

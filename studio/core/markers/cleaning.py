@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.gaps import Gap, find_gaps, pattern_through, spline_through, stiffness
 from studio.core.markers.swaps import find_swaps, swapped
-from studio.core.markers.trial import MARKER, Trial
+from studio.core.markers.trial import MARKER, Trial, whole
 
 FloatArray = NDArray[np.float64]
 
@@ -193,7 +193,7 @@ def _places(trial: Trial) -> tuple[int, ...]:
 
 def _stretches(track: FloatArray) -> list[tuple[int, int]]:
     """(first, end) of what is seen without a gap."""
-    seen = np.isfinite(track).all(axis=1)
+    seen = whole(track)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
     return [(int(first), int(end)) for first, end in edges.reshape(-1, 2)]
 

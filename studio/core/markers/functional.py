@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.trial import whole
+
 FloatArray = NDArray[np.float64]
 
 _TRUST_IN_PRIOR = 0.03
@@ -14,15 +16,15 @@ def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     The mean shape is found by laying all frames over the first complete one (Kabsch 1976).
     """
-    whole = np.isfinite(markers).all(axis=(1, 2))
-    if not whole.any():
+    seen = whole(markers).all(axis=1)
+    if not seen.any():
         return np.full((len(markers), 3), np.nan), np.full((len(markers), 3, 3), np.nan)
-    shape = markers[whole][0] - markers[whole][0].mean(axis=0)
+    shape = markers[seen][0] - markers[seen][0].mean(axis=0)
     middles = markers.mean(axis=1)
     turns = np.full((len(markers), 3, 3), np.nan)
     for _ in range(2):
-        turns[whole] = _turns(shape, markers[whole] - middles[whole, None])
-        shape = np.mean(np.einsum("fji,fnj->fni", turns[whole], markers[whole] - middles[whole, None]), axis=0)
+        turns[seen] = _turns(shape, markers[seen] - middles[seen, None])
+        shape = np.mean(np.einsum("fji,fnj->fni", turns[seen], markers[seen] - middles[seen, None]), axis=0)
     return middles, turns
 
 
@@ -33,7 +35,7 @@ def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) 
     (F, 3), where the joint is by the look of the markers. NaN where a cluster is not seen.
     """
     (t1, r1), (t2, r2) = cluster_axes(upper), cluster_axes(lower)
-    seen = np.isfinite(t1).all(axis=1) & np.isfinite(t2).all(axis=1) & np.isfinite(usual).all(axis=1)
+    seen = whole(t1) & whole(t2) & whole(usual)
     if not seen.any():
         return np.full_like(usual, np.nan)
     rows = np.concatenate([r1[seen], -r2[seen]], axis=2).reshape(-1, 6)

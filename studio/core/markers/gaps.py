@@ -6,12 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.trial import whole
+
 FloatArray = NDArray[np.float64]
 
 _NEIGHBOURS = 6
 """Frames on each side that a spline goes through."""
 _DONORS = 4
 """Markers at most that carry another one through its gap."""
+_WITHIN = 64
+"""Frames on each side among which they are looked for."""
 _LOOKED_AT = 400
 """Frames that tell how stiff two markers hang together."""
 _STIFF = 0.02
@@ -34,7 +38,7 @@ class Gap:
 def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
     """The gaps of some of the points (F, P, 3), also those at the beginning and the end; none where never seen."""
     for place in places:
-        unseen = np.isnan(points[:, place]).any(axis=1)
+        unseen = ~whole(points[:, place])
         if unseen.all():
             continue
         edges = np.flatnonzero(np.diff(np.concatenate([[False], unseen, [False]]).astype(np.int8)))
@@ -49,13 +53,13 @@ def spline_through(points: FloatArray, gap: Gap) -> FloatArray | None:
     """
     from scipy.interpolate import CubicSpline  # slow to import, and most files have no markers
 
-    track = points[:, gap.place]
-    seen = np.flatnonzero(np.isfinite(track).all(axis=1))
+    start = max(0, gap.first - _WITHIN)
+    seen = start + np.flatnonzero(whole(points[start : gap.last + 1 + _WITHIN, gap.place]))
     before, after = seen[seen < gap.first][-_NEIGHBOURS:], seen[seen > gap.last][:_NEIGHBOURS]
     if len(before) < 2 or len(after) < 2:
         return None
     known = np.concatenate([before, after])
-    return np.asarray(CubicSpline(known, track[known])(np.arange(gap.first, gap.last + 1)))
+    return np.asarray(CubicSpline(known, points[known, gap.place])(np.arange(gap.first, gap.last + 1)))
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,7 @@ def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
     mean, spread = known.mean[gap.place], known.spread[gap.place]
     stiff = np.flatnonzero((mean > 0.01) & (spread < _STIFF))
     around = points[max(gap.first - 1, 0) : gap.last + 2, stiff]
-    stiff = stiff[np.isfinite(around).all(axis=(0, 2))]
+    stiff = stiff[whole(around).all(axis=0)]
     order = np.argsort(spread[stiff] + 0.02 * mean[stiff])  # of two that are as stiff the nearer one
     return _spread_out(points[gap.first - 1 if gap.first else gap.last + 1], stiff[order].tolist())
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.trial import whole
 from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
@@ -128,7 +129,7 @@ def _stored_hip(tracks: Tracks, centres: Tracks, side: str, usual: FloatArray) -
         return usual
     origin, pelvis = pelvis_frame(tracks)
     local = np.einsum("fji,fj->fi", pelvis, centres[f"{side}_hip"] - origin)
-    seen = local[np.isfinite(local).all(axis=1)]
+    seen = local[whole(local)]
     return np.asarray(np.median(seen, axis=0)) if len(seen) else usual
 
 

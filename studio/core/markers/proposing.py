@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import SIDES
-from studio.core.markers.trial import Trial
+from studio.core.markers.trial import Trial, whole
 
 FloatArray = NDArray[np.float64]
 
@@ -111,7 +111,7 @@ def _by_words(trial: Trial, subject: str) -> dict[tuple[str, str], list[_Marker]
     if not labels:
         return {}
     points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]]
-    seen = np.asarray(np.isfinite(points).all(axis=-1))
+    seen = whole(points)
     frame = int(np.argmax(seen.sum(axis=1)))
     found: dict[tuple[str, str], list[_Marker]] = defaultdict(list)
     for place, bare in enumerate(labels.values()):

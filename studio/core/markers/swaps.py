@@ -6,6 +6,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.trial import whole
+
 FloatArray = NDArray[np.float64]
 
 _JUMP = 0.025
@@ -57,7 +59,7 @@ def swapped(points: FloatArray, swaps: list[Swap]) -> FloatArray:
 
 def _suspects(track: FloatArray) -> list[int]:
     """Frames in which two markers at least are not where they were heading, or come back from a gap."""
-    seen = np.asarray(np.isfinite(track).all(axis=-1))
+    seen = whole(track)
     heading = 2.0 * track[1:-1] - track[:-2]
     off = np.linalg.norm(track[2:] - heading, axis=-1) > _JUMP
     back = seen[2:] & ~seen[1:-1]
@@ -70,7 +72,7 @@ def _expected(track: FloatArray, frame: int, frame_rate: float) -> FloatArray:
     start = max(0, frame - int(_LONGEST * frame_rate) - 2)
     window = track[start:frame]
     for place in range(track.shape[1]):
-        seen = np.flatnonzero(np.isfinite(window[:, place]).all(axis=1))
+        seen = np.flatnonzero(whole(window[:, place]))
         if len(seen) > 1 and seen[-1] - seen[-2] == 1:
             last, step = window[seen[-1], place], window[seen[-1], place] - window[seen[-2], place]
             expected[place] = last + step * (frame - start - seen[-1])

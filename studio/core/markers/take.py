@@ -11,7 +11,7 @@ from studio.core.markers.cleaning import USUAL_STEPS, Step, StepReport, clean
 from studio.core.markers.joint_centres import joint_centres
 from studio.core.markers.marker_map import MarkerMap, middles, role_markers, seen_labels, stored_centres
 from studio.core.markers.measures import Measures, find_measures, pelvis_frame
-from studio.core.markers.trial import MARKER, VIRTUAL, Trial
+from studio.core.markers.trial import MARKER, VIRTUAL, Trial, whole
 
 FloatArray = NDArray[np.float64]
 
@@ -69,7 +69,7 @@ def follow(take: MarkerTake) -> FollowedBody:
     if not seen.any():
         raise StudioError(f"'{trial.name}' has no frame in which its body is seen. Choose other markers for it.")
     first, end = int(np.argmax(seen)), len(seen) - int(np.argmax(seen[::-1]))
-    open_frames = ~np.all([np.isfinite(track).all(axis=1) for track in tracks.values()], axis=0) if tracks else ~seen
+    open_frames = ~np.all([whole(track) for track in tracks.values()], axis=0) if tracks else ~seen
     axes = _carrier_axes(tracks | stored, carrier)
     filled = {role: _closed_cluster(own[:end], axes[0][:end], axes[1][:end]) for role, own in markers.items()}
     centres = {joint: _closed(own[:end], axes[0][:end], axes[1][:end]) for joint, own in stored.items()}
@@ -115,7 +115,7 @@ def _seen(tracks: Mapping[str, FloatArray]) -> tuple[NDArray[np.bool_], tuple[st
     best: tuple[NDArray[np.bool_], tuple[str, ...]] = (np.zeros(1, dtype=bool), ())
     for roles in _CARRIERS:
         if all(role in tracks for role in roles):
-            seen = np.all([np.isfinite(tracks[role]).all(axis=1) for role in roles], axis=0)
+            seen = np.all([whole(tracks[role]) for role in roles], axis=0)
             if seen.any():
                 return np.asarray(seen), roles
     return best
@@ -147,14 +147,14 @@ def _closed_cluster(markers: FloatArray, origin: FloatArray, axes: FloatArray) -
 
 def _closed(track: FloatArray, origin: FloatArray, axes: FloatArray) -> FloatArray:
     """The track (F, 3) without gaps: straight from side to side, at the ends at rest, as seen from the pelvis."""
-    if np.isfinite(track).all():
+    if whole(track).all():
         return track
     local = np.einsum("fji,fj->fi", axes, track - origin)
     return np.asarray(origin + np.einsum("fij,fj->fi", axes, _held(local)))
 
 
 def _held(track: FloatArray) -> FloatArray:
-    seen = np.flatnonzero(np.isfinite(track).all(axis=1))
+    seen = np.flatnonzero(whole(track))
     if len(seen) in (0, len(track)):
         return track
     frames = np.arange(len(track))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254}
 """Metres a unit."""
@@ -124,11 +126,10 @@ class Trial:
         """Frames F."""
         return len(self.points)
 
-    @property
+    @cached_property
     def ever_seen(self) -> tuple[bool, ...]:
         """(P,) whether each point is seen in any frame."""
-        seen = np.asarray(np.isfinite(self.points).all(axis=-1))
-        return tuple(np.asarray(seen.any(axis=0)).tolist())
+        return tuple(np.asarray(whole(self.points).any(axis=0)).tolist())
 
     @property
     def metres(self) -> float:
@@ -163,6 +164,11 @@ class Trial:
     def with_points(self, points: FloatArray) -> "Trial":
         """The same trial with other coordinates (F, P, 3)."""
         return replace(self, points=points)
+
+
+def whole(points: FloatArray) -> BoolArray:
+    """Whether each of points (..., 3) was seen: several times faster than asking all three numbers one by one."""
+    return np.asarray(np.isfinite(points[..., 0] + points[..., 1] + points[..., 2]))
 
 
 def bare_label(label: str) -> str:
