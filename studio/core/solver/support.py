@@ -18,6 +18,8 @@ FloatArray = NDArray[np.float64]
 DIRECTIONS = 48
 SMOOTHING = 0.3
 """Seconds before and after over which an outline is averaged, so that it changes smoothly with every step."""
+EASING = 0.15
+"""Seconds before and after over which the way to an outline is averaged: the mass does not bounce off its edge."""
 BALL, REAR, TIP = 0.19, 0.13, 0.10
 """Radii of a sole at ball, heel and tip, as parts of its length (breadth of an adult's foot 0.38 of its length)."""
 HAND, KNEE, SEAT = 0.05, 0.05, 0.1
@@ -61,17 +63,10 @@ def outlines(
 
 def smoothed(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
     """Outlines (F, N) averaged over time, and (F,) in [0, 1] how much there is to stand on around each frame."""
-    half = max(1, round(SMOOTHING * frame_rate))
-    window = np.hanning(2 * half + 3)[1:-1]
-    stands = np.isfinite(areas[:, 0]).astype(np.float64)
-
-    def around(values: FloatArray) -> FloatArray:
-        return np.convolve(np.pad(values, half), window, mode="valid")
-
-    weight = around(stands)
-    totals = np.stack([around(column) for column in np.nan_to_num(areas).T], axis=1)
-    mean = totals / np.where(weight > 0.0, weight, np.nan)[:, None]
-    return mean, weight / around(np.ones(len(areas)))
+    stands = np.isfinite(areas[:, :1]).astype(np.float64)
+    weight = _around(stands, SMOOTHING, frame_rate)
+    mean = _around(np.nan_to_num(areas), SMOOTHING, frame_rate) / np.where(weight > 0.0, weight, np.nan)
+    return mean, weight[:, 0] / _around(np.ones((len(areas), 1)), SMOOTHING, frame_rate)[:, 0]
 
 
 def support_path(
@@ -85,17 +80,29 @@ def support_path(
 ) -> FloatArray:
     """(F, 3) where the centre of mass of a standing motion is to be in the frames of ``window``: over its support.
 
-    It is the nearest place of the smoothed outline; in flight, the motion's own.
+    It is led to the nearest place of the smoothed outline, smoothly where it meets its edge; in flight it is the
+    motion's own.
     """
-    half = max(1, round(SMOOTHING * frame_rate))
     first, stop, _ = window.indices(len(positions))
-    wide = slice(max(first - 2 * half, 0), min(stop + 2 * half, len(positions)))
+    reach = _half(SMOOTHING, frame_rate) + _half(EASING, frame_rate)
+    wide = slice(max(first - reach, 0), min(stop + reach, len(positions)))
     areas, presence = smoothed(outlines(positions[wide], rotations[wide], standing[:, wide], body, margin), frame_rate)
-    rows = slice(first - wide.start, stop - wide.start)
-    masses = mass_path(positions[window], body)
-    places = nearest_within(areas[rows], masses[:, :2])
-    masses[:, :2] += presence[rows, None] * np.nan_to_num(places - masses[:, :2])
-    return masses
+    masses = mass_path(positions[wide], body)
+    way = presence[:, None] * np.nan_to_num(nearest_within(areas, masses[:, :2]) - masses[:, :2])
+    masses[:, :2] += _around(way, EASING, frame_rate) / _around(np.ones((len(way), 1)), EASING, frame_rate)
+    return masses[first - wide.start : stop - wide.start]
+
+
+def _half(seconds: float, frame_rate: float) -> int:
+    """Frames to either side over which something is averaged."""
+    return max(1, round(seconds * frame_rate))
+
+
+def _around(values: FloatArray, seconds: float, frame_rate: float) -> FloatArray:
+    """(F, N) sums of ``values`` (F, N) under a Hann window of ``seconds`` to either side."""
+    half = _half(seconds, frame_rate)
+    window = np.hanning(2 * half + 3)[1:-1]
+    return np.stack([np.convolve(np.pad(column, half), window, mode="valid") for column in values.T], axis=1)
 
 
 def corners(areas: FloatArray) -> FloatArray:
