@@ -1,14 +1,11 @@
-"""What each constraint asks of one frame: places and rotations between the unsolved pose and the target.
-
-Kinds: see the constants. Arrays of C constraints, each with up to two ends (points of the body):
-``ends`` (C, 2, 3) point, segment, limb (-1 none) of each end, point -1 where there is none; ``offsets`` (C, 2, 3).
-"""
+"""What each constraint asks of one frame: places and rotations between the unsolved pose and the target."""
 
 import math
 
 from numba import njit
 
 from studio.core.kernels.body import body_point
+from studio.core.kernels.vectors import copy_point
 
 POSITION = 0
 ORIENTATION = 1
@@ -20,9 +17,9 @@ AREA = 5
 
 
 @njit(cache=True, nogil=True)
-def end_place(ends, offsets, c, end, pose, out_point):
-    """Where one end of a constraint is now, (3,)."""
-    body_point(ends[c, end, 0], ends[c, end, 1], offsets[c, end], pose[0], pose[1], out_point)
+def end_place(row, end, pose, out_point):
+    """Where one end of a constraint (a record of ``kernels.asked``) is now, (3,)."""
+    body_point(row.ends[end, 0], row.ends[end, 1], row.offsets[end], pose[0], pose[1], out_point)
 
 
 @njit(cache=True, nogil=True)
@@ -54,12 +51,12 @@ def part_to(first, second, distance, shares, out_goals):
 
 
 @njit(cache=True, nogil=True)
-def second_place(asked, goal, c, pose, out_point):
+def second_place(row, pose, out_point):
     """Where the other point of a distance is now, (3,): on the body, or the place outside."""
-    if asked[2][c, 1, 0] >= 0:
-        end_place(asked[2], asked[3], c, 1, pose, out_point)
+    if row.ends[1, 0] >= 0:
+        end_place(row, 1, pose, out_point)
     else:
-        out_point[:] = goal[0][c, 1]
+        copy_point(row.places[1], out_point)
 
 
 @njit(cache=True, nogil=True)

@@ -1,15 +1,27 @@
-"""The joints that a search may turn, and how each moves points of the body.
+"""The joints that a search may turn: how each moves points of the body, and the body posed from their turns.
 
-``joints`` (N, 4) holds, for each joint that any constraint's chain frees, the segment it turns, the point about which
-it turns, and the first and past the last of the segments that turn with it; segment -1 is the root's translation.
+``joints`` (N, 5) holds, for each joint that any constraint's chain frees, the segment it turns, the point about which
+it turns, the first and past the last of the segments that turn with it, and the segment that carries it (S none);
+segment -1 is the root's translation. ``slots`` (S + 1,) is the joint of each segment, of the root last, -1 for none.
+
+The state of a search is ``turned`` (N, 3): for each joint the Gibbs vector (axis times tan(angle / 2)) of its turn away
+from the motion, in the axes of the segment that carries it; for the root metres. ``brakes`` (N, 4) is the world axis
+of each joint's turn and the part of its mobility that is left about it: 1 until half of the limit, 0 at the limit, so
+that a limit is neared ever more slowly and nothing stops at once.
 """
+
+import math
 
 import numpy as np
 from numba import njit
 
 from studio.core.kernels.body import distal_range
+from studio.core.kernels.rotation import add_rotated, multiply
+from studio.core.kernels.vectors import copy_matrix
 
 ROOT = -1
+FREE_PART = 0.7
+"""Part of its limit that a joint turns freely; beyond it turns ever less."""
 
 
 @njit(cache=True, nogil=True)
@@ -22,15 +34,29 @@ def pivot_point(segment, spine_count):
 
 
 @njit(cache=True, nogil=True)
+def carrier_of(segment, spine_count):
+    """The segment that carries ``segment``; past the last one for root, pelvis and thighs (legs hang on ankles)."""
+    if segment <= 0:
+        return spine_count + 18
+    if segment < spine_count + 2:
+        return segment - 1
+    chain, bone = (segment - spine_count - 2) // 4, (segment - spine_count - 2) % 4
+    if bone > 0:
+        return segment - 1
+    return spine_count - 1 if chain < 2 else spine_count + 18
+
+
+@njit(cache=True, nogil=True)
 def joint_table(segments, spine_count):
-    """``joints`` (N, 4) for the given segments (N,), ROOT for the root's translation."""
-    table = np.empty((segments.shape[0], 4), np.int64)
+    """``joints`` (N, 5) for the given segments (N,), ROOT for the root's translation."""
+    table = np.empty((segments.shape[0], 5), np.int64)
     for joint in range(segments.shape[0]):
         segment = segments[joint]
         table[joint, 0] = segment
         table[joint, 1] = 0 if segment == ROOT else pivot_point(segment, spine_count)
         first, past, _, _ = distal_range(max(segment, 0), spine_count)
         table[joint, 2], table[joint, 3] = first, past
+        table[joint, 4] = carrier_of(segment, spine_count)
     return table
 
 
@@ -58,3 +84,112 @@ def add_turn_row(axis, arm, carrier, joints, row):
     for joint in range(joints.shape[0]):
         if joints[joint, 0] != ROOT and joints[joint, 2] <= carrier < joints[joint, 3]:
             row[joint, axis] += arm
+
+
+@njit(cache=True, nogil=True)
+def set_brakes(turned, joints, limits, carried, out_brakes):
+    """``brakes`` of all joints as they are turned."""
+    for k in range(joints.shape[0]):
+        out_brakes[k, 3] = 1.0
+        x, y, z = turned[k, 0], turned[k, 1], turned[k, 2]
+        size = math.sqrt(x * x + y * y + z * z)
+        if joints[k, 0] == ROOT or size <= FREE_PART * limits[k]:
+            continue
+        turn = carried[joints[k, 4]]
+        for axis in range(3):
+            out_brakes[k, axis] = (turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z) / size
+        out_brakes[k, 3] = max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0)
+
+
+@njit(cache=True, nogil=True)
+def brake(part, axis, vector):
+    """Shorten ``vector`` (3,) to ``part`` of itself along a unit ``axis`` (3,)."""
+    along = (part - 1.0) * (axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2])
+    vector[0] += along * axis[0]
+    vector[1] += along * axis[1]
+    vector[2] += along * axis[2]
+
+
+@njit(cache=True, nogil=True)
+def carry(segment, parent, turned, slots, start, scratch, carried, pose):
+    """Turn one segment by what carries it and by its own joint; ``carried`` (S + 1, 3, 3) the turns of all."""
+    joint = slots[segment]
+    x = y = z = 0.0
+    if joint >= 0:
+        x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
+    if x == 0.0 and y == 0.0 and z == 0.0:
+        copy_matrix(carried[parent], carried[segment])
+    else:
+        gibbs_matrix(x, y, z, scratch)
+        multiply(carried[parent], scratch, carried[segment])
+    multiply(carried[segment], start[1][segment], pose[1][segment])
+
+
+@njit(cache=True, nogil=True)
+def gibbs_matrix(x, y, z, out_matrix):
+    """Rotation (3, 3) of a Gibbs vector, axis times tan(angle / 2): no sine, no cosine."""
+    k = 2.0 / (1.0 + x * x + y * y + z * z)
+    out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = (
+        1.0 - k * (y * y + z * z),
+        k * (x * y - z),
+        k * (x * z + y),
+    )
+    out_matrix[1, 0], out_matrix[1, 1], out_matrix[1, 2] = (
+        k * (x * y + z),
+        1.0 - k * (x * x + z * z),
+        k * (y * z - x),
+    )
+    out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = (
+        k * (x * z - y),
+        k * (y * z + x),
+        1.0 - k * (x * x + y * y),
+    )
+
+
+@njit(cache=True, nogil=True)
+def carry_point(point, origin, segment, start, carried, positions):
+    """Put ``point`` where ``segment`` carries it from ``origin``, another point of that segment."""
+    first = start[0]
+    add_rotated(
+        positions[origin],
+        carried[segment],
+        first[point, 0] - first[origin, 0],
+        first[point, 1] - first[origin, 1],
+        first[point, 2] - first[origin, 2],
+        positions[point],
+    )
+
+
+@njit(cache=True, nogil=True)
+def carry_arm(side, turned, slots, start, scratch, carried, pose):
+    """Put an arm back as the motion has it in its clavicle, turned about its shoulder if that is free."""
+    spine_count = pose[0].shape[0] - 23
+    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    carry(upper, upper - 1, turned, slots, start, scratch, carried, pose)
+    carry_point(shoulder + 1, shoulder, upper, start, carried, pose[0])
+    for bone in range(1, 3):
+        multiply(carried[upper], start[1][upper + bone], pose[1][upper + bone])
+        carry_point(shoulder + bone + 1, shoulder, upper, start, carried, pose[0])
+
+
+@njit(cache=True, nogil=True)
+def carry_trunk(turned, slots, start, scratch, carried, pose):
+    """Root, spine, neck, head, clavicles and hips in one pass from root to tips; limbs are put back after.
+
+    ``start`` is the motion's own pose, ``pose`` the one being written, both (positions (P, 3), rotations (S, 3, 3)).
+    """
+    positions = pose[0]
+    spine_count = positions.shape[0] - 23
+    root = slots[slots.shape[0] - 1]
+    for axis in range(3):
+        positions[0, axis] = start[0][0, axis] + (turned[root, axis] if root >= 0 else 0.0)
+    for segment in range(spine_count + 2):
+        parent = segment - 1 if segment > 0 else spine_count + 18
+        carry(segment, parent, turned, slots, start, scratch, carried, pose)
+        carry_point(segment + 1, segment, segment, start, carried, positions)
+    for side in range(2):
+        collar, clavicle = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
+        carry_point(collar, spine_count, spine_count - 1, start, carried, positions)
+        carry(clavicle, spine_count - 1, turned, slots, start, scratch, carried, pose)
+        carry_point(collar + 1, collar, clavicle, start, carried, positions)
+        carry_point(spine_count + 13 + 5 * side, 0, 0, start, carried, positions)

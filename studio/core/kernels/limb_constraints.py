@@ -1,6 +1,7 @@
 """The constraints of one limb: the first exactly, the second by what freedom it leaves (K05 figure 11).
 
-``asked``, ``goal`` and ``pose`` are the tuples that ``kernels.constraints`` describes.
+``asked`` holds the records of ``kernels.asked``; ``grips`` (4,) is the constraint that holds the orientation of each
+limb's end segment, -1 for none; ``turns`` (4, 3, 3) and ``points`` (8, 3) are scratch.
 """
 
 import math
@@ -8,18 +9,16 @@ import math
 from numba import njit
 
 from studio.core.kernels.body import body_point, turn_part
-from studio.core.kernels.goals import AREA, ORIENTATION
+from studio.core.kernels.goals import AREA, ORIENTATION, end_place
+from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_range, bend_to, longest_reach, swivel_to
-from studio.core.kernels.rotation import multiply
+from studio.core.kernels.rotation import multiply_by_transposed
+from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 CLOSE_ENOUGH = 5e-5
 """Metres (or radians) of error that are left as they are."""
-
-
-@njit(cache=True, nogil=True)
-def distance(a, b):
-    """Metres between two points (3,)."""
-    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+LIMB_COMFORT = 0.985
+"""Part of its reach from which on a limb that nothing helps stretches ever less (``soft_reach``)."""
 
 
 @njit(cache=True, nogil=True)
@@ -32,127 +31,132 @@ def limb_indices(limb, spine_count):
 
 
 @njit(cache=True, nogil=True)
-def held_turn(limb, level, asked, goal, spine_count):
-    """The constraint that holds the orientation of a limb's end segment at this level, -1 if none."""
-    wanted = goal[4]
-    kinds, ranks, ends = asked[0], asked[1], asked[2]
-    _, upper = limb_indices(limb, spine_count)
-    for c in range(kinds.shape[0]):
-        if kinds[c] == ORIENTATION and wanted[c] and ranks[c] <= level and ends[c, 0, 1] == upper + 2:
-            return c
-    return -1
+def note_grips(level, asked, spine_count, out_grips):
+    """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,); the highest, -1 if none."""
+    for limb in range(4):
+        out_grips[limb] = -1
+    for c in range(asked.shape[0] - 1, -1, -1):
+        row = asked[c]
+        limb = row.ends[0, 2]
+        if row.kind == ORIENTATION and row.wanted == 1 and row.rank <= level and limb >= 0:
+            if row.ends[0, 1] == limb_indices(limb, spine_count)[1] + 2:
+                out_grips[limb] = c
 
 
 @njit(cache=True, nogil=True)
-def reach_of(limb, segment, holds_end, point, pose):
-    """Greatest distance from the root of its limb that ``point`` can have, in metres; of the end joint if held."""
+def range_of(limb, segment, holds_end, point, pose):
+    """(least, greatest) distance in metres that ``point`` can have from the root of its limb; of the end joint if held."""
     positions, rotations = pose
     root, upper = limb_indices(limb, positions.shape[0] - 23)
     if segment == upper:
-        return distance(point, positions[root])
-    reached = positions[root + 2] if holds_end and segment >= upper + 2 else point
-    return longest_reach(positions[root], positions[root + 1], rotations[upper, :, 0], reached)
+        span = distance(point, positions[root])
+        return span, span
+    hinge = rotations[upper, :, 0]
+    if holds_end and segment >= upper + 2:
+        c0, c1, _ = bend_range(positions[root], positions[root + 1], hinge, positions[root + 2])
+    else:
+        c0, c1, _ = bend_range(positions[root], positions[root + 1], hinge, point)
+    return math.sqrt(max(0.0, c0 - 2.0 * c1)), math.sqrt(max(0.0, c0 + 2.0 * c1))
 
 
 @njit(cache=True, nogil=True)
-def nearest_of(limb, segment, holds_end, point, pose):
-    """Least distance from the root of its limb that ``point`` can have, in metres; of the end joint if held."""
-    positions, rotations = pose
-    root, upper = limb_indices(limb, positions.shape[0] - 23)
-    if segment == upper:
-        return distance(point, positions[root])
-    reached = positions[root + 2] if holds_end and segment >= upper + 2 else point
-    c0, c1, _ = bend_range(positions[root], positions[root + 1], rotations[upper, :, 0], reached)
-    return math.sqrt(max(0.0, c0 - 2.0 * c1))
-
-
-@njit(cache=True, nogil=True)
-def solve_limb(limb, level, asked, goal, turn, pose):
-    """All constraints of one limb down to ``level``, in order; ``turn`` (2, 3, 3) is scratch."""
-    kinds, engaged = asked[0], goal[5]
-    ranks, ends, offsets, freedoms = asked[1], asked[2], asked[3], asked[5]
-    places, wanted = goal[0], goal[4]
+def solve_limb(limb, level, asked, grips, turns, points, pose):
+    """All constraints of one limb down to ``level``, in order."""
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
-    turning = held_turn(limb, level, asked, goal, spine_count)
-    if turning >= 0:
-        multiply(goal[1][turning], rotations[upper + 2].T, turn[0])
-        turn_part(turn[0], upper + 2, spine_count, positions[root + 2], positions, rotations)
-    first, point = turn[1, 0], turn[1, 1]
+    turning = grips[limb] >= 0 and asked[grips[limb]].wanted == 1
+    if turning:
+        multiply_by_transposed(asked[grips[limb]].turn, rotations[upper + 2], turns[0])
+        turn_part(turns[0], upper + 2, spine_count, positions[root + 2], positions, rotations)
+    first, point = points[2], points[3]
     solved, held_upper = 0, False
-    for c in range(ranks.shape[0]):
-        if not wanted[c] or ranks[c] > level or (kinds[c] == AREA and not engaged[c]):
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.wanted != 1 or row.rank > level or (row.kind == AREA and not row.engaged):
             continue
-        if kinds[c] == ORIENTATION:
-            if ends[c, 0, 2] == limb and ends[c, 0, 1] != upper + 2:
-                multiply(goal[1][c], rotations[ends[c, 0, 1]].T, turn[0])
-                pivot = positions[root + ends[c, 0, 1] - upper]
-                turn_part(turn[0], ends[c, 0, 1], spine_count, pivot, positions, rotations)
+        if row.kind == ORIENTATION:
+            segment = row.ends[0, 1]
+            if row.ends[0, 2] == limb and segment < upper + 2:
+                multiply_by_transposed(row.turn, rotations[segment], turns[0])
+                turn_part(turns[0], segment, spine_count, positions[root + segment - upper], positions, rotations)
                 solved += 2
             continue
         for end in range(2):
-            if ends[c, end, 2] != limb:
+            if row.ends[end, 2] != limb:
                 continue
-            target, segment = places[c, end], ends[c, end, 1]
-            body_point(ends[c, end, 0], segment, offsets[c, end], positions, rotations, point)
-            free = freedoms[c, end, 0] > 0.0
-            if not free and freedoms[c, end, 1] == 0.0:
+            segment, free, target = row.ends[end, 1], row.freedoms[end, 0] > 0.0, row.places[end]
+            if not free and row.freedoms[end, 1] == 0.0:
                 continue
+            end_place(row, end, pose, point)
             if free and solved == 0:
                 held_upper = segment == upper
-                holds_end = limb >= 2 or turning >= 0
-                reach_with_limb(ends[c, end], offsets[c, end], target, holds_end, point, turn[0], pose)
+                reach_with_limb(row, end, limb >= 2 or turning, turns, points, pose)
             elif free and solved == 1 and held_upper:
-                aim_at(target, point, upper + 1, spine_count, positions[root + 1], turn[0], positions, rotations)
+                aim_at(target, point, upper + 1, spine_count, positions[root + 1], turns[0], positions, rotations)
             elif free and solved == 1:
-                swivel_to(target, point, first, upper, spine_count, positions[root], turn[0], positions, rotations)
-            body_point(ends[c, end, 0], segment, offsets[c, end], positions, rotations, point)
-            if freedoms[c, end, 1] > 0.0 and segment > upper + 1 and turning < 0:
-                aim_end(freedoms[c, end, 1], target, point, root + 2, upper + 2, turn[0], pose)
+                swivel_to(target, point, first, upper, spine_count, positions[root], turns[0], positions, rotations)
+            end_place(row, end, pose, point)
+            if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not turning:
+                aim_end(row.freedoms[end, 1], target, point, root + 2, upper + 2, turns[0], points[4], pose)
             if solved == 0:
-                body_point(ends[c, end, 0], segment, offsets[c, end], positions, rotations, first)
+                end_place(row, end, pose, first)
             solved += 1
 
 
 @njit(cache=True, nogil=True)
-def reach_with_limb(end, offset, target, holds_end, point, turn, pose):
+def reach_with_limb(row, end, holds_end, turns, points, pose):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
     A foot, or a hand whose orientation is held, keeps its orientation in the world; else it goes with the limb.
+    ``points[3]`` is the point; it moves along.
     """
     positions, rotations = pose
+    limb, segment = row.ends[end, 2], row.ends[end, 1]
     spine_count = positions.shape[0] - 23
-    root, upper = limb_indices(end[2], spine_count)
-    if not holds_end:
-        if end[1] != upper:
-            bend_to(distance(target, positions[root]), upper, spine_count, root, point, turn, positions, rotations)
-            body_point(end[0], end[1], offset, positions, rotations, point)
-        aim_at(target, point, upper, spine_count, positions[root], turn, positions, rotations)
-        return
-    tip, tip_point, past = upper + 2, root + 2, 2 if end[2] >= 2 else 1
-    goal = target.copy()
-    turned = rotations[tip : tip + past].copy()
-    beyond = positions[tip_point + 1 : tip_point + 1 + past] - positions[tip_point]
-    if end[1] >= tip:
-        goal -= point - positions[tip_point]
-        point[:] = positions[tip_point]
-    if end[1] != upper:
-        bend_to(distance(goal, positions[root]), upper, spine_count, root, point, turn, positions, rotations)
-        if end[1] >= tip:
-            point[:] = positions[tip_point]
+    root, upper = limb_indices(limb, spine_count)
+    tip, point, goal = root + 2, points[3], points[4]
+    copy_point(row.places[end], goal)
+    past = 2 if limb >= 2 else 1
+    if holds_end:
+        for other in range(past):
+            copy_matrix(rotations[upper + 2 + other], turns[1 + other])
+            for axis in range(3):
+                points[5 + other, axis] = positions[tip + 1 + other, axis] - positions[tip, axis]
+        if segment >= upper + 2:
+            for axis in range(3):
+                goal[axis] -= point[axis] - positions[tip, axis]
+            copy_point(positions[tip], point)
+    if segment != upper:
+        span = comfortable(row, end, distance(goal, positions[root]))
+        bend_to(span, upper, spine_count, root, point, turns[0], positions, rotations)
+        if holds_end and segment >= upper + 2:
+            copy_point(positions[tip], point)
         else:
-            body_point(end[0], end[1], offset, positions, rotations, point)
-    aim_at(goal, point, upper, spine_count, positions[root], turn, positions, rotations)
-    rotations[tip : tip + past] = turned
-    positions[tip_point + 1 : tip_point + 1 + past] = positions[tip_point] + beyond
+            body_point(row.ends[end, 0], segment, row.offsets[end], positions, rotations, point)
+    aim_at(goal, point, upper, spine_count, positions[root], turns[0], positions, rotations)
+    if holds_end:
+        for other in range(past):
+            copy_matrix(turns[1 + other], rotations[upper + 2 + other])
+            for axis in range(3):
+                positions[tip + 1 + other, axis] = positions[tip, axis] + points[5 + other, axis]
 
 
 @njit(cache=True, nogil=True)
-def aim_end(weight, target, point, joint, end, turn, pose):
+def comfortable(row, end, span):
+    """How far a limb stretches for a place ``span`` metres from its root: as far as agreed, or softly if alone."""
+    if row.helped:
+        return min(span, row.reaches[end])
+    longest = row.longest[end]
+    return longest * soft_reach(span / longest, row.comforts[end]) if longest > 0.0 else span
+
+
+@njit(cache=True, nogil=True)
+def aim_end(weight, target, point, joint, end, turn, goal, pose):
     """Turn hand or foot about its joint so that its point faces the target, ``weight`` times the whole way."""
     if distance(point, target) < CLOSE_ENOUGH:
         return
     positions, rotations = pose
-    goal = point + weight * (target - point)
+    for axis in range(3):
+        goal[axis] = point[axis] + weight * (target[axis] - point[axis])
     aim_at(goal, point, end, positions.shape[0] - 23, positions[joint], turn, positions, rotations)

@@ -1,16 +1,15 @@
 """Limbs put where their constraints want them, and how well each constraint holds then.
 
-``asked``, ``goal``, ``held``, ``body`` and ``pose`` are the tuples that ``kernels.constraints`` describes; ``work`` is
-the one of ``kernels.constraints.solve_frame``.
+``asked``, ``areas``, ``chain``, ``body``, ``work``, ``start`` and ``pose`` are what ``kernels.constraints`` describes.
 """
 
 import math
 
-import numpy as np
 from numba import njit
 
 from studio.core.kernels.areas import nearest_allowed
 from studio.core.kernels.balance import centre_of_mass, segment_centres
+from studio.core.kernels.body import turn_part
 from studio.core.kernels.goals import (
     AREA,
     BALANCE,
@@ -23,176 +22,178 @@ from studio.core.kernels.goals import (
     part_to,
     second_place,
 )
+from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix
 from studio.core.kernels.legs import place_leg
-from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, distance, limb_indices, solve_limb
-from studio.core.kernels.rotation import add_rotated, matrix_to_rotation_vector, multiply, shortest_arc
+from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
+from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, multiply_by_transposed, shortest_arc
+from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 ENGAGED = 1e-6
 """Metres into a forbidden area from which on a point counts as in it."""
+AGAIN = 3
+"""Times that limbs are placed once more because a point entered an area or a distance was not shared well."""
 
 
 @njit(cache=True, nogil=True)
-def note_arms(asked, goal, body, pose):
-    """Remember how constrained arms lie in their clavicles, so that they can be put back before each reach."""
-    kinds, ends, wanted = asked[0], asked[2], goal[4]
-    positions, rotations = pose
-    spine_count = positions.shape[0] - 23
-    for side in range(2):
-        used = False
-        for c in range(kinds.shape[0]):
-            used = used or (wanted[c] and (ends[c, 0, 2] == side or ends[c, 1, 2] == side))
-        if not used:
-            continue
-        shoulder, upper = limb_indices(side, spine_count)
-        carrier = rotations[upper - 1]
-        for bone in range(3):
-            multiply(carrier.T, rotations[upper + bone], body[5][side, bone])
-            place = positions[shoulder + 1 + bone] - positions[shoulder]
-            for axis in range(3):
-                body[6][side, bone, axis] = (
-                    carrier[0, axis] * place[0] + carrier[1, axis] * place[1] + carrier[2, axis] * place[2]
-                )
+def carry_body(chain, body, work, start, pose):
+    """The whole body where the joints' state carries it: trunk in one pass, arms in their clavicles, legs on ankles."""
+    carry_trunk(work[3][0], chain[2], start, work[7][3], work[2], pose)
+    for limb in range(4):
+        put_back(limb, chain, body, work, start, pose)
 
 
 @njit(cache=True, nogil=True)
-def reset_limb(limb, body, pose):
-    """Put a limb back as the unsolved pose has it: arms in their clavicles, legs on their ankles."""
-    positions, rotations = pose
-    spine_count = positions.shape[0] - 23
-    if limb >= 2:
-        channels, comforts, ankles, feet, toes, scratch = body[4]
-        side = limb - 2
-        place_leg(
-            channels, body[0], side, comforts[side], ankles[side], feet[side], toes[side], scratch, positions, rotations
-        )
+def put_back(limb, chain, body, work, start, pose):
+    """One limb as the unsolved pose has it: arms in their clavicles, legs on their ankles."""
+    slots, turned, turn = chain[2], work[3][0], work[7][3]
+    if limb < 2:
+        carry_arm(limb, turned, slots, start, turn, work[2], pose)
         return
-    shoulder, upper = limb_indices(limb, spine_count)
-    for bone in range(3):
-        multiply(rotations[upper - 1], body[5][limb, bone], rotations[upper + bone])
-        place = body[6][limb, bone]
-        add_rotated(
-            positions[shoulder],
-            rotations[upper - 1],
-            place[0],
-            place[1],
-            place[2],
-            positions[shoulder + 1 + bone],
-        )
+    positions, rotations = pose
+    channels, comforts, ankles, feet, toes, scratch = body[3]
+    side = limb - 2
+    spine_count = positions.shape[0] - 23
+    thigh = spine_count + 10 + 4 * side
+    joint = slots[thigh]
+    if slots[slots.shape[0] - 1] < 0 and slots[0] < 0 and joint < 0:
+        copy_leg(side, start, pose)
+        return
+    place_leg(
+        channels, body[0], side, comforts[side], ankles[side], feet[side], toes[side], scratch, positions, rotations
+    )
+    if joint < 0:
+        return
+    x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
+    if x != 0.0 or y != 0.0 or z != 0.0:
+        gibbs_matrix(x, y, z, turn)
+        turn_part(turn, thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
 
 
 @njit(cache=True, nogil=True)
-def place_limbs(first_level, level, asked, goal, body, work, pose):
-    """Every limb with a constraint from ``first_level`` on: put back and solved down to ``level``.
+def copy_leg(side, start, pose):
+    """One leg as the motion has it, where nothing moves its hip."""
+    spine_count = pose[0].shape[0] - 23
+    for bone in range(5):
+        point = spine_count + 13 + 5 * side + bone
+        copy_point(start[0][point], pose[0][point])
+    for bone in range(4):
+        segment = spine_count + 10 + 4 * side + bone
+        copy_matrix(start[1][segment], pose[1][segment])
+
+
+@njit(cache=True, nogil=True)
+def place_limbs(level, asked, areas, chain, body, work, start, pose):
+    """Every limb with a constraint down to ``level``, solved from where the body carries it.
 
     Once more where a point ends in an area that it may not be in, or a distance is not shared well.
     """
-    wanted, engaged = goal[4], goal[5]
-    kinds, ranks, ends = asked[0], asked[1], asked[2]
     busy, moving = 0, False
-    for c in range(kinds.shape[0]):
-        if wanted[c] and ranks[c] <= level:
-            moving = moving or kinds[c] == DISTANCE or kinds[c] == AREA or kinds[c] == LOOK_AT
-            engaged[c] = False
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.wanted == 1 and row.rank <= level:
+            moving = moving or row.kind == DISTANCE or row.kind == AREA or row.kind == LOOK_AT
+            row.engaged = 0
             for end in range(2):
-                if ends[c, end, 2] >= 0 and (ranks[c] >= first_level or kinds[c] == AREA or kinds[c] == DISTANCE):
-                    busy |= 1 << ends[c, end, 2]
-    again = True
-    for attempt in range(4):
-        for limb in range(4):
-            if again and busy >> limb & 1:
-                reset_limb(limb, body, pose)
+                if row.ends[end, 2] >= 0:
+                    busy |= 1 << row.ends[end, 2]
+    for attempt in range(1 + AGAIN):
         if moving:
-            follow(level, asked, goal, work, pose)
+            follow(level, asked, areas, work, pose)
         for limb in range(4):
             if busy >> limb & 1:
-                solve_limb(limb, level, asked, goal, work[5], pose)
-        again = moving and engage(level, asked, goal, pose)
-        if not again and not (moving and attempt < 3 and falls_short(level, asked, goal, body, work, pose)):
+                solve_limb(limb, level, asked, work[4], work[7], work[5], pose)
+        if not moving or attempt == AGAIN:
+            return
+        if engage(level, asked, areas, work[5], pose):
+            for limb in range(4):
+                if busy >> limb & 1:
+                    put_back(limb, chain, body, work, start, pose)
+        elif not falls_short(level, asked, areas, body, work, pose):
             return
 
 
 @njit(cache=True, nogil=True)
-def follow(level, asked, goal, work, pose):
+def follow(level, asked, areas, work, pose):
     """Goals that depend on where things are now: both ends of distances, areas, the line of sight (METHOD 5)."""
-    places, distances, wanted, engaged = goal[0], goal[3], goal[4], goal[5]
-    kinds, ranks, ends, offsets = asked[0], asked[1], asked[2], asked[3]
-    points = np.empty((2, 3))
-    for c in range(kinds.shape[0]):
-        if not wanted[c] or ranks[c] > level:
+    points, turn = work[5], work[7][0]
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.wanted != 1 or row.rank > level:
             continue
-        if kinds[c] == DISTANCE:
-            end_place(ends, offsets, c, 0, pose, points[0])
-            second_place(asked, goal, c, pose, points[1])
-            part_to(points[0], points[1], distances[c], goal[2][c], places[c])
-        elif kinds[c] == LOOK_AT:
-            rotation = pose[1][ends[c, 0, 1]]
-            end_place(ends, offsets, c, 0, pose, points[0])
-            gaze_goal(places[c, 1], places[c, 0], points[0], distances[c], points[1])
+        if row.kind == DISTANCE:
+            end_place(row, 0, pose, points[0])
+            second_place(row, pose, points[1])
+            part_to(points[0], points[1], row.distance, row.shares, row.places)
+        elif row.kind == LOOK_AT:
+            rotation = pose[1][row.ends[0, 1]]
+            end_place(row, 0, pose, points[0])
+            gaze_goal(row.places[1], row.places[0], points[0], row.distance, points[1])
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
-            shortest_arc(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z, work[5][0])
-            multiply(work[5][0], rotation, goal[1][c])
-        elif kinds[c] == AREA and not engaged[c]:
-            engage_one(c, asked, goal, points, pose)
+            shortest_arc(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z, turn)
+            multiply(turn, rotation, row.turn)
+        elif row.kind == AREA and not row.engaged:
+            engage_one(c, asked, areas, points, pose)
 
 
 @njit(cache=True, nogil=True)
-def falls_short(level, asked, goal, body, work, pose):
+def falls_short(level, asked, areas, body, work, pose):
     """Whether a distance is missed because one of its limbs could not do its share: then the other does more."""
-    kinds, ranks, wanted = asked[0], asked[1], goal[4]
-    short = False
-    for c in range(kinds.shape[0]):
-        if kinds[c] == DISTANCE and wanted[c] and ranks[c] <= level:
-            short = short or miss_of(c, asked, goal, body, work, pose) > CLOSE_ENOUGH
-    return short
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.kind == DISTANCE and row.wanted == 1 and row.rank <= level:
+            if miss_of(c, asked, areas, body, work, pose) > CLOSE_ENOUGH:
+                return True
+    return False
 
 
 @njit(cache=True, nogil=True)
-def engage(level, asked, goal, pose):
+def engage(level, asked, areas, points, pose):
     """Areas whose points are where they may not be after all else was solved; True when there are new ones."""
-    kinds, ranks, wanted, engaged = asked[0], asked[1], goal[4], goal[5]
     found = False
-    points = np.empty((2, 3))
-    for c in range(kinds.shape[0]):
-        if kinds[c] == AREA and wanted[c] and ranks[c] <= level and not engaged[c]:
-            found = engage_one(c, asked, goal, points, pose) or found
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.kind == AREA and row.wanted == 1 and row.rank <= level and not row.engaged:
+            found = engage_one(c, asked, areas, points, pose) or found
     return found
 
 
 @njit(cache=True, nogil=True)
-def engage_one(c, asked, goal, points, pose):
+def engage_one(c, asked, areas, points, pose):
     """Engage one area if its point is where it may not be: the goal is the nearest place where it may."""
-    places, distances, engaged = goal[0], goal[3], goal[5]
-    end_place(asked[2], asked[3], c, 0, pose, points[0])
-    if nearest_allowed(asked[8][c], points[0], points[1]) > ENGAGED:
-        engaged[c] = True
-        ease_goal(points[0], points[1], distances[c], places[c, 0])
-    return engaged[c]
+    row = asked[c]
+    end_place(row, 0, pose, points[0])
+    if nearest_allowed(areas[c], points[0], points[1]) > ENGAGED:
+        row.engaged = 1
+        ease_goal(points[0], points[1], row.distance, row.places[0])
+        return True
+    return False
 
 
 @njit(cache=True, nogil=True)
-def miss_of(c, asked, goal, body, work, pose):
+def miss_of(c, asked, areas, body, work, pose):
     """By how much a constraint is missed now: metres, or radians for an orientation or a look."""
-    places, distances, engaged = goal[0], goal[3], goal[5]
-    kinds, ends, offsets = asked[0], asked[2], asked[3]
-    point, other = work[5][1, 0], work[5][1, 1]
-    if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
-        turn_error(goal[1][c], pose[1][ends[c, 0, 1]], work[5][0], point)
+    row, point, other = asked[c], work[5][0], work[5][1]
+    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+        turn_error(row.turn, pose[1][row.ends[0, 1]], work[7][0], point)
         return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
-    if kinds[c] == BALANCE:
+    if row.kind == BALANCE:
         segment_centres(body[1], pose[0], work[6])
         centre_of_mass(body[1], work[6], point)
-        return math.hypot(point[0] - places[c, 0, 0], point[1] - places[c, 0, 1])
-    end_place(ends, offsets, c, 0, pose, point)
-    if kinds[c] == DISTANCE:
-        second_place(asked, goal, c, pose, other)
-        return abs(distance(point, other) - distances[c])
-    if kinds[c] == AREA and not engaged[c]:
-        return distances[c] * nearest_allowed(asked[8][c], point, other)
-    return distance(point, places[c, 0])
+        squared = 0.0
+        for axis in range(row.axes):
+            squared += (point[axis] - row.places[0, axis]) ** 2
+        return math.sqrt(squared)
+    end_place(row, 0, pose, point)
+    if row.kind == DISTANCE:
+        second_place(row, pose, other)
+        return abs(distance(point, other) - row.distance)
+    if row.kind == AREA and not row.engaged:
+        return row.distance * nearest_allowed(areas[c], point, other)
+    return distance(point, row.places[0])
 
 
 @njit(cache=True, nogil=True)
 def turn_error(wanted, now, turn, out_vector):
-    """Rotation vector (3,) in radians that turns ``now`` to ``wanted`` (3, 3)."""
-    multiply(wanted, now.T, turn)
+    """Rotation vector (3,) in radians that turns ``now`` to ``wanted`` (3, 3); ``turn`` (3, 3) is scratch."""
+    multiply_by_transposed(wanted, now, turn)
     matrix_to_rotation_vector(turn, out_vector)

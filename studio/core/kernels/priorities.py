@@ -1,95 +1,338 @@
 """Strict priorities over the whole body: each level is solved with all levels above it held.
 
-One step asks every row at once. A row is a direction in which a point (or the centre of mass, or a turn) is to move
-and by how much; with J_rk how joint k moves row r and w_rk the mobility that the row's constraint gives it, the step
-is x_k = sum_r w_rk J_rk y_r where M y = e and M_qr = sum_k w_rk J_qk . J_rk. Rows stand in order of priority and are
-eliminated in that order without exchange: what lower rows add is taken into account by every higher one, and a row
-that those above have used up is damped away (METHOD 10, "one block Cholesky over stacked levels").
+A row is a direction in which a point (or the centre of mass, or a turn) is to move and by how much; J_rk is how joint k
+moves row r, w_rk the mobility that the row's constraint gives it, and M_qr = sum_k w_rk J_qk . J_rk. Rows that are
+held come first: y_h = M_hh^-1 e_h keeps them. A row that asks moves joints along x_r = w_r J_r less what held rows
+take back, so that to the first order nothing that is held moves. Among those ways Newton's step on half the sum of
+squared errors is taken: (A^T A + H) y = A^T e with A_qr = J_q . x_r and H_qr = sum_c e_c . d2(x_q, x_r), the second
+derivatives of what is pulled (``rows.bent_away``). Gauss' step, without H, swings where nothing gets nearer; and one
+damping for all ways is too much for some of them and too little for others (METHOD 10).
+
+Some held rows are bounds, as what planted feet allow the root: they let go as long as the step keeps them.
 """
 
 import math
 
 from numba import njit
 
-from studio.core.kernels.body import move_all, turn_part
-from studio.core.kernels.joints import ROOT
-from studio.core.kernels.rotation import rotation_vector_to_matrix
+from studio.core.kernels.joints import ROOT, brake
+from studio.core.kernels.pulls import BOUND, bent_away
+from studio.core.kernels.stance import keep_feet_in_reach
+from studio.core.kernels.vectors import weighted_product
 
 LONGEST_ERROR = 0.3
 """Metres (or radians) of error answered in one step."""
-HELD_DAMPING = 1e-7
-SINGULAR = 1e-4
-"""Pivot below which a row is taken to be spoken for by those above it."""
+LONGEST_STEP = 0.25
+"""Metres, a radian counting half a one, that a step moves anything."""
+SINGULAR = 3e-3
+"""Part of itself that must be left of the pivot of a held row, or it is taken to be spoken for by others."""
+SPOKEN_FOR = 0.2
+"""The same of a row that asks."""
+FEW = 6
+"""Rows that ask, up to which the second derivatives of every pair are looked at, and not of each alone."""
 
 
 @njit(cache=True, nogil=True)
-def take_step(rows, errors, owners, held_count, row_count, mobilities, joints, damping, limits, turned, scratch, pose):
-    """Turn all joints and move the root towards what the rows ask; False when nothing can move.
+def find_step(held, count, ask, chain, carried, turned, solving, body, start, positions):
+    """How all joints are to turn and the root to move towards what the rows ask: the way (N, 3) in ``solving``.
 
-    ``rows`` (R, N, 3), ``errors`` (R,), ``owners`` (R,) constraint of each row (C for the feet's own); the first
-    ``held_count`` belong to higher levels; ``mobilities`` (C + 1, N); ``joints`` (N, 4); ``limits`` (N,) radians that
-    each joint may turn in all, ``turned`` (N, 3) what it has turned so far; ``scratch`` the tuple (matrix, turn).
+    ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
+    (R, 8), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints, slots, limits)
+    and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2), newton (R, R + 1),
+    active (R,), answer (R,), ways (R + 2, N, 3) of which the last is the
+    step, levers (R, R)).
     """
-    matrix, turn = scratch
-    positions, rotations = pose
-    count = joints.shape[0]
-    movable = False
-    for i in range(row_count):
+    rows, errors, owners, roles, brakes, _, rooms = ask
+    mobilities, joints, slots, _ = chain
+    matrix, active, way = solving[0], solving[3], solving[5][-1]
+    stiffen_rows(count, rows, brakes)
+    for i in range(count):
         weights = mobilities[owners[i]]
-        for j in range(row_count):
-            total = 0.0
-            for k in range(count):
-                if weights[k] != 0.0:
-                    total += weights[k] * (
-                        rows[i, k, 0] * rows[j, k, 0] + rows[i, k, 1] * rows[j, k, 1] + rows[i, k, 2] * rows[j, k, 2]
-                    )
-            matrix[j, i] = total
-        movable = movable or (i >= held_count and matrix[i, i] > 1e-9)
-        matrix[i, row_count] = min(max(errors[i], -LONGEST_ERROR), LONGEST_ERROR)
-    if not movable:
-        return False
-    eliminate(matrix, held_count, row_count, damping)
-    spine_count = positions.shape[0] - 23
-    for k in range(count):
-        x, y, z = 0.0, 0.0, 0.0
-        for i in range(row_count):
-            share = mobilities[owners[i], k] * matrix[i, row_count]
-            x, y, z = x + share * rows[i, k, 0], y + share * rows[i, k, 1], z + share * rows[i, k, 2]
-        if x == 0.0 and y == 0.0 and z == 0.0:
-            continue
-        if joints[k, 0] == ROOT:
-            move_all(x, y, z, positions)
-        else:
-            limited_turn(x, y, z, limits[k], turned[k], turn)
-            turn_part(turn, joints[k, 0], spine_count, positions[joints[k, 1]], positions, rotations)
-    return True
+        for j in range(count):
+            matrix[j, i] = weighted_product(rows[j], rows[i], weights)
+        active[i] = roles[i] != BOUND
+    solve_rows(held, count, ask, chain, solving, positions)
+    first = catch_bounds(held, count, errors, rooms, solving)
+    if first >= 0:
+        solve_rows(held, count, ask, chain, solving, positions)
+        second = catch_bounds(held, count, errors, rooms, solving)
+        if second >= 0:
+            solve_rows(held, count, ask, chain, solving, positions)
+            if solving[4][first] < 0.0:
+                active[first] = False
+                solve_rows(held, count, ask, chain, solving, positions)
+    root = slots[slots.shape[0] - 1]
+    if root >= 0:
+        keep_feet_in_reach(body, start, carried, turned[root], way[root])
 
 
 @njit(cache=True, nogil=True)
-def eliminate(matrix, held_count, count, damping):
-    """Solve matrix (n, n + 1) in place by elimination in order; the answer stands in the last column."""
+def stiffen_rows(count, rows, brakes):
+    """A joint near its limit answers less: the root of what its brake leaves goes into the rows, the root again into
+    the step.
+    """
+    for k in range(brakes.shape[0]):
+        if brakes[k, 3] < 1.0:
+            part = math.sqrt(brakes[k, 3])
+            for row in range(count):
+                brake(part, brakes[k], rows[row, k])
+
+
+@njit(cache=True, nogil=True)
+def solve_rows(held, count, ask, chain, solving, positions):
+    """The step of all joints with the active rows, along their ways."""
+    rows, errors, owners, _, brakes, _, _ = ask
+    mobilities, joints = chain[0], chain[1]
+    _, system, _, active, answer, ways, _ = solving
+    kept = solve_held(held, count, errors, solving)
+    for j in range(held, count):
+        way_of(held, j, kept, rows, owners, mobilities, brakes, solving, ways[j])
+    solve_own(held, count, kept, ask, joints, solving, positions)
+    place = 0
+    for i in range(held):
+        answer[i] = 0.0
+        if active[i]:
+            answer[i] = system[place, kept]
+            for j in range(held, count):
+                answer[i] -= system[place, kept + 1 + j - held] * answer[j]
+            place += 1
+    step = ways[ways.shape[0] - 1]
+    for k in range(step.shape[0]):
+        x, y, z = 0.0, 0.0, 0.0
+        for i in range(count):
+            share = mobilities[owners[i], k] * answer[i]
+            x, y, z = x + share * rows[i, k, 0], y + share * rows[i, k, 1], z + share * rows[i, k, 2]
+        step[k, 0], step[k, 1], step[k, 2] = x, y, z
+        if brakes[k, 3] < 1.0:
+            brake(math.sqrt(brakes[k, 3]), brakes[k], step[k])
+
+
+@njit(cache=True, nogil=True)
+def solve_held(held, count, errors, solving):
+    """What keeps the active held rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the rows a that ask; how many."""
+    matrix, system, _, active, _, _, _ = solving
+    kept = 0
+    for i in range(held):
+        if not active[i]:
+            continue
+        column = 0
+        for j in range(held):
+            if active[j]:
+                system[kept, column] = matrix[i, j]
+                column += 1
+        system[kept, column] = min(max(errors[i], -LONGEST_ERROR), LONGEST_ERROR)
+        for j in range(held, count):
+            system[kept, column + 1 + j - held] = matrix[i, j]
+        kept += 1
+    columns, place = kept + 1 + count - held, 0
+    for i in range(held):
+        if active[i]:
+            system[place, columns] = matrix[i, i]
+            place += 1
+    eliminate(system, kept, columns)
+    return kept
+
+
+@njit(cache=True, nogil=True)
+def eliminate(system, count, columns):
+    """Solve ``system`` (n, columns + 1) in place by elimination in order for all of its right sides.
+
+    The last column is what each pivot was before.
+    """
     for i in range(count):
-        pivot = matrix[i, i] + (HELD_DAMPING if i < held_count else damping)
-        inverse = pivot / (pivot * pivot + SINGULAR * SINGULAR)
-        matrix[i, i] = inverse
+        pivot, floor = system[i, i], SINGULAR * system[i, columns]
+        inverse = pivot / (pivot * pivot + floor * floor + 1e-24)
+        system[i, i] = inverse
         for j in range(i + 1, count):
-            factor = matrix[j, i] * inverse
+            factor = system[j, i] * inverse
+            if factor != 0.0:
+                for column in range(i + 1, columns):
+                    system[j, column] -= factor * system[i, column]
+    for i in range(count - 1, -1, -1):
+        for column in range(count, columns):
+            value = system[i, column]
+            for j in range(i + 1, count):
+                value -= system[i, j] * system[j, column]
+            system[i, column] = value * system[i, i]
+
+
+@njit(cache=True, nogil=True)
+def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
+    """Along which (N, 3) a row that asks moves the joints: its own levers less what held rows take back."""
+    system, active = solving[1], solving[3]
+    for k in range(out_way.shape[0]):
+        share = mobilities[owners[j], k]
+        x, y, z = share * rows[j, k, 0], share * rows[j, k, 1], share * rows[j, k, 2]
+        place = 0
+        for i in range(held):
+            if active[i]:
+                share = -mobilities[owners[i], k] * system[place, kept + 1 + j - held]
+                x, y, z = x + share * rows[i, k, 0], y + share * rows[i, k, 1], z + share * rows[i, k, 2]
+                place += 1
+        out_way[k, 0], out_way[k, 1], out_way[k, 2] = x, y, z
+        if brakes[k, 3] < 1.0:
+            brake(math.sqrt(brakes[k, 3]), brakes[k], out_way[k])
+
+
+@njit(cache=True, nogil=True)
+def solve_own(held, count, kept, ask, joints, solving, positions):
+    """Newton's step among the ways of the rows that ask, into ``answer``."""
+    errors = ask[1]
+    matrix, system, newton, active, answer, _, levers = solving
+    own = count - held
+    for i in range(own):
+        answer[held + i] = min(max(errors[held + i], -LONGEST_ERROR), LONGEST_ERROR)
+        for j in range(own):
+            levers[i, j] = matrix[held + i, held + j]
+        place = 0
+        for h in range(held):
+            if active[h]:
+                lever = matrix[held + i, h]
+                answer[held + i] -= lever * system[place, kept]
+                for j in range(own):
+                    levers[i, j] -= lever * system[place, kept + 1 + j]
+                place += 1
+    for i in range(own):
+        newton[i, own] = 0.0
+        for q in range(own):
+            newton[i, own] += levers[q, i] * answer[held + q]
+        for j in range(own):
+            along = 0.0
+            for q in range(own):
+                along += levers[q, i] * levers[q, j]
+            newton[i, j] = along
+    add_curvature(held, count, kept, ask, joints, solving, positions)
+    solve_positive(newton, own, matrix, answer, held)
+
+
+@njit(cache=True, nogil=True)
+def add_curvature(held, count, kept, ask, joints, solving, positions):
+    """Add H to the normal equations: what pulls, and what bounds push back with, times how each way bends from it.
+
+    A bound pushes with mu = -M_hh^-1 M_ha e (the multiplier of its Lagrangian). What would bend towards its goal is left
+    out, so that the equations stay positive.
+    """
+    errors, roles, pulls = ask[1], ask[3], ask[5]
+    system, newton, active, ways = solving[1], solving[2], solving[3], solving[5]
+    place = 0
+    for q in range(count):
+        push = 1.4
+        if q < held:
+            if not active[q]:
+                continue
+            place += 1
+            if roles[q] != BOUND:
+                continue
+            push = 0.0
+            for j in range(held, count):
+                push -= system[place - 1, kept + 1 + j - held] * min(max(errors[j], -LONGEST_ERROR), LONGEST_ERROR)
+        if push > 0.0 and pulls[q, 7] >= 0.0:
+            bend(push, pulls[q], count - held, ways[held:], joints, newton, system[-1], positions)
+
+
+@njit(cache=True, nogil=True)
+def bend(push, pull, own, ways, joints, newton, alone, positions):
+    """Add the second derivatives of one pull along every way, and for few rows along every pair; ``alone`` is scratch."""
+    both = ways[ways.shape[0] - 2]
+    for i in range(own):
+        alone[i] = max(push * bent_away(pull, ways[i], joints, positions)[1], 0.0)
+        newton[i, i] += alone[i]
+    if own > FEW:
+        return
+    for i in range(own):
+        for j in range(i):
+            if alone[i] == 0.0 or alone[j] == 0.0:
+                continue
+            for k in range(both.shape[0]):
+                for axis in range(3):
+                    both[k, axis] = 0.25 * (ways[i, k, axis] + ways[j, k, axis])
+            together = bent_away(pull, both, joints, positions)[1]
+            for k in range(both.shape[0]):
+                for axis in range(3):
+                    both[k, axis] -= 0.5 * ways[j, k, axis]
+            pair = push * 4.0 * (together - bent_away(pull, both, joints, positions)[1])
+            most = 0.9 * math.sqrt(alone[i] * alone[j])
+            pair = min(max(pair, -most), most)
+            newton[i, j] += pair
+            newton[j, i] += pair
+
+
+@njit(cache=True, nogil=True)
+def solve_positive(newton, count, matrix, answer, first):
+    """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``.
+
+    No pivot sinks below what is left of a row when it is spoken for.
+    """
+    for i in range(count):
+        floor = SPOKEN_FOR * matrix[first + i, first + i]
+        pivot = max(newton[i, i], 0.0) + floor * floor + 1e-15
+        newton[i, i] = pivot
+        for j in range(i + 1, count):
+            factor = newton[j, i] / pivot
             if factor != 0.0:
                 for column in range(i + 1, count + 1):
-                    matrix[j, column] -= factor * matrix[i, column]
+                    newton[j, column] -= factor * newton[i, column]
     for i in range(count - 1, -1, -1):
-        value = matrix[i, count]
+        value = newton[i, count]
         for j in range(i + 1, count):
-            value -= matrix[i, j] * matrix[j, count]
-        matrix[i, count] = value * matrix[i, i]
+            value -= newton[i, j] * answer[first + j]
+        answer[first + i] = value / newton[i, i]
 
 
 @njit(cache=True, nogil=True)
-def limited_turn(x, y, z, limit, turned, out_turn):
-    """The rotation (3, 3) of a rotation vector, as far as ``limit`` radians in all allow; ``turned`` (3,) adds up."""
-    wx, wy, wz = turned[0] + x, turned[1] + y, turned[2] + z
-    total = math.sqrt(wx * wx + wy * wy + wz * wz)
-    if total > limit:
-        wx, wy, wz = wx * limit / total, wy * limit / total, wz * limit / total
-    rotation_vector_to_matrix(wx - turned[0], wy - turned[1], wz - turned[2], out_turn)
-    turned[0], turned[1], turned[2] = wx, wy, wz
+def catch_bounds(held, count, errors, rooms, solving):
+    """Make the bound active that the step would break most; its row, -1 for none.
+
+    A bound with room is soft: it brakes over that room, so that nothing stops from one frame to the next.
+    """
+    matrix, active, answer = solving[0], solving[3], solving[4]
+    caught, most, braking = -1, 1e-9, 0.0
+    for i in range(held):
+        if active[i]:
+            continue
+        after, room = errors[i], min(rooms[i], max(-errors[i], 0.0))
+        for j in range(count):
+            after -= matrix[i, j] * answer[j]
+        if after + room > most:
+            caught, most, braking = i, after + room, room
+    if caught >= 0:
+        active[caught] = True
+        if braking > 0.0:
+            errors[caught] += braking * math.exp(-most / braking)
+    return caught
+
+
+@njit(cache=True, nogil=True)
+def move_joints(part, chain, carried, way, turned):
+    """Add a part of the step to the state of every joint, less where that is too long; the longest way in metres."""
+    _, joints, _, limits = chain
+    longest = 0.0
+    for k in range(joints.shape[0]):
+        size = math.sqrt(way[k, 0] ** 2 + way[k, 1] ** 2 + way[k, 2] ** 2)
+        longest = max(longest, size if joints[k, 0] == ROOT else 0.5 * size)
+    scale = min(part, LONGEST_STEP / max(longest, 1e-9))
+    for k in range(joints.shape[0]):
+        x, y, z = scale * way[k, 0], scale * way[k, 1], scale * way[k, 2]
+        if joints[k, 0] == ROOT:
+            turned[k, 0] += x
+            turned[k, 1] += y
+            turned[k, 2] += z
+        elif x != 0.0 or y != 0.0 or z != 0.0:
+            turn_further(x, y, z, carried[joints[k, 4]], limits[k], turned[k])
+    return scale * longest
+
+
+@njit(cache=True, nogil=True)
+def turn_further(x, y, z, carrier, limit, turned):
+    """Compose a small turn in world axes with a joint's Gibbs vector: g' = (t + g + t x g) / (1 - t . g), limited."""
+    tx = 0.5 * (carrier[0, 0] * x + carrier[1, 0] * y + carrier[2, 0] * z)
+    ty = 0.5 * (carrier[0, 1] * x + carrier[1, 1] * y + carrier[2, 1] * z)
+    tz = 0.5 * (carrier[0, 2] * x + carrier[1, 2] * y + carrier[2, 2] * z)
+    gx, gy, gz = turned[0], turned[1], turned[2]
+    scale = 1.0 / max(1.0 - (tx * gx + ty * gy + tz * gz), 0.2)
+    nx = scale * (tx + gx + ty * gz - tz * gy)
+    ny = scale * (ty + gy + tz * gx - tx * gz)
+    nz = scale * (tz + gz + tx * gy - ty * gx)
+    size = math.sqrt(nx * nx + ny * ny + nz * nz)
+    scale = limit / size if size > limit else 1.0
+    turned[0], turned[1], turned[2] = scale * nx, scale * ny, scale * nz

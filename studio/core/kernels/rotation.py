@@ -42,6 +42,18 @@ def multiply_transposed(first, second, out_matrix):
 
 
 @njit(cache=True, nogil=True)
+def multiply_by_transposed(first, second, out_matrix):
+    """Matrix product first @ second^T (3, 3): the turn from second to first; ``out_matrix`` is neither of them."""
+    for row in range(3):
+        for column in range(3):
+            out_matrix[row, column] = (
+                first[row, 0] * second[column, 0]
+                + first[row, 1] * second[column, 1]
+                + first[row, 2] * second[column, 2]
+            )
+
+
+@njit(cache=True, nogil=True)
 def add_rotated(origin, matrix, x, y, z, out_point):
     """Point origin + matrix @ (x, y, z), all (3,)."""
     for axis in range(3):

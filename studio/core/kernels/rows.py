@@ -1,165 +1,203 @@
 """What each constraint asks of the joints in one step: rows for ``kernels.priorities``.
 
-``asked``, ``goal``, ``held``, ``body`` and ``pose`` are the tuples that ``kernels.constraints`` describes; ``work`` is
-the one of ``kernels.constraints.solve_frame``.
+``asked``, ``chain``, ``body``, ``work`` and ``pose`` are what ``kernels.constraints`` describes.
 """
 
 import math
 
-import numpy as np
 from numba import njit
 
-from studio.core.kernels import layout as at
 from studio.core.kernels.balance import add_balance_row, centre_of_mass, segment_centres
-from studio.core.kernels.body import move_all
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
-from studio.core.kernels.limb_constraints import distance, held_turn, limb_indices
+from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
 from studio.core.kernels.placing import turn_error
+from studio.core.kernels.priorities import LONGEST_ERROR
+from studio.core.kernels.pulls import ASK, BOUND, HOLD, note_pull
+from studio.core.kernels.stance import leash_of
+from studio.core.kernels.vectors import copy_point, distance
 
-SWEEPS = 12
-"""Times both legs may pull the root back into their reach."""
 TURN_ARM = 0.3
 """Metres that count as one radian where both are weighed together."""
+MISSED = 2e-3
+"""Metres of miss from which on the root of a limb that falls short is held by levels below."""
 
 
 @njit(cache=True, nogil=True)
-def aimed_at(c, end, holds_end, upper, root, asked, goal, point, pose):
-    """Where the limb itself must bring what it bends: the goal, or the wrist's or ankle's part of it.
-
-    ``point`` (3,) is the constrained point; it becomes the point that the limb moves there.
-    """
-    ends, places = asked[2], goal[0]
-    aimed = places[c, end].copy()
-    if holds_end and ends[c, end, 1] >= upper + 2:
-        aimed -= point - pose[0][root + 2]
-        point[:] = pose[0][root + 2]
-    return aimed
+def add_feet_rows(owner, count, chain, body, ask, start, positions):
+    """Bounds of both legs: their hips go no further from the ankles than the leash. The new number of rows."""
+    ankles = body[3][2]
+    spine_count = positions.shape[0] - 23
+    for side in range(2):
+        if body[2][side] == math.inf:
+            continue
+        point = spine_count + 13 + 5 * side
+        hip, ankle = positions[point], ankles[side]
+        length, room = leash_of(side, body, start)
+        span = max(distance(hip, ankle), 1e-9)
+        begin_row(ask, count, owner, span - length)
+        ask[3][count], ask[6][count] = BOUND, room
+        x, y, z = (ankle[0] - hip[0]) / span, (ankle[1] - hip[1]) / span, (ankle[2] - hip[2]) / span
+        note_pull(ask[5][count], x, y, z, span, hip, 0)
+        add_point_row(hip, x, y, z, 0, chain[1], positions, ask[0][count])
+        count += 1
+    return count
 
 
 @njit(cache=True, nogil=True)
-def add_rows(c, is_held, count, asked, goal, held, body, work, pose):
+def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
     """Rows of one constraint, towards its goal or, when held, towards what it has; the new number of rows."""
-    places, engaged = goal[0], goal[5]
-    kinds, ends, offsets, freedoms = asked[0], asked[2], asked[3], asked[5]
-    rows, errors, owners = work[0], work[1], work[2]
-    positions, rotations = pose
-    joints = asked[7]
-    first, vector, point = count, np.empty(3), np.empty(3)
-    if kinds[c] == AREA and not engaged[c]:
+    ask, grips, points = work[0], work[4], work[5]
+    row = asked[c]
+    first = count
+    if row.kind == AREA and not row.engaged:
         return count
-    if kinds[c] == ORIENTATION or kinds[c] == LOOK_AT:
-        if ends[c, 0, 2] >= 0:
-            return count
-        target = held[2][c] if is_held else goal[1][c]
-        turn_error(target, rotations[ends[c, 0, 1]], work[5][0], vector)
-        for axis in range(3):
-            begin_row(rows, errors, owners, count, c, TURN_ARM * vector[axis])
-            add_turn_row(axis, TURN_ARM, ends[c, 0, 1], joints, rows[count])
-            count += 1
-    elif kinds[c] == BALANCE:
-        segment_centres(body[1], positions, work[6])
-        centre_of_mass(body[1], work[6], point)
-        for axis in range(2):
-            target_xy = held[1][c, 0, axis] if is_held else places[c, 0, axis]
-            begin_row(rows, errors, owners, count, c, target_xy - point[axis])
-            add_balance_row(axis, body[1], work[6], joints, positions, rows[count])
-            count += 1
+    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+        count = add_turn_rows(row, owner, is_held, count, ask, chain, work[7][0], points[0], pose)
+    elif row.kind == BALANCE:
+        count = add_balance_rows(row, owner, is_held, count, ask, chain, body, work[6], points[0], pose[0])
     else:
         for end in range(2):
-            if ends[c, end, 0] < 0:
+            if row.ends[end, 0] < 0:
                 continue
-            if ends[c, end, 2] >= 0 and freedoms[c, end, 0] > 0.0:
-                count = add_reach_row(c, end, is_held, count, asked, goal, held, work, pose)
-            elif kinds[c] != DISTANCE:
-                end_place(ends, offsets, c, end, pose, point)
-                target = held[1][c, end] if is_held else places[c, end]
-                for axis in range(3):
-                    begin_row(rows, errors, owners, count, c, target[axis] - point[axis])
-                    x, y, z = axis == 0, axis == 1, axis == 2
-                    add_point_row(point, 1.0 * x, 1.0 * y, 1.0 * z, ends[c, end, 1], joints, positions, rows[count])
-                    count += 1
-    scale = math.sqrt(asked[6][c])
-    if scale != 1.0:
-        for row in range(first, count):
-            rows[row] *= scale
-            errors[row] *= scale
-    return count
-
-
-@njit(cache=True, nogil=True)
-def begin_row(rows, errors, owners, count, c, error):
-    """Start an empty row."""
-    rows[count] = 0.0
-    errors[count], owners[count] = error, c
-
-
-@njit(cache=True, nogil=True)
-def add_reach_row(c, end, is_held, count, asked, goal, held, work, pose):
-    """The row of a limb as a link of variable length: its root nears the goal by what the limb falls short."""
-    ends, offsets = asked[2], asked[3]
-    positions, _ = pose
-    spine_count = positions.shape[0] - 23
-    limb = ends[c, end, 2]
-    root, upper = limb_indices(limb, spine_count)
-    holds_end = limb >= 2 or held_turn(limb, 1 << 30, asked, goal, spine_count) >= 0
-    point = np.empty(3)
-    end_place(ends, offsets, c, end, pose, point)
-    aimed = aimed_at(c, end, holds_end, upper, root, asked, goal, point, pose)
-    span = max(distance(aimed, positions[root]), 1e-9)
-    error = span - min(max(span, work[10][c, end]), work[9][c, end])
-    if error == 0.0 and (not is_held or work[10][c, end] + 1e-4 < span < work[9][c, end] - 1e-4):
-        return count
+            if row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0:
+                count = add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, pose)
+            elif row.kind != DISTANCE:
+                count = add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose)
     if is_held:
-        error = math.copysign(max(abs(error) - held[0][c], 0.0), error)
-    begin_row(work[0], work[1], work[2], count, c, error)
-    x, y, z = aimed[0] - positions[root, 0], aimed[1] - positions[root, 1], aimed[2] - positions[root, 2]
-    carrier = 0 if limb >= 2 else upper - 1
-    add_point_row(positions[root], x / span, y / span, z / span, carrier, asked[7], positions, work[0][count])
-    return count + 1
-
-
-@njit(cache=True, nogil=True)
-def feet_rows(asked, body, rows, errors, owners, positions):
-    """Rows of legs stretched to the end of their leash: their hips go no further. The number of rows."""
-    kinds = asked[0]
-    measures, leashes, legs = body[0], body[3], body[4]
-    spine_count = positions.shape[0] - 23
-    count = 0
-    for side in range(2):
-        if leashes[side] == np.inf:
-            continue
-        hip, ankle = positions[spine_count + 13 + 5 * side], legs[2][side]
-        length = leashes[side] * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
-        span = distance(hip, ankle)
-        if span > length - 1e-5:
-            x, y, z = (ankle[0] - hip[0]) / span, (ankle[1] - hip[1]) / span, (ankle[2] - hip[2]) / span
-            begin_row(rows, errors, owners, count, kinds.shape[0], span - length)
-            add_point_row(hip, x, y, z, 0, asked[7], positions, rows[count])
-            count += 1
+        for other in range(first, count):
+            ask[3][other] = max(ask[3][other], HOLD)
+    elif row.weight != 1.0:
+        scale = math.sqrt(row.weight)
+        for other in range(first, count):
+            ask[1][other] *= scale
+            for joint in range(ask[0].shape[1]):
+                for axis in range(3):
+                    ask[0][other, joint, axis] *= scale
     return count
 
 
 @njit(cache=True, nogil=True)
-def keep_feet_in_reach(body, positions):
-    """Bring the root back to where every ankle is within its leg's leash, in turns (METHOD 7)."""
-    measures, leashes, legs = body[0], body[3], body[4]
-    spine_count = positions.shape[0] - 23
-    for _ in range(SWEEPS):
-        moved = False
-        for side in range(2):
-            if leashes[side] == np.inf:
-                continue
-            hip, ankle = positions[spine_count + 13 + 5 * side], legs[2][side]
-            length = leashes[side] * (measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1])
-            span = distance(hip, ankle)
-            if span > length + 1e-6:
-                moved, share = True, (span - length) / span
-                move_all(
-                    share * (ankle[0] - hip[0]),
-                    share * (ankle[1] - hip[1]),
-                    share * (ankle[2] - hip[2]),
-                    positions,
-                )
-        if not moved:
-            return
+def begin_row(ask, count, owner, error):
+    """Start an empty row that asks."""
+    rows, errors, owners, roles, _, pulls, rooms = ask
+    pulls[count, 7] = -1.0
+    for joint in range(rows.shape[1]):
+        rows[count, joint, 0] = rows[count, joint, 1] = rows[count, joint, 2] = 0.0
+    errors[count], owners[count], roles[count], rooms[count] = error, owner, ASK, 0.0
+
+
+@njit(cache=True, nogil=True)
+def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
+    """Three rows that turn a segment of the trunk; a limb's own segments are turned in closed form."""
+    if row.ends[0, 2] >= 0:
+        return count
+    segment = row.ends[0, 1]
+    turn_error(row.kept_turn if is_held else row.turn, pose[1][segment], turn, vector)
+    for axis in range(3):
+        begin_row(ask, count, owner, TURN_ARM * vector[axis])
+        add_turn_row(axis, TURN_ARM, segment, chain[1], ask[0][count])
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def add_balance_rows(row, owner, is_held, count, ask, chain, body, centres, point, positions):
+    """Two rows that move the centre of mass over the ground, or three."""
+    segment_centres(body[1], positions, centres)
+    centre_of_mass(body[1], centres, point)
+    for axis in range(row.axes):
+        wanted = row.kept_places[0, axis] if is_held else row.places[0, axis]
+        begin_row(ask, count, owner, wanted - point[axis])
+        add_balance_row(axis, body[1], centres, chain[1], positions, ask[0][count])
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
+    """Three rows that bring a point of the trunk, or of a limb that is not free, to its place."""
+    point = points[0]
+    end_place(row, end, pose, point)
+    wanted = row.kept_places[end] if is_held else row.places[end]
+    segment = row.ends[end, 1]
+    x, y, z = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2]
+    first = count
+    count = add_point_rows(point, segment, x, y, z, owner, count, ask, chain, pose[0])
+    note_pull(ask[5][first], x, y, z, 0.0, point, segment)
+    return count
+
+
+@njit(cache=True, nogil=True)
+def add_point_rows(point, segment, x, y, z, owner, count, ask, chain, positions):
+    """Three rows that move a point by (x, y, z)."""
+    for axis in range(3):
+        begin_row(ask, count, owner, x if axis == 0 else (y if axis == 1 else z))
+        along_x, along_y = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0
+        along_z = 1.0 if axis == 2 else 0.0
+        add_point_row(point, along_x, along_y, along_z, segment, chain[1], positions, ask[0][count])
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def aim_limb(row, end, is_held, holds_end, points, pose):
+    """Where the limb itself must bring what it bends: the goal, or the wrist's or ankle's part of it, as (x, y, z).
+
+    ``points[0]`` becomes the point that the limb moves there.
+    """
+    wanted = row.kept_places[end] if is_held else row.places[end]
+    root, upper = limb_indices(row.ends[end, 2], pose[0].shape[0] - 23)
+    point, tip = points[0], pose[0][root + 2]
+    end_place(row, end, pose, point)
+    x, y, z = wanted[0], wanted[1], wanted[2]
+    if holds_end and row.ends[end, 1] >= upper + 2:
+        x, y, z = x + tip[0] - point[0], y + tip[1] - point[1], z + tip[2] - point[2]
+        copy_point(tip, point)
+    return x, y, z
+
+
+@njit(cache=True, nogil=True)
+def add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, pose):
+    """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6).
+
+    Held, it is a bound: the root may go wherever the limb still reaches; if the limb falls short, it stays.
+    """
+    positions = pose[0]
+    limb = row.ends[end, 2]
+    root, upper = limb_indices(limb, positions.shape[0] - 23)
+    carrier = 0 if limb >= 2 else upper - 1
+    shoulder = positions[root]
+    ax, ay, az = aim_limb(row, end, is_held, limb >= 2 or grips[limb] >= 0, points, pose)
+    x, y, z = ax - shoulder[0], ay - shoulder[1], az - shoulder[2]
+    span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
+    x, y, z = x / span, y / span, z / span
+    reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
+    if not is_held:
+        error = span - min(max(span, fold), reach)
+        if error == 0.0:
+            return count
+        begin_row(ask, count, owner, error)
+        add_point_row(shoulder, x, y, z, carrier, chain[1], positions, ask[0][count])
+        pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
+        along = math.copysign(span, error)
+        note_pull(ask[5][count], pull * x, pull * y, pull * z, along, shoulder, carrier)
+        return count + 1
+    if row.kept_miss > CLOSE_ENOUGH:
+        held = min(row.kept_miss / MISSED, 1.0)
+        kept, first = row.kept_roots[end], count
+        x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
+        count = add_point_rows(shoulder, carrier, x, y, z, owner, count, ask, chain, positions)
+        note_pull(ask[5][first], x, y, z, 0.0, shoulder, carrier)
+        for other in range(first, count):
+            ask[1][other] *= held
+            for joint in range(ask[0].shape[1]):
+                for axis in range(3):
+                    ask[0][other, joint, axis] *= held
+        return count
+    side = 1.0 if reach - span < span - fold else -1.0
+    begin_row(ask, count, owner, span - reach if side > 0.0 else fold - span)
+    ask[3][count] = BOUND
+    note_pull(ask[5][count], side * x, side * y, side * z, side * span, shoulder, carrier)
+    add_point_row(shoulder, side * x, side * y, side * z, carrier, chain[1], positions, ask[0][count])
+    return count + 1

@@ -23,8 +23,8 @@ from studio.core.solver.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.chains import free_joints, segment_masses
 from studio.core.solver.following import next_guess, point_track
 from studio.core.solver.footing import Footing, find_footing, leashes
-from studio.core.solver.holding import held_points, placed_above, release_hands
-from studio.core.solver.packing import is_pair, limb_of, pack, point_indices
+from studio.core.solver.holding import held_points, place_above, release_hands
+from studio.core.solver.packing import in_order, is_pair, limb_of, pack, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.settling import Arms, settle
 from studio.core.solver.support import mass_path, standing_points, support_path
@@ -156,37 +156,37 @@ def _solve(
     motion, body = standing.motion, standing.morphology
     times = np.arange(motion.frame_count)[window] / motion.frame_rate
     held = held_points(standing.holds, body, standing.positions, standing.rotations) if bound.by_contacts else []
-    everything = [*(each.constraint for each in held), *constraints]
-    activations = constraint_activations(constraints, standing.contacts, motion)[:, window]
+    order = in_order(constraints)
+    everything = [*(each.constraint for each in held), *(constraints[c] for c in order)]
+    activations = constraint_activations(everything[len(held) :], standing.contacts, motion)[:, window]
     leash = (
         leashes(standing.footing, motion.frame_rate)[:, window]
         if bound.by_contacts
         else np.full((2, len(times)), np.inf)
     )
-    joints = free_joints([constraint.chain for constraint in everything], body.layout)
-    targets = Targets(times, tracks, lambda: mass_path(positions, body.still))
-    asked, wishes = pack(everything, joints, body.layout, targets)
+    rows = pack(everything, body.layout, Targets(times, tracks, lambda: mass_path(positions, body.still)))
     if held:
-        asked, wishes = placed_above(asked, wishes, held, window)
+        place_above(rows, held, window)
         stands = np.array([each.standing[window] for each in held])
         activations = np.concatenate([stands & (activations > 0.0).any(axis=0), activations])
+    joints = free_joints([constraint.chain for constraint in everything], rows.asked["rank"], body.layout)
     misses = np.full((len(everything), len(positions)), np.nan)
     solve_frames(
-        asked,
-        wishes,
+        rows.asked,
+        rows.areas,
+        joints.arrays if bound.by_limits else joints.without_limits.arrays,
+        rows.wishes,
         np.ascontiguousarray(activations, dtype=np.float64),
         np.ascontiguousarray(leash),
         (motion.channels[window], *_legs(standing.footing, window)),
-        (
-            at_frames(body.rows, window),
-            segment_masses(body.layout),
-            joints.limits if bound.by_limits else joints.limits + np.inf,
-        ),
+        (at_frames(body.rows, window), segment_masses(body.layout)),
+        standing.positions[window],
+        standing.rotations[window],
         misses,
         positions,
         rotations,
     )
-    residuals[:] = misses[len(held) :]
+    residuals[order] = misses[len(held) :]
     if standing.arms is not None:
         rate, channels = motion.frame_rate, motion.channels[window]
         release_hands(standing.arms, standing.holds, body, channels, rate, window, positions, rotations)

@@ -1,7 +1,7 @@
 """How far each joint may help a constraint: its chain in the words of the solver."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,31 +22,50 @@ PELVIS_LIMIT, VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.5, 0.35, 0.7
 
 @dataclass(frozen=True, eq=False)
 class FreeJoints:
-    """The joints that any of some chains frees: ``joints`` (N, 4) as ``kernels.joints``, ``mobilities`` (C + 1, N) what
-    each chain makes of them (the last row is that of the planted feet), ``limits`` (N,) radians each may turn in all.
+    """The joints that any of some chains frees, as ``kernels.joints`` takes them: ``mobilities`` (C + L, N) what each
+    chain makes of them and each level any of its own, ``joints`` (N, 5), ``slots`` (S + 1,), ``limits`` (N,) the
+    tan of half the angle that each may turn in all.
     """
 
-    joints: NDArray[np.int64]
     mobilities: FloatArray
+    joints: NDArray[np.int64]
+    slots: NDArray[np.int64]
     limits: FloatArray
 
+    @property
+    def arrays(self) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64], FloatArray]:
+        return self.mobilities, self.joints, self.slots, self.limits
 
-def free_joints(chains: Sequence[Chain], layout: BodyLayout) -> FreeJoints:
-    """Pelvis, spine, clavicles, neck, head and the root's translation, as far as ``chains`` free them."""
+    @property
+    def without_limits(self) -> "FreeJoints":
+        return replace(self, limits=np.full_like(self.limits, np.inf))
+
+
+def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyLayout) -> FreeJoints:
+    """Pelvis, spine, clavicles, neck, head and the root's translation, as far as ``chains`` free them.
+
+    ``ranks`` (C,) is the level of each chain's constraint.
+    """
     k = layout.spine_count
-    segments = [*range(k), k + 2, k + 6, k, k + 1, ROOT]
-    limits = [PELVIS_LIMIT, *[VERTEBRA_LIMIT] * (k - 1), *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2, np.inf]
-    weights = np.zeros((len(chains) + 1, len(segments)))
-    for row, chain in zip(weights, chains, strict=False):
+    segments = np.array([*range(k), k + 2, k + 6, k, k + 1, ROOT])
+    limits = [PELVIS_LIMIT, *[VERTEBRA_LIMIT] * (k - 1), *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2, np.pi / 2]
+    weights = np.zeros((len(chains), len(segments)))
+    for row, chain in zip(weights, chains, strict=True):
         row[1:k] = chain.trunk
         row[k : k + 2] = CLAVICLE_MOBILITY * chain.clavicle
         row[k + 2] = max(chain.limb, chain.clavicle)
         row[k + 3] = max(chain.limb, chain.end_segment)
         row[k + 4] = ROOT_MOBILITY * chain.root
-    weights[-1, -1] = weights[:-1, -1].max(initial=0.0)
     free = weights.any(axis=0)
-    table = joint_table(np.array(segments)[free], k)
-    return FreeJoints(table, np.ascontiguousarray(weights[:, free]), np.array(limits)[free])
+    levels = [weights[ranks == level].max(axis=0) for level in range(ranks.max(initial=-1) + 1)]
+    slots = np.full(layout.segment_count + 1, -1)
+    slots[segments[free]] = np.arange(free.sum())
+    return FreeJoints(
+        np.ascontiguousarray(np.array([*weights, *levels])[:, free]),
+        joint_table(segments[free], k),
+        slots,
+        np.tan(0.5 * np.array(limits))[free],
+    )
 
 
 def segment_masses(layout: BodyLayout) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +18,10 @@ from studio.core.kernels.carrying import place_arms
 from studio.core.morphology import AnyMorphology, at_frames
 from studio.core.solver.carrying import Hold, track_of
 from studio.core.solver.footing import freedom
+from studio.core.solver.packing import Rows
 from studio.core.solver.settling import Arms
 
 FloatArray = NDArray[np.float64]
-Arrays = tuple[NDArray[Any], ...]
 
 FREE = Chain(trunk=1.0, root=1.0)
 TURNED = Chain(clavicle=0.0, end_segment=1.0)
@@ -66,20 +65,19 @@ def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
     return BodyPoint(_part(point, "forearm" if point.member == "hand" else "thigh"), at_end=True)
 
 
-def placed_above(asked: Arrays, wishes: Arrays, held: Sequence[Held], window: slice) -> tuple[Arrays, Arrays]:
-    """Packed constraints, the first of them those of ``held``: these alone on the highest level, a wish a frame.
+def place_above(rows: Rows, held: Sequence[Held], window: slice) -> None:
+    """Put the first of packed constraints, those of ``held``, alone on the highest level, with a wish a frame.
 
     ``window`` are the frames of the answer.
     """
-    ranks, count = asked[1], len(held)
+    ranks, count = rows.asked["rank"], len(held)
     levels = np.unique(ranks[count:])
-    ranks = np.concatenate([np.zeros(count, dtype=ranks.dtype), 1 + np.searchsorted(levels, ranks[count:])])
+    rows.asked["rank"] = np.concatenate([np.zeros(count, ranks.dtype), 1 + np.searchsorted(levels, ranks[count:])])
     frames = len(held[0].places[window])
-    places = np.broadcast_to(wishes[0], (len(ranks), frames, 3)).copy()
-    turns = np.broadcast_to(wishes[1], (len(ranks), frames, 3, 3)).copy()
+    rows.places = np.broadcast_to(rows.places, (len(ranks), frames, 3)).copy()
+    rows.turns = np.broadcast_to(rows.turns, (len(ranks), frames, 3, 3)).copy()
     for row, each in enumerate(held):
-        places[row], turns[row] = each.places[window], each.turns[window]
-    return (asked[0], ranks, *asked[2:]), (places, turns, *wishes[2:])
+        rows.places[row], rows.turns[row] = each.places[window], each.turns[window]
 
 
 def release_hands(

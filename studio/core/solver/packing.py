@@ -18,8 +18,8 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import is_moving
 from studio.core.kernels import goals
+from studio.core.kernels.asked import ASKED
 from studio.core.solver.areas import area_row
-from studio.core.solver.chains import FreeJoints
 from studio.core.solver.tracks import Targets
 
 FloatArray = NDArray[np.float64]
@@ -27,61 +27,69 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(eq=False)
 class Rows:
-    """The arrays of C constraints while they are being written; ``kernels.constraints`` says what each holds."""
+    """The arrays of C constraints while they are being written; ``kernels.asked`` says what each record holds.
+
+    ``places`` (C, F or 1, 3), ``turns`` (C, F or 1, 3, 3) and ``distances`` (C, F or 1) are where things are to be.
+    """
 
     layout: BodyLayout
     targets: Targets
-    kinds: NDArray[np.int64]
-    ranks: NDArray[np.int64]
-    ends: NDArray[np.int64]
-    offsets: FloatArray
-    freedoms: FloatArray
+    asked: NDArray[np.void]
+    areas: FloatArray
     places: FloatArray
     turns: FloatArray
     distances: FloatArray
-    shares: FloatArray
-    areas: FloatArray
 
     def put_end(self, c: int, end: int, point: BodyPoint, constraint: Constraint) -> None:
         """One end of a constraint: a point of the body and the freedom of its limb."""
-        limb = limb_of(point.part)
-        self.ends[c, end] = *point_indices(point, self.layout), limb
-        self.offsets[c, end] = point.offset
-        self.freedoms[c, end] = constraint.chain.limb, constraint.chain.end_segment
+        row, chain, limb = self.asked[c], constraint.chain, limb_of(point.part)
+        row["ends"][end] = *point_indices(point, self.layout), limb
+        row["offsets"][end] = point.offset
+        row["freedoms"][end] = chain.limb, chain.end_segment
+        if limb >= 0:
+            row["helped"] |= chain.trunk + chain.root > 0.0 or (limb < 2 and chain.clavicle > 0.0)
+
+    @property
+    def wishes(self) -> tuple[FloatArray, ...]:
+        """As ``kernels.adapt.solve_frames`` takes them."""
+        return self.places, self.turns, self.distances
 
 
-def pack(
-    constraints: Sequence[Constraint], joints: FreeJoints, layout: BodyLayout, targets: Targets
-) -> tuple[tuple[NDArray[Any], ...], tuple[FloatArray, ...]]:
-    """``asked`` and ``wishes`` of the kernels; the latter have a row a frame where anything moves.
+def in_order(constraints: Sequence[Constraint]) -> list[int]:
+    """Indices in order of priority; among equals in an order that does not depend on which was made first."""
+    return sorted(range(len(constraints)), key=lambda c: (constraints[c].priority, *_rank_among_equals(constraints[c])))
+
+
+def _rank_among_equals(constraint: Constraint) -> tuple[object, ...]:
+    """Hands before elbows, feet before knees."""
+    point = constraint.point
+    return -list(BodyPart).index(point.part), not point.at_end, constraint.kind, point.offset, constraint.name
+
+
+def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets) -> Rows:
+    """``constraints``, given in order of priority, as the kernels take them; a row a frame where anything moves.
 
     Raises TypeError for a kind that the solver does not know.
     """
     count = len(constraints)
     frames = len(targets.times) if any(map(is_moving, constraints)) else 1
-    levels = sorted({constraint.priority for constraint in constraints})
     rows = Rows(
         layout,
         targets,
-        kinds=np.empty(count, dtype=np.int64),
-        ranks=np.array([levels.index(constraint.priority) for constraint in constraints]),
-        ends=np.full((count, 2, 3), -1, dtype=np.int64),
-        offsets=np.zeros((count, 2, 3)),
-        freedoms=np.zeros((count, 2, 2)),
+        asked=np.zeros(count, dtype=ASKED),
+        areas=np.zeros((count, 10)),
         places=np.full((count, frames, 3), np.nan),
         turns=np.zeros((count, frames, 3, 3)),
         distances=np.zeros((count, frames)),
-        shares=np.zeros((count, 2)),
-        areas=np.zeros((count, 10)),
     )
+    rows.asked["ends"], rows.asked["weight"], rows.asked["axes"] = -1, 1.0, 2
+    rows.asked["rank"] = np.unique([constraint.priority for constraint in constraints], return_inverse=True)[1]
     for c, constraint in enumerate(constraints):
         write = _WRITERS.get(type(constraint))
         if write is None:
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
         write(rows, c, constraint)
-    asked = (rows.kinds, rows.ranks, rows.ends, rows.offsets, joints.mobilities, rows.freedoms)
-    wishes = (rows.places, rows.turns, rows.distances, rows.shares)
-    return (*asked, np.ones(count), joints.joints, rows.areas), wishes
+    return rows
 
 
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
@@ -89,11 +97,11 @@ def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
     target = constraint.target
     if isinstance(target, FollowBody) and is_pair(constraint):
         # Nought metres from where the other point comes to be, by moving this one alone.
-        rows.kinds[c], rows.distances[c], rows.shares[c, 0] = goals.DISTANCE, 0.0, 1.0
+        rows.asked["kind"][c], rows.distances[c], rows.asked["shares"][c, 0] = goals.DISTANCE, 0.0, 1.0
         rows.put_end(c, 1, target.point, constraint)
-        rows.freedoms[c, 1] = 0.0
+        rows.asked["freedoms"][c, 1] = 0.0
     else:
-        rows.kinds[c], rows.places[c] = goals.POSITION, rows.targets.places(target)
+        rows.asked["kind"][c], rows.places[c] = goals.POSITION, rows.targets.places(target)
 
 
 def is_pair(constraint: Constraint) -> bool:
@@ -108,33 +116,34 @@ def is_pair(constraint: Constraint) -> bool:
 
 
 def _orientation(rows: Rows, c: int, constraint: OrientationConstraint) -> None:
-    rows.kinds[c], rows.turns[c] = goals.ORIENTATION, rows.targets.turns(constraint.target)
+    rows.asked["kind"][c], rows.turns[c] = goals.ORIENTATION, rows.targets.turns(constraint.target)
     rows.put_end(c, 0, constraint.point, constraint)
 
 
 def _look_at(rows: Rows, c: int, constraint: LookAtConstraint) -> None:
-    rows.kinds[c], rows.places[c] = goals.LOOK_AT, rows.targets.places(constraint.target)
+    rows.asked["kind"][c], rows.places[c] = goals.LOOK_AT, rows.targets.places(constraint.target)
     rows.put_end(c, 0, constraint.point, constraint)
-    rows.ends[c, 0, 2] = -1
+    rows.asked["ends"][c, 0, 2] = -1
 
 
 def _distance(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
-    rows.kinds[c], rows.distances[c] = goals.DISTANCE, rows.targets.numbers(constraint.distance)
+    row = rows.asked[c]
+    row["kind"], rows.distances[c] = goals.DISTANCE, rows.targets.numbers(constraint.distance)
     rows.put_end(c, 0, constraint.point, constraint)
     if isinstance(constraint.other, BodyPoint):
         rows.put_end(c, 1, constraint.other, constraint)
         # A leg comes to meet a hand only when it is asked for itself: the own thigh stays where it is.
-        if rows.ends[c, 0, 2] < 2 <= rows.ends[c, 1, 2]:
-            rows.freedoms[c, 1] = 0.0
+        if row["ends"][0, 2] < 2 <= row["ends"][1, 2]:
+            row["freedoms"][1] = 0.0
     else:
         rows.places[c] = rows.targets.places(constraint.other)
-    free = np.array([rows.ends[c, end, 2] >= 0 and rows.freedoms[c, end, 0] > 0.0 for end in range(2)], dtype=float)
-    rows.shares[c] = free / max(free.sum(), 1.0)
+    free = np.array([row["ends"][end, 2] >= 0 and row["freedoms"][end, 0] > 0.0 for end in range(2)], dtype=float)
+    row["shares"] = free / max(free.sum(), 1.0)
 
 
 def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
-    """A place of NaN is the motion's own; a distance of 1 asks for its height too, 0 for what lies on the ground."""
-    rows.kinds[c], rows.distances[c] = goals.BALANCE, float(constraint.vertical)
+    """A place of NaN is the motion's own."""
+    rows.asked["kind"][c], rows.asked["axes"][c] = goals.BALANCE, 3 if constraint.vertical else 2
     place = constraint.place
     if isinstance(place, tuple) and len(place) == 2:
         rows.places[c, :, :2], rows.places[c, :, 2] = place, rows.targets.masses()[: rows.places.shape[1], 2]
@@ -143,7 +152,7 @@ def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
 
 
 def _area(rows: Rows, c: int, constraint: AreaConstraint) -> None:
-    rows.kinds[c] = goals.AREA
+    rows.asked["kind"][c] = goals.AREA
     rows.put_end(c, 0, constraint.point, constraint)
     rows.places[c] = rows.targets.places(constraint.centre)
     rows.turns[c] = rows.targets.headings(constraint.heading, constraint.centre)

@@ -1,0 +1,46 @@
+"""What the solver is asked: one record a constraint, with room for what it wants at the frame being solved.
+
+For all frames: ``kind`` (``kernels.goals``); ``rank``, its priority level; ``ends`` (2, 3) point, segment and limb (-1
+none) of each of its points, point -1 for one that is not; ``offsets`` (2, 3) from those points; ``freedoms`` (2, 2) of
+limb and end segment; ``weight`` among its equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when balance
+counts heights too.
+For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it has been given up; ``engaged`` whether an area is entered;
+``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be; ``helped`` whether joints beside
+its limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that
+which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest.
+Once its level is solved: ``kept_miss``, ``kept_places`` (2, 3), ``kept_roots`` (2, 3) of its limbs and ``kept_turn``
+(3, 3) are what the levels below have to leave as they are.
+"""
+
+import numpy as np
+
+_FLAG, _REAL = np.int64, np.float64
+
+ASKED = np.dtype(
+    [
+        ("kind", _FLAG),
+        ("rank", _FLAG),
+        ("ends", _FLAG, (2, 3)),
+        ("offsets", _REAL, (2, 3)),
+        ("freedoms", _REAL, (2, 2)),
+        ("weight", _REAL),
+        ("shares", _REAL, (2,)),
+        ("axes", _FLAG),
+        ("share", _REAL),
+        ("wanted", _FLAG),
+        ("engaged", _FLAG),
+        ("places", _REAL, (2, 3)),
+        ("turn", _REAL, (3, 3)),
+        ("distance", _REAL),
+        ("helped", _FLAG),
+        ("longest", _REAL, (2,)),
+        ("comforts", _REAL, (2,)),
+        ("reaches", _REAL, (2,)),
+        ("folds", _REAL, (2,)),
+        ("kept_miss", _REAL),
+        ("kept_places", _REAL, (2, 3)),
+        ("kept_roots", _REAL, (2, 3)),
+        ("kept_turn", _REAL, (3, 3)),
+    ],
+    align=True,
+)

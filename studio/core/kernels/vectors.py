@@ -1,0 +1,34 @@
+"""Small vector algebra for kernels: points (3,) in, numbers out. Element by element: slices that are assigned cost."""
+
+import math
+
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def distance(a, b):
+    """Metres between two points (3,)."""
+    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+
+
+@njit(cache=True, nogil=True)
+def copy_point(a, out_point):
+    """``out_point`` becomes ``a``, both (3,)."""
+    out_point[0], out_point[1], out_point[2] = a[0], a[1], a[2]
+
+
+@njit(cache=True, nogil=True)
+def copy_matrix(a, out_matrix):
+    """``out_matrix`` becomes ``a``, both (3, 3)."""
+    for row in range(3):
+        for column in range(3):
+            out_matrix[row, column] = a[row, column]
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def weighted_product(a, b, weights):
+    """Sum of weights[k] a[k] . b[k] over joints k; ``a`` and ``b`` (N, 3), ``weights`` (N,)."""
+    total = 0.0
+    for k in range(weights.shape[0]):
+        total += weights[k] * (a[k, 0] * b[k, 0] + a[k, 1] * b[k, 1] + a[k, 2] * b[k, 2])
+    return total
