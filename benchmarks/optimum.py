@@ -50,9 +50,10 @@ class _Frame:
         self.body, self.layout = standing.morphology, standing.morphology.layout
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]
-        joints = free_joints([each.chain for each in constraints], self.layout)
+        ranks = np.zeros(len(constraints), dtype=np.int64)
+        joints = free_joints([each.chain for each in constraints], ranks, self.layout)
         trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6}
-        free = dict(zip(joints.joints[:, 0].tolist(), joints.limits, strict=True))
+        free = dict(zip(joints.joints[:, 0].tolist(), 2.0 * np.arctan(joints.limits), strict=True))
         self.segments = sorted(trunk & free.keys())
         self.limits = np.array([free[segment] for segment in self.segments])
         self.root_is_free = ROOT in free

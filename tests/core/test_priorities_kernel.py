@@ -6,8 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.constraints.base import Chain
-from studio.core.kernels.joints import ROOT, add_point_row
-from studio.core.kernels.priorities import eliminate, take_step
+from studio.core.kernels.adapt import make_work
+from studio.core.kernels.joints import ROOT, add_point_row, carry_arm, carry_trunk, set_brakes
+from studio.core.kernels.priorities import eliminate, find_step, move_joints
+from studio.core.kernels.pulls import ASK, HOLD
 from studio.core.normalized.realize import realize
 from studio.core.solver.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
 from tests.builders import make_morphology
@@ -23,27 +25,27 @@ ENDS = {2: 3, K - 1: K, K: K + 1, K + 1: K + 2, K + 2: LAYOUT.collar(0) + 1, K +
 """Segments of the trunk, each with a point that goes with it."""
 
 
-@given(seeds, st.integers(1, 12))
+@given(seeds, st.integers(1, 8), st.integers(1, 4))
 @settings(max_examples=40)
-def test_elimination_solves_what_can_be_solved(seed: int, count: int) -> None:
+def test_elimination_solves_what_can_be_solved(seed: int, count: int, sides: int) -> None:
     random = np.random.default_rng(seed)
     factor = random.normal(size=(count, count))
-    matrix, right = factor @ factor.T + count * np.eye(count), random.normal(size=count)
-    work = np.column_stack([matrix, right])
-    eliminate(work, 0, count, 0.0)
-    assert np.allclose(work[:, -1], np.linalg.solve(matrix, right), atol=1e-6)
+    matrix, right = factor @ factor.T + count * np.eye(count), random.normal(size=(count, sides))
+    work = np.column_stack([matrix, right, np.diag(matrix)])
+    eliminate(work, count, count + sides)
+    assert np.allclose(work[:, count:-1], np.linalg.solve(matrix, right), atol=1e-3)
 
 
-def test_a_row_that_asks_what_a_higher_one_has_settled_gives_in() -> None:
-    work = np.array([[1.0, 1.0, 0.5], [1.0, 1.0, -0.3]])
-    eliminate(work, 1, 2, 0.0)
-    assert np.allclose([[1.0, 1.0]] @ work[:, -1], [0.5], atol=1e-6)
+def test_a_held_row_that_says_what_a_higher_one_has_settled_gives_in() -> None:
+    work = np.array([[1.0, 1.0, 0.5, 1.0], [1.0, 1.0, -0.3, 1.0]])
+    eliminate(work, 2, 3)
+    assert np.allclose([1.0, 1.0] @ work[:, 2], 0.5, atol=1e-4)
     assert np.isfinite(work).all()
 
 
 @pytest.mark.parametrize("segment", ENDS)
 def test_levers_are_what_small_turns_show(segment: int) -> None:
-    free = free_joints([Chain(1.0, 1.0, 1.0, 1.0, 1.0)], LAYOUT)
+    free = free_joints([Chain(1.0, 1.0, 1.0, 1.0, 1.0)], np.zeros(1, dtype=np.int64), LAYOUT)
     direction = np.array([0.36, -0.48, 0.8])
     row, point = np.zeros((len(free.joints), 3)), ENDS[segment]
     add_point_row(POSITIONS[point], *direction, segment, free.joints, POSITIONS, row)
@@ -55,29 +57,45 @@ def test_levers_are_what_small_turns_show(segment: int) -> None:
             assert found == pytest.approx(expected, abs=1e-5)
 
 
-class _Step:
-    """Rows of a few constraints on random segments of the trunk."""
+class _Search:
+    """Points of random segments of the trunk that are to go a little way, each along its direction; no feet."""
 
-    def __init__(self, seed: int, count: int = 3, chain: Chain | None = None) -> None:
+    def __init__(self, seed: int, count: int = 2, held: int = 0, chain: Chain | None = None) -> None:
         random = np.random.default_rng(seed)
-        self.free = free_joints([chain or Chain(1.0, 1.0, 1.0, 1.0, 0.5)] * count, LAYOUT)
-        segments = random.choice(np.array(list(ENDS)), size=count)
-        self.points = [ENDS[int(segment)] for segment in segments]
-        directions = random.normal(size=(count, 3))
+        chain = chain or Chain(1.0, 1.0, 1.0, 1.0, 0.5)
+        self.held, self.count = held, count + held
+        self.free = free_joints([chain] * self.count, np.zeros(self.count, dtype=np.int64), LAYOUT)
+        segments = random.choice(np.array(list(ENDS)), size=self.count, replace=False)
+        self.segments = [int(segment) for segment in segments]
+        self.points = [ENDS[segment] for segment in self.segments]
+        directions = random.normal(size=(self.count, 3))
         self.directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-        self.rows, self.errors = np.zeros((count, len(self.free.joints), 3)), random.uniform(-0.02, 0.02, count)
-        for row, segment, point, direction in zip(self.rows, segments, self.points, self.directions, strict=True):
-            add_point_row(POSITIONS[point], *direction, segment, self.free.joints, POSITIONS, row)
+        self.goals = np.where(np.arange(self.count) < held, 0.0, random.uniform(-0.01, 0.01, self.count))
         self.pose = POSITIONS.copy(), ROTATIONS.copy()
-        self.turned = np.zeros((len(self.free.joints), 3))
+        self.work = make_work(self.count, len(self.free.joints), len(POSITIONS))
+        legs = np.zeros(1), np.zeros(2), np.zeros((2, 3)), np.zeros((2, 3, 3)), np.zeros((2, 3, 3)), np.zeros((3, 3, 3))
+        self.body = BODY.packed, np.zeros((1, 1)), np.full(2, np.inf), legs
 
-    def take(self, damping: float = 0.0) -> bool:
-        count = len(self.rows)
-        scratch = np.empty((count, count + 1)), np.empty((3, 3))
-        return take_step(
-            self.rows, self.errors, np.arange(count), 0, count, self.free.mobilities, self.free.joints, damping,
-            self.free.limits, self.turned, scratch, self.pose,
-        )  # fmt: skip
+    def step(self) -> float:
+        """Ask for what is left of the goals; how far anything moves."""
+        ask, solving, carried, turned = self.work[:4]
+        rows, errors, owners, roles, brakes, pulls, _ = ask
+        rows[:], errors[: self.count] = 0.0, self.goals - self.gained
+        for row, (segment, point) in enumerate(zip(self.segments, self.points, strict=True)):
+            owners[row], roles[row], pulls[row, 7] = row, HOLD if row < self.held else ASK, -1.0
+            add_point_row(
+                self.pose[0][point], *self.directions[row], segment, self.free.joints, self.pose[0], rows[row]
+            )
+        set_brakes(turned[0], self.free.joints, self.free.limits, carried, brakes)
+        start = POSITIONS, ROTATIONS
+        find_step(
+            self.held, self.count, ask, self.free.arrays, carried, turned[0], solving, self.body, start, self.pose[0]
+        )
+        moved = move_joints(1.0, self.free.arrays, carried, solving[5][-1], turned[0])
+        carry_trunk(turned[0], self.free.slots, start, np.empty((3, 3)), carried, self.pose)
+        for side in range(2):
+            carry_arm(side, turned[0], self.free.slots, start, np.empty((3, 3)), carried, self.pose)
+        return float(moved)
 
     @property
     def gained(self) -> np.ndarray:
@@ -86,49 +104,47 @@ class _Step:
 
 
 @given(seeds)
-@settings(max_examples=25)
-def test_one_step_for_one_constraint_closes_nearly_all_of_a_small_error(seed: int) -> None:
-    step = _Step(seed, count=1)
-    step.take()
-    assert step.gained == pytest.approx(step.errors, abs=0.1 * abs(step.errors[0]) + 1e-4)
+@settings(max_examples=25, deadline=None)
+def test_steps_for_one_constraint_close_a_small_error(seed: int) -> None:
+    search = _Search(seed, count=1)
+    for _ in range(5):
+        search.step()
+    assert search.gained == pytest.approx(search.goals, abs=1e-4)
 
 
 @given(seeds)
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
+def test_what_is_held_stays_while_others_ask(seed: int) -> None:
+    search = _Search(seed, count=2, held=1)
+    for _ in range(5):
+        search.step()
+    assert abs(search.gained[0]) < 2e-4
+
+
+@given(seeds)
+@settings(max_examples=25, deadline=None)
 def test_a_step_keeps_every_bone_of_the_trunk_and_the_arms(seed: int) -> None:
-    step = _Step(seed)
-    step.take(0.01)
-    assert np.allclose(
-        body_twin.bone_lengths(LAYOUT, step.pose[0]), body_twin.bone_lengths(LAYOUT, POSITIONS), atol=1e-12
-    )
+    search = _Search(seed)
+    search.step()
+    lengths = [body_twin.bone_lengths(LAYOUT, points)[: K + 13] for points in (search.pose[0], POSITIONS)]
+    assert np.allclose(*lengths, atol=1e-12)
 
 
 @given(seeds)
-@settings(max_examples=25)
-def test_more_damping_makes_a_shorter_step(seed: int) -> None:
-    moved = []
-    for damping in (0.0, 0.1, 10.0):
-        step = _Step(seed, count=1)
-        step.take(damping)
-        moved.append(np.linalg.norm(step.pose[0] - POSITIONS))
-    assert moved[0] >= moved[1] >= moved[2]
-
-
-@given(seeds)
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
-    step = _Step(seed)
-    step.errors *= 50
+    search = _Search(seed)
+    search.goals *= 50
     for _ in range(20):
-        step.take()
-    turned = np.linalg.norm(step.turned, axis=1)
-    segments = step.free.joints[:, 0]
+        search.step()
+    turned = 2.0 * np.arctan(np.linalg.norm(search.work[3][0], axis=1))
+    segments = search.free.joints[:, 0]
     assert turned[(segments > 0) & (segments < K)].max() <= VERTEBRA_LIMIT + 1e-9
     assert turned[(segments == K + 2) | (segments == K + 6)].max() <= CLAVICLE_LIMIT + 1e-9
 
 
 def test_only_the_root_moves_where_only_the_root_is_free() -> None:
-    step = _Step(4, chain=Chain(0.0, 0.0, 0.0, 0.0, 1.0))
-    assert step.take()
-    assert np.array_equal(step.pose[1], ROTATIONS)
-    assert not np.array_equal(step.pose[0], POSITIONS)
+    search = _Search(4, chain=Chain(0.0, 0.0, 0.0, 0.0, 1.0))
+    assert search.step() > 0.0
+    assert np.allclose(search.pose[1][: K + 10], ROTATIONS[: K + 10], atol=1e-12)
+    assert not np.allclose(search.pose[0][: K + 3], POSITIONS[: K + 3], atol=1e-6)

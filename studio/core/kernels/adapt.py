@@ -40,8 +40,19 @@ def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positi
 
 @njit(cache=True, nogil=True)
 def solve_frames(
-    asked, areas, chain, wishes, activations, leashes, stance, body, start_positions, start_rotations, out_residuals,
-    positions, rotations,
+    asked,
+    areas,
+    chain,
+    wishes,
+    activations,
+    leashes,
+    stance,
+    body,
+    start_positions,
+    start_rotations,
+    out_residuals,
+    positions,
+    rotations,
 ):
     """Constraints of every frame, in place (METHOD 5 and 6).
 

@@ -64,10 +64,10 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
 @njit(cache=True, nogil=True)
 def wants_level(level, asked):
     """Whether any constraint of this level acts now."""
+    acts = False
     for c in range(asked.shape[0]):
-        if asked[c].rank == level and asked[c].wanted == 1:
-            return True
-    return False
+        acts = acts or (asked[c].rank == level and asked[c].wanted == 1)
+    return acts
 
 
 @njit(cache=True, nogil=True)
@@ -88,7 +88,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
     if level == 0:
         return
-    for mend in range(MENDS):
+    for _ in range(MENDS):
         if disturbance(level, asked, areas, body, work, pose) < KEPT:
             return
         if not step(level, True, asked, chain, body, work, start, pose) > 0.0:

@@ -11,7 +11,7 @@ from numba import njit
 from studio.core.kernels.body import body_point, turn_part
 from studio.core.kernels.goals import AREA, ORIENTATION, end_place
 from studio.core.kernels.limb import soft_reach
-from studio.core.kernels.reach import aim_at, bend_range, bend_to, longest_reach, swivel_to
+from studio.core.kernels.reach import aim_at, bend_range, bend_to, swivel_to
 from studio.core.kernels.rotation import multiply_by_transposed
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
@@ -32,20 +32,21 @@ def limb_indices(limb, spine_count):
 
 @njit(cache=True, nogil=True)
 def note_grips(level, asked, spine_count, out_grips):
-    """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,); the highest, -1 if none."""
+    """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,), -1 for none."""
     for limb in range(4):
         out_grips[limb] = -1
     for c in range(asked.shape[0] - 1, -1, -1):
         row = asked[c]
         limb = row.ends[0, 2]
-        if row.kind == ORIENTATION and row.wanted == 1 and row.rank <= level and limb >= 0:
-            if row.ends[0, 1] == limb_indices(limb, spine_count)[1] + 2:
-                out_grips[limb] = c
+        if row.kind != ORIENTATION or row.wanted != 1 or row.rank > level or limb < 0:
+            continue
+        if row.ends[0, 1] == limb_indices(limb, spine_count)[1] + 2:
+            out_grips[limb] = c
 
 
 @njit(cache=True, nogil=True)
 def range_of(limb, segment, holds_end, point, pose):
-    """(least, greatest) distance in metres that ``point`` can have from the root of its limb; of the end joint if held."""
+    """(least, greatest) distance in metres of ``point`` from the root of its limb; of the end joint if that is held."""
     positions, rotations = pose
     root, upper = limb_indices(limb, positions.shape[0] - 23)
     if segment == upper:

@@ -138,12 +138,12 @@ def follow(level, asked, areas, work, pose):
 @njit(cache=True, nogil=True)
 def falls_short(level, asked, areas, body, work, pose):
     """Whether a distance is missed because one of its limbs could not do its share: then the other does more."""
+    short = False
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.kind == DISTANCE and row.wanted == 1 and row.rank <= level:
-            if miss_of(c, asked, areas, body, work, pose) > CLOSE_ENOUGH:
-                return True
-    return False
+            short = short or miss_of(c, asked, areas, body, work, pose) > CLOSE_ENOUGH
+    return short
 
 
 @njit(cache=True, nogil=True)

@@ -37,13 +37,12 @@ def find_step(held, count, ask, chain, carried, turned, solving, body, start, po
     """How all joints are to turn and the root to move towards what the rows ask: the way (N, 3) in ``solving``.
 
     ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
-    (R, 8), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints, slots, limits)
-    and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2), newton (R, R + 1),
-    active (R,), answer (R,), ways (R + 2, N, 3) of which the last is the
-    step, levers (R, R)).
+    (R, 8), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
+    slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
+    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3) of which the last is the step, levers (R, R)).
     """
     rows, errors, owners, roles, brakes, _, rooms = ask
-    mobilities, joints, slots, _ = chain
+    mobilities, slots = chain[0], chain[2]
     matrix, active, way = solving[0], solving[3], solving[5][-1]
     stiffen_rows(count, rows, brakes)
     for i in range(count):
@@ -232,7 +231,7 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
 
 @njit(cache=True, nogil=True)
 def bend(push, pull, own, ways, joints, newton, alone, positions):
-    """Add the second derivatives of one pull along every way, and for few rows along every pair; ``alone`` is scratch."""
+    """Add the second derivatives of one pull along every way, and for few rows every pair; ``alone`` is scratch."""
     both = ways[ways.shape[0] - 2]
     for i in range(own):
         alone[i] = max(push * bent_away(pull, ways[i], joints, positions)[1], 0.0)

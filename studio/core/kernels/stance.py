@@ -25,7 +25,7 @@ def leash_of(side, body, start):
 
 @njit(cache=True, nogil=True)
 def keep_feet_in_reach(body, start, carried, moved, way):
-    """Shorten the ``way`` (3,) of a root that has ``moved`` (3,) to what every leg's leash allows, in turns (METHOD 7)."""
+    """Shorten the ``way`` (3,) of a root that has ``moved`` (3,) to what both leashes allow, in turns (METHOD 7)."""
     ankles = body[3][2]
     positions, pelvis = start[0], carried[0]
     spine_count = positions.shape[0] - 23
