@@ -59,7 +59,7 @@ def limb_frame() -> Figure:
         _say(front, end, name, (-10 * way[0], 5), GREY)
     front.set(xlim=(-0.17, 0.3), ylim=(-0.17, 0.25))
     _say(front, (x / 2, 0), "x: off-plane", (-18, -14), RED)
-    _say(front, (x, y / 2), "y = ± √(ρ² - x²)", (34, -2), BLUE)
+    _say(front, (x, y / 2), "y = ± √(ρ² - x²)", (54, -2), BLUE)
     for axes, title in ((side, "from the side"), (front, "along z, from the root joint")):
         axes.set_title(title, color=GREY)
         axes.set_aspect("equal")
