@@ -1,6 +1,6 @@
 """One dialog for everything that goes out of the window: what, as which kind of file, and how."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -78,15 +78,12 @@ class ExportDialog(QDialog):
         self.setObjectName("export_dialog")
         self.setWindowTitle("Export")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.what = Choice("What", [(what, what.value) for what in self._offered()])
+        self.what = Choice("What", [(what, self._said(what)) for what in self._offered()])
         self.kind = Choice("As", ())
-        self.names = Choice(
-            "Names of joints", [("", "As they are"), *((key, each.name) for key, each in joint_namings().items())]
-        )
-        self.rest = Choice("Rest pose", [("", "As it is"), *REST_POSES.items()])
+        self.names = Choice("Names of joints", [(key, each.name) for key, each in joint_namings().items()])
+        self.rest = Choice("Rest pose", list(REST_POSES.items()))
         self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in SIZES])
         self.rate = Choice("Frames a second", [(rate, f"{rate:g} Hz") for rate in RATES])
-        self.rate.show_value(30.0)
         self.hint = QLabel()
         self.hint.setProperty("role", "hint")
         self.hint.setWordWrap(True)
@@ -109,6 +106,7 @@ class ExportDialog(QDialog):
         self.what.chosen.connect(self._show_kinds)
         self.kind.chosen.connect(self._show_options)
         self._show_kinds(self.what.value)
+        self._show_last(bench.settings.exported)
 
     def choose(self, what: What, suffix: str) -> None:
         """Choose as the user would, by what it holds and its suffix."""
@@ -124,6 +122,38 @@ class ExportDialog(QDialog):
         assert isinstance(chosen, Kind)
         names, rest = str(self.names.value), str(self.rest.value)
         return ExportOptions(names if self._names_matter(chosen) else "", rest if chosen.suffix == ".bvh" else "")
+
+    def _said(self, what: What) -> str:
+        """What would go out, with whose."""
+        if what is not What.ADAPTED:
+            return what.value
+        keys = exporting.chosen_performers(self._bench)
+        performers = self._bench.document.project.performers
+        return f"{what.value} of {performers[keys[0]].name if len(keys) == 1 else f'{len(keys)} bodies'}"
+
+    def _show_last(self, last: Mapping[str, object]) -> None:
+        """What was chosen the last time, as far as it is offered now."""
+        for what, suffix in ((each.what, each.suffix) for each in self._kinds):
+            if self.what.offers(what) and [what.name, suffix] == last.get("kind"):
+                self.choose(what, suffix)
+        size = last.get("size")
+        usual = {self.names: "humanik", self.rest: "t", self.picture_size: SIZES[0], self.rate: 30.0}
+        for choice, value in (
+            (self.names, last.get("names")),
+            (self.rest, last.get("rest")),
+            (self.picture_size, tuple(size) if isinstance(size, list) else None),
+            (self.rate, last.get("rate")),
+        ):
+            choice.show_value(value if choice.offers(value) else usual[choice])
+
+    def _remember(self, kind: Kind) -> None:
+        self._bench.settings.exported = {
+            "kind": [kind.what.name, kind.suffix],
+            "names": self.names.value,
+            "rest": self.rest.value,
+            "size": self.picture_size.value,
+            "rate": self.rate.value,
+        }
 
     def _offered(self) -> list[What]:
         """What there is to be exported now."""
@@ -164,6 +194,7 @@ class ExportDialog(QDialog):
         """The system's dialog; what is exported stays as it was chosen, whatever it becomes meanwhile."""
         kind = self.kind.value
         assert isinstance(kind, Kind)
+        self._remember(kind)
         match kind.what:
             case What.ADAPTED:
                 _ask_adapted(self._bench, kind.suffix, self.options)

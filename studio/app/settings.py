@@ -42,6 +42,19 @@ class Settings:
         self._store.setValue("folder", str(folder))
 
     @property
+    def exported(self) -> dict[str, Any]:
+        """What was chosen in the export dialog the last time."""
+        try:
+            stored = json.loads(str(self._store.value("exported", "{}")))
+        except ValueError:
+            return {}  # a settings file that somebody has edited
+        return stored if isinstance(stored, dict) else {}
+
+    @exported.setter
+    def exported(self, choices: dict[str, Any]) -> None:
+        self._store.setValue("exported", json.dumps(choices))
+
+    @property
     def corrections(self) -> dict[str, dict[str, Any]]:
         """What the user corrected in import reports, by the kind of file."""
         try:

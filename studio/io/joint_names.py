@@ -30,7 +30,7 @@ class JointNaming:
 
 @lru_cache(maxsize=1)
 def joint_namings() -> Mapping[str, JointNaming]:
-    """All tables by their key, the most usual first."""
+    """All tables by their key."""
     files = sorted((resources_folder() / "joint_names").glob("*.json"), key=lambda path: path.stem)
     return {path.stem: _naming(json.loads(path.read_text(encoding="utf-8"))) for path in files}
 

@@ -322,6 +322,9 @@ def test_every_kind_of_file_goes_out_by_the_one_dialog(qtbot, window, tmp_path, 
     assert asked == ["Export 2 adapted motions into a folder"]
     assert sorted(path.name for path in tmp_path.glob("*" + suffix)) == [f"Walk body {k}{suffix}" for k in (0, 1)]
     assert "Exported 2 files" in window.strip.text
+    again = export_dialog.open_export_dialog(window.bench)
+    assert (again.kind.value.suffix, again.names.value) == (suffix, "unreal")
+    again.reject()
     if suffix in (".bvh", ".s4d"):
         assert "upperarm_l" in load_capture(tmp_path / f"Walk body 0{suffix}").skeleton.names
 
