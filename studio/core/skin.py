@@ -16,6 +16,8 @@ from studio.core.rest_pose import rest_pose
 from studio.core.standing import standing_points
 
 INFLUENCES = 4
+_FOOT_LENGTHS = (0.6, 1.6)
+_FOOT_HEIGHTS = (0.3, 4.0)
 _COLUMNS: tuple[tuple[str, type, int], ...] = (
     ("vertices", np.float32, 3),
     ("normals", np.float32, 3),
@@ -162,7 +164,8 @@ def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
     """(K+18, 3) stretch of each segment along its own axes, from ``build`` to ``morphology``.
 
     Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond
-    it; head, hands and feet keep their form; the trunk widens with hips and shoulders.
+    it; head and hands keep their form; feet grow with their length and reach down to the ground; the trunk widens with
+    hips and shoulders.
     """
     layout, spine_count = build.layout, build.layout.spine_count
     lengths = np.stack([_bone_lengths(body) for body in (build, morphology)])
@@ -171,14 +174,30 @@ def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
     girth = shared * (along / shared) ** 0.25
     scales = np.stack([girth, girth, along], axis=1)
     for side in (0, 1):
-        for part in (BodyPart.LEFT_HAND, BodyPart.LEFT_FOOT, BodyPart.LEFT_TOE):
-            segment = layout.segment(part) + 4 * side
-            scales[segment] = along[segment]
+        hand, foot = (layout.segment(part) + 4 * side for part in (BodyPart.LEFT_HAND, BodyPart.LEFT_FOOT))
+        scales[hand] = along[hand]
+        scales[foot : foot + 2] = _foot_scales(build, morphology, side, shared)
     scales[layout.segment(BodyPart.HEAD)] = along[layout.segment(BodyPart.HEAD)]
     hips, shoulders = _trunk_widths(morphology) / _trunk_widths(build)
     scales[:spine_count, 0] = shared
     scales[:spine_count, 1] = np.linspace(hips, shoulders, spine_count)
     return scales
+
+
+def _foot_scales(build: Morphology, morphology: Morphology, side: int, shared: float) -> FloatArray:
+    """(2, 3) stretch of foot and toe: horizontally by their lengths, vertically so that the sole stays on the ground.
+
+    Kept near the ratio that most measures share, for a captured foot may have no length or no height at all.
+    """
+    measures = [
+        [(np.linalg.norm(body.foot[side, :2]), body.ankle_height[side]),
+         (np.linalg.norm(body.toe[side, :2]), body.toe_height[side])]
+        for body in (build, morphology)
+    ]  # fmt: skip
+    old, new = np.maximum(np.array(measures), 1e-6)
+    lengths, heights = (new / old).T / shared
+    sideways = shared * np.clip(lengths, *_FOOT_LENGTHS)
+    return np.stack([sideways, sideways, shared * np.clip(heights, *_FOOT_HEIGHTS)], axis=1)
 
 
 def _bone_lengths(body: Morphology) -> FloatArray:

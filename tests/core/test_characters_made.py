@@ -176,3 +176,13 @@ def test_a_tailored_mannequin_has_the_measures_asked_for_and_a_whole_trunk(chara
     middles = [heights[made.skin.segments[:, 0] == segment] for segment in np.unique(made.skin.segments[trunk, 0])]
     assert len(middles) >= min(count, 3)
     assert (np.diff([middle.mean() for middle in middles]) > 0.0).all()
+
+
+@pytest.mark.parametrize("ankle", [0.05, 0.08, 0.125])
+def test_the_soles_of_a_tailored_mannequin_are_on_the_ground_however_high_its_ankles_are(ankle: float):
+    """Captured ankles are often markers' heights."""
+    pattern = bundled_characters()["tall_man"].build
+    body = replace(pattern, ankle_height=np.full(2, ankle), toe_height=np.full(2, 0.4 * ankle))
+    made = tailored("Actor", "#112233", body, bundled_characters().values())
+    feet = made.skin.segments[:, 0] >= body.layout.spine_count + 12
+    assert made.skin.vertices[feet, 2].min() == pytest.approx(0.0, abs=0.012)
