@@ -17,7 +17,7 @@ from studio.panels.markers.assistant import MarkerAssistant
 from studio.panels.markers.signals import SignalPlot
 from studio.panels.markers.steps import StepList
 
-SIZE = (880, 680)
+SIZE = (1120, 680)
 
 
 def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDialog":
@@ -56,7 +56,7 @@ class MarkerDialog(QDialog):
         self.setObjectName("marker_dialog")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.resize(*SIZE)
-        self.assistant = MarkerAssistant(self._take)
+        self.assistant = MarkerAssistant(self._take, capture.up_axis)
         self.steps = StepList(self._take.steps)
         self.signals = SignalPlot(self._take.trial, self._seek)
         self.tabs = QTabWidget()
@@ -69,9 +69,9 @@ class MarkerDialog(QDialog):
         column.addLayout(self._make_foot())
         self.assistant.changed.connect(self._refresh)
         self.steps.changed.connect(self._clean)
-        bench.document.playhead.changed.connect(self.signals.show_time)
+        bench.document.playhead.changed.connect(self._show_time)
         bench.document.entity_changed.connect(self._entity_changed)
-        self.signals.show_time(bench.document.playhead.time)
+        self._show_time(bench.document.playhead.time)
         self._clean()
 
     def _make_foot(self) -> QHBoxLayout:
@@ -130,6 +130,10 @@ class MarkerDialog(QDialog):
             return
         self._take = capture.markers
         self._refresh()
+
+    def _show_time(self, seconds: float) -> None:
+        self.signals.show_time(seconds)
+        self.assistant.cloud.show_time(seconds)
 
     def _seek(self, seconds: float) -> None:
         self._bench.document.playhead.set_time(seconds)

@@ -131,6 +131,31 @@ def test_every_place_can_be_hit_with_the_mouse(dialog) -> None:
     assert [figure.role_at(figure.place_of(role.id)) for role in ROLES] == [role.id for role in ROLES]
 
 
+def test_a_recorded_marker_is_clicked_on_to_the_chosen_place_and_a_drag_turns_them(dialog) -> None:
+    cloud, label = dialog.assistant.cloud, "P_neck_back"[::-1]
+    dialog.assistant.choose_role("neck_back")
+    dots = cloud.dots()
+    assert dots[label].y() < dots["P_left_ankle"[::-1]].y()
+    QTest.mouseClick(cloud, Qt.MouseButton.LeftButton, pos=dots[label].toPoint())
+    assert dialog.assistant.marker_map.markers["neck_back"] == (label,)
+    before = dict(dialog.assistant.marker_map.markers)
+    QTest.mousePress(cloud, Qt.MouseButton.LeftButton, pos=QPoint(40, 40))
+    QTest.mouseMove(cloud, QPoint(80, 40))
+    QTest.mouseMove(cloud, QPoint(300, 40))
+    QTest.mouseRelease(cloud, Qt.MouseButton.LeftButton, pos=QPoint(300, 40))
+    assert cloud.dots()[label] != dots[label]
+    assert dict(dialog.assistant.marker_map.markers) == before
+
+
+def test_recorded_markers_are_seen_from_behind_once_sides_are_known(dialog) -> None:
+    for role in LEGS:
+        put(dialog, role)
+    dialog.assistant._face()
+    dots = dialog.assistant.cloud.dots()
+    for part in ("knee", "wrist", "shoulder"):
+        assert dots[f"P_left_{part}"[::-1]].x() < dots[f"P_right_{part}"[::-1]].x()
+
+
 def test_a_step_is_added_tried_and_applied(qtbot, window, dialog) -> None:
     for role in LEGS:
         put(dialog, role)

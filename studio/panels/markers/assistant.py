@@ -7,12 +7,13 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import ROLE, ROLES
+from studio.core.markers.roles import ROLE, ROLES, SIDES
 from studio.core.markers.take import MarkerTake
 from studio.core.markers.trial import bare_label, subject_of
 from studio.document import colours
 from studio.io.marker_maps import find_map, fitted, known_maps, save_map
 from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
+from studio.panels.markers.cloud import MarkerCloud
 from studio.panels.markers.figure import MarkerFigure
 
 NOT_USED = "-"
@@ -25,7 +26,7 @@ class MarkerAssistant(QWidget):
     changed = Signal()
     """The map or the subject is another one now."""
 
-    def __init__(self, take: MarkerTake) -> None:
+    def __init__(self, take: MarkerTake, up_axis: str) -> None:
         super().__init__()
         self._trial = take.trial
         self.subject, self.marker_map = take.subject, take.marker_map
@@ -36,12 +37,16 @@ class MarkerAssistant(QWidget):
         self.figure = MarkerFigure()
         self.figure.chosen.connect(self.choose_role)
         row.addWidget(self.figure, 0, Qt.AlignmentFlag.AlignTop)
+        self.cloud = MarkerCloud(take.trial, up_axis)
+        self.cloud.chosen.connect(self.put_marker)
+        row.addWidget(self.cloud)
         column = QVBoxLayout()
         row.addLayout(column, 1)
         column.addWidget(self._make_maps())
         column.addWidget(self._make_place())
         column.addWidget(self._make_list(), 1)
         self._fill()
+        self._face()
         self.choose_role(next((role.id for role in ROLES if role.id not in self.marker_map.markers), ROLES[0].id))
 
     def _make_maps(self) -> Section:
@@ -170,14 +175,24 @@ class MarkerAssistant(QWidget):
             item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight)
             self.list.addTopLevelItem(item)
 
+    def _face(self) -> None:
+        """See the recorded markers from behind, as the figure is."""
+        self.cloud.show_markers(tuple(seen_labels(self._trial, self.subject)), (), ())
+        left, right = (
+            {label for role, labels in self.marker_map.markers.items() if role.startswith(side) for label in labels}
+            for side in SIDES
+        )
+        self.cloud.face(left - right, right - left)
+
     def _show(self) -> None:
         markers = self.marker_map.markers
         self.figure.show_map(markers, self._role)
         role = ROLE[self._role]
         own = markers.get(self._role, ())
         self._place.setText(f"{role.words}: {', '.join(own) if own else 'no marker'}")
-        self._hint.setText(f"{role.hint}. Click its marker in the list.")
+        self._hint.setText(f"{role.hint}. Click its marker in the list or among the recorded ones.")
         self._clear.setEnabled(bool(own))
+        self.cloud.show_markers(tuple(seen_labels(self._trial, self.subject)), self.marker_map.labels, own)
         self._show_list(markers, own)
 
     def _show_list(self, markers: Mapping[str, tuple[str, ...]], own: tuple[str, ...]) -> None:

@@ -1,0 +1,165 @@
+"""The markers where the cameras saw them, at the playhead: to be turned, and clicked, to find out which is which."""
+
+from collections.abc import Collection
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from studio.core.markers.trial import Trial, bare_label, whole
+from studio.document import colours
+from studio.io.guessing import AXES
+
+FloatArray = NDArray[np.float64]
+
+WIDTH = 250
+MARGIN = 22
+DOT = 4.0
+REACH = 10.0
+TURN = 0.012
+"""Radians a pixel of a drag."""
+CLICK = 4
+"""Pixels within which a press and a release are a click and no drag."""
+
+
+class MarkerCloud(QWidget):
+    """Drag to turn it about the vertical; click a marker to choose it."""
+
+    chosen = Signal(str)
+    """A label without subject."""
+
+    def __init__(self, trial: Trial, up_axis: str) -> None:
+        super().__init__()
+        self.setAccessibleName("Markers as they were recorded, at the playhead")
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.setMouseTracking(True)
+        self._trial, self._turn = trial, AXES[up_axis].T
+        self._places: tuple[int, ...] = ()
+        self._labels: tuple[str, ...] = ()
+        self._used: Collection[str] = ()
+        self._marked: Collection[str] = ()
+        self._frame, self._angle = 0, 0.0
+        self._extent = 1.0, 1.0
+        self._press: QPointF | None = None
+        self._dragged = False
+        self._under = ""
+
+    def sizeHint(self) -> QSize:
+        return QSize(WIDTH, 2 * WIDTH)
+
+    def show_markers(self, labels: Collection[str], used: Collection[str], marked: Collection[str]) -> None:
+        """The labels (with subject) that are shown; bare ones that have a place, and that lie at the chosen one."""
+        places = tuple(self._trial.labels.index(label) for label in labels)
+        if places != self._places:
+            self._places = places
+            self._labels = tuple(bare_label(label) for label in labels)
+            self._extent = self._reach()
+            self._frame = self._best_frame() if not self._seen(self._frame).any() else self._frame
+        self._used, self._marked = used, marked
+        self.update()
+
+    def face(self, left: Collection[str], right: Collection[str]) -> None:
+        """Turn it so that the body is seen from behind: the markers on its ``left`` (bare labels) to the left.
+
+        Without any on one side the markers are seen where they lie farthest apart.
+        """
+        points = self._at(self._best_frame())
+        sides = [points[[k for k, label in enumerate(self._labels) if label in side]] for side in (left, right)]
+        sides = [side[whole(side)] for side in sides]
+        if all(len(side) for side in sides):
+            across = sides[0].mean(axis=0) - sides[1].mean(axis=0)
+        else:
+            level = points[whole(points)][:, :2]
+            across = np.linalg.svd(level - level.mean(axis=0))[2][0] if len(level) > 1 else np.array([0.0, 1.0])
+        self._angle = float(np.arctan2(-across[0], across[1]))
+        self.update()
+
+    def show_time(self, seconds: float) -> None:
+        """Follow the playhead."""
+        last = self._trial.frame_count - 1
+        self._frame = min(max(round(seconds * self._trial.frame_rate), 0), last)
+        self.update()
+
+    def dots(self) -> dict[str, QPointF]:
+        """Where on the widget each marker is that is seen now."""
+        points = self._at(self._frame)
+        seen = whole(points)
+        if not seen.any():
+            return {}
+        points = points - 0.5 * (points[seen].min(axis=0) + points[seen].max(axis=0))
+        across = np.cos(self._angle) * points[:, 1] - np.sin(self._angle) * points[:, 0]
+        sizes = self.width(), self.height()
+        scale = min((size - 2 * MARGIN) / 2 / extent for size, extent in zip(sizes, self._extent, strict=True))
+        middle = QPointF(self.width() / 2, self.height() / 2)
+        return {
+            self._labels[k]: middle + QPointF(-scale * across[k], -scale * points[k, 2]) for k in np.flatnonzero(seen)
+        }
+
+    def label_at(self, place: QPointF) -> str:
+        """The marker under a point of the widget; empty beside all."""
+        near = {label: (dot - place).manhattanLength() for label, dot in self.dots().items()}
+        label = min(near, key=lambda each: near[each], default="")
+        return label if label and near[label] < 1.4 * REACH else ""
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        self._press, self._dragged = event.position(), False
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._press is not None and event.buttons() & Qt.MouseButton.LeftButton:
+            moved = event.position() - self._press
+            if self._dragged or moved.manhattanLength() > CLICK:
+                self._dragged, self._press = True, event.position()
+                self._angle -= TURN * moved.x()
+        self._under = self.label_at(event.position())
+        self.update()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        label = "" if self._dragged else self.label_at(event.position())
+        self._press = None
+        if label:
+            self.chosen.emit(label)
+
+    def leaveEvent(self, _: QEvent) -> None:
+        self._under = ""
+        self.update()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        dots = self.dots()
+        for label, dot in dots.items():
+            used = label in self._used
+            painter.setPen(QPen(QColor(colours.WINDOW), 1.0))
+            painter.setBrush(QColor(colours.KINDS["position"] if used else colours.TEXT_SECOND))
+            painter.drawEllipse(dot, DOT, DOT)
+        for label in dict.fromkeys((*self._marked, self._under)):
+            if label in dots:
+                painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 1.5))
+                painter.setBrush(Qt.BrushStyle.NoBrush)
+                painter.drawEllipse(dots[label], DOT + 4, DOT + 4)
+                painter.drawText(dots[label] + QPointF(DOT + 8, 4), label)
+        painter.setPen(QColor(colours.TEXT_THIRD))
+        words = "As recorded. Drag to turn." if dots else "No marker is seen in this frame."
+        painter.drawText(QPointF(8, self.height() - 8), words)
+        painter.end()
+
+    def _at(self, frame: int) -> FloatArray:
+        """(n, 3) metres, world axes."""
+        return np.asarray(self._trial.metres * self._trial.points[frame, list(self._places)] @ self._turn)
+
+    def _seen(self, frame: int) -> NDArray[np.bool_]:
+        return whole(self._at(frame)) if self._places else np.zeros(0, dtype=bool)
+
+    def _best_frame(self) -> int:
+        return int(np.argmax(whole(self._trial.points[:, list(self._places)]).sum(axis=1)))
+
+    def _reach(self) -> tuple[float, float]:
+        """Half of the usual extent across and up."""
+        frames = np.linspace(0, self._trial.frame_count - 1, 40).astype(int)
+        sizes = [np.ptp(points[whole(points)], axis=0) for points in map(self._at, frames) if whole(points).any()]
+        if not sizes:
+            return 1.0, 1.0
+        across = float(np.percentile(np.hypot(*np.array(sizes)[:, :2].T), 80))
+        return max(0.5 * across, 0.05), max(0.5 * float(np.percentile(np.array(sizes)[:, 2], 90)), 0.05)
