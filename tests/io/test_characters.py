@@ -172,17 +172,48 @@ def test_data_uris_are_read_as_base64(tmp_path: Path):
     assert found.repairs == ("hero.gltf, images[0]: the picture was left out, it is neither PNG nor JPEG.",)
 
 
+def low_articulation(joints: dict[str, tuple[str, tuple[float, float, float]]], name: str) -> str:
+    """A joint of VRML with all below it; each has a box at its centre."""
+    x, y, z = joints[name][1]
+    below = " ".join(low_articulation(joints, child) for child, (parent, _) in joints.items() if parent == name)
+    box = f"Transform {{ translation {x} {y} {z} children Shape {{ geometry Box {{ size 0.1 0.1 0.1 }} }} }}"
+    segment = f"HAnimSegment {{ children {box} }}"
+    return f'HAnimJoint {{ name "{name}" center {x} {y} {z} children [ {segment} {below} ] }}'
+
+
 def test_level_one_of_articulation_is_enough(tmp_path: Path):
-    """Shoulders and skull hang from one vertebra, feet have no toes."""
-    low = Gltf()
-    nodes = low.root["nodes"]
-    for place, name in ((1, "vl5"), (0, "humanoid_root")):
-        nodes[place]["name"] = name
-    nodes[1]["children"] = [2]
-    for gone in (13, 17):
-        nodes[gone].pop("children")
-    found = read(tmp_path, low.glb())
-    assert found.character.build.foot[0, 0] > 0.02
+    """Shoulders and skull hang from one vertebra; feet have one joint before the toes."""
+    joints = {"HumanoidRoot": ("", (0.0, 0.95, 0.0)), "sacroiliac": ("HumanoidRoot", (0.0, 0.92, 0.0))}
+    joints |= {"vl5": ("HumanoidRoot", (0.0, 1.05, 0.0)), "skullbase": ("vl5", (0.0, 1.55, 0.0))}
+    for side, sign in (("l", 1.0), ("r", -1.0)):
+        for joint, parent, place in (
+            ("hip", "sacroiliac", (0.1, 0.9, 0.0)),
+            ("knee", "hip", (0.1, 0.5, 0.0)),
+            ("ankle", "knee", (0.1, 0.1, 0.0)),
+            ("midtarsal", "ankle", (0.1, 0.05, 0.1)),
+            ("shoulder", "vl5", (0.18, 1.42, 0.0)),
+            ("elbow", "shoulder", (0.18, 1.15, 0.0)),
+            ("wrist", "elbow", (0.18, 0.9, 0.0)),
+        ):
+            above = parent if parent in joints else f"{side}_{parent}"
+            joints[f"{side}_{joint}"] = (above, (sign * place[0], *place[1:]))
+    text = f"#VRML V2.0 utf8\nHAnimHumanoid {{ skeleton {low_articulation(joints, 'HumanoidRoot')} }}"
+    found = read(tmp_path, text.encode(), "hero.wrl")
+    build = found.character.build
+    assert build.layout.spine_count == 2
+    assert build.leg[0] == pytest.approx([0.4, 0.4], abs=1e-6)
+    assert found.joints["left_toe"] == "l_midtarsal"
+    assert found.joints["head"] == "skullbase"
+    assert build.ankle_height == pytest.approx([0.1, 0.1], abs=1e-6)
+
+
+def test_a_foot_without_toes_gets_its_length_from_the_mesh(tmp_path: Path):
+    low = Gltf(vrm=1)
+    for place in (13, 17):
+        low.root["nodes"][place].pop("children")
+    for side in ("left", "right"):
+        low.root["extensions"]["VRMC_vrm"]["humanoid"]["humanBones"].pop(f"{side}Toes")
+    assert read(tmp_path, low.glb()).character.build.foot[0, 0] > 0.02
 
 
 def test_proto_instances_of_the_xml_encoding_are_read(tmp_path: Path):
