@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint
@@ -221,6 +223,61 @@ def test_one_frame_alone_is_as_in_the_whole_clip(body: Morphology) -> None:
     for frame in (0, 33, 89):
         alone = solved(body, *constraints, frames=(frame, frame))
         assert alone.positions[0] == pytest.approx(whole.positions[frame], abs=1e-9)
+
+
+places = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
+turns = st.tuples(*[st.floats(-1.0, 1.0)] * 3).map(lambda vector: (*vector, 0.5))
+
+
+@st.composite
+def moving_targets(draw: st.DrawFn, of: Any, keyed: Any) -> Any:
+    """Fixed, keyed, or following a point of the body."""
+    match draw(st.sampled_from(["fixed", "keyed", "own"])):
+        case "fixed":
+            return draw(of)
+        case "keyed":
+            times = np.cumsum(draw(st.lists(st.floats(0.05, 0.6), min_size=1, max_size=4)))
+            return keyed(tuple(times), tuple(draw(of) for _ in times))
+    return FollowBody(
+        BodyPoint(draw(st.sampled_from(list(BodyPart))), draw(places), at_end=draw(st.booleans())), draw(turns)
+    )
+
+
+@st.composite
+def any_constraint(draw: st.DrawFn, priority: int) -> Constraint:
+    """Of any kind, with any target, on any part."""
+    point = BodyPoint(draw(st.sampled_from(list(BodyPart))), at_end=draw(st.booleans()))
+    place = draw(moving_targets(places, KeyedPlace).filter(lambda target: getattr(target, "point", None) != point))
+    if isinstance(place, FollowBody) and place.point.part == point.part:
+        place = (0.3, 0.2, 1.0)
+    turn = draw(moving_targets(turns, KeyedTurn))
+    if isinstance(turn, FollowBody) and turn.point.part == point.part:
+        turn = (0.0, 0.0, 0.0, 1.0)
+    kind, more = draw(
+        st.sampled_from(
+            [
+                (PositionConstraint, {"target": place}),
+                (LookAtConstraint, {"target": place}),
+                (OrientationConstraint, {"target": turn}),
+                (DistanceConstraint, {"other": place, "distance": 0.2}),
+                (BalanceConstraint, {"place": draw(st.sampled_from([place, Support(), None, (0.2, 0.1)]))}),
+                (AreaConstraint, {"centre": place, "shape": "box", "size": (0.4, 0.3, 0.5), "inside": True}),
+            ]
+        )
+    )
+    return ask(kind, point, draw(st.sampled_from([ALL, HEAD, Chain()])), priority, **more)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_whatever_is_asked_nothing_is_ever_not_a_number(data: st.DataObject) -> None:
+    asked = [data.draw(any_constraint(priority)) for priority in range(data.draw(st.integers(1, 4)))]
+    body = BODIES[data.draw(st.sampled_from(list(BODIES)))]
+    adapted = solved(body, *asked, frames=(20, 40))
+    assert np.isfinite(adapted.positions).all()
+    assert np.isfinite(adapted.rotations).all()
+    alone = solved(body, *asked, frames=(30, 30))
+    assert alone.positions[0] == pytest.approx(adapted.positions[10], abs=1e-9)
 
 
 @every_body

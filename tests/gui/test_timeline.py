@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent, QWheelEvent
@@ -487,6 +488,16 @@ def test_the_plot_can_show_the_error_of_a_constraint(timeline, live):
     timeline.grab()
     plot = timeline.tracks.picture.plot
     assert [round(curve.at(40 / RATE), 6) for curve in plot.curves] == [0.0, 42.0]
+
+
+@pytest.mark.parametrize("quantity", Quantity)
+def test_every_quantity_is_plotted_for_every_body_with_its_unit(timeline, quantity):
+    timeline.tracks.set_quantity(quantity)
+    timeline.grab()
+    plot, shown = timeline.tracks.picture.plot, timeline.tracks.shown
+    assert len(plot.curves) == len(shown.subject.bodies)
+    assert all(np.isfinite(curve.values).all() and curve.values.min() >= 0.0 for curve in plot.curves)
+    assert quantity.unit(shown) in plot.words(shown, 1.0)
 
 
 def test_without_a_motion_one_line_says_what_to_do_and_nothing_breaks(document, timeline):

@@ -1,4 +1,4 @@
-"""The plot: foot speed or error of every body, drawn by pyqtgraph into the tracks' picture."""
+"""The plot: speeds, slide, balance or error of every body, drawn by pyqtgraph into the tracks' picture."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -28,11 +28,21 @@ class Quantity(StrEnum):
     FOOT_SPEED = "Foot speed"
     LEFT_FOOT_SPEED = "Left foot speed"
     RIGHT_FOOT_SPEED = "Right foot speed"
+    KNEE_SPEED = "Knee speed"
+    SLIDE = "Slide of contacts"
+    OFF_SUPPORT = "Mass beyond support"
     ERROR = "Error"
 
     def unit(self, shown: Shown) -> str:
         """The unit of the values drawn: an error's is that of the constraint."""
-        return error_measure(shown).sign.strip() if self is Quantity.ERROR else "m/s"
+        if self is Quantity.ERROR:
+            return error_measure(shown).sign.strip()
+        return {Quantity.KNEE_SPEED: "°/s", Quantity.SLIDE: "mm", Quantity.OFF_SUPPORT: "mm"}.get(self, "m/s")
+
+    @property
+    def asks_document(self) -> bool:
+        """Whether it depends on more than the poses: on contacts, the ground or a constraint."""
+        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.OFF_SUPPORT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +91,40 @@ def _values(shown: Shown, quantity: Quantity, performer_id: str, adapted: Adapte
             return foot_speed(adapted, (0,))
         case Quantity.RIGHT_FOOT_SPEED:
             return foot_speed(adapted, (1,))
+        case Quantity.KNEE_SPEED:
+            from studio.core.metrics import knee_speeds  # not before a result is there: it loads kernels
+
+            return np.degrees(knee_speeds(adapted).max(axis=0))
+        case Quantity.SLIDE:
+            return slide(shown, performer_id, adapted)
+        case Quantity.OFF_SUPPORT:
+            return beyond_support(shown, adapted)
     constraint_id = plotted_constraint(shown)
     strip = shown.strip(constraint_id, performer_id) if constraint_id else None
     return None if strip is None else np.nan_to_num(strip.errors) * strip.measure.factor
+
+
+def slide(shown: Shown, performer_id: str, adapted: AdaptedMotion) -> NDArray[np.float64]:
+    """(F,) millimetres that the point of a body that slides most has slid since its contact began."""
+    from studio.core.metrics import contact_tracks  # as above
+
+    performer = shown.project.performers[performer_id]
+    ground = shown.project.ground.seen_from(performer.position, performer.heading)
+    contacts = tuple(shown.project.contacts_of(shown.subject.motion_id).values())
+    slides, _ = contact_tracks(adapted, contacts, ground)
+    return np.asarray(1000.0 * np.nan_to_num(slides).max(axis=0))
+
+
+def beyond_support(shown: Shown, adapted: AdaptedMotion) -> NDArray[np.float64]:
+    """(F,) millimetres by which the centre of mass lies outside what is stood on; 0 within, and in flight."""
+    from studio.core.solver.support import mass_path, outlines, standing_points, support_margins  # as above
+
+    contacts = tuple(shown.project.contacts_of(shown.subject.motion_id).values())
+    stop = adapted.first_frame + adapted.frame_count
+    stands = standing_points(contacts, stop)[:, adapted.first_frame :]
+    areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)
+    margins = support_margins(areas, mass_path(adapted.positions, adapted.morphology)[:, :2])
+    return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))
 
 
 def plotted_constraint(shown: Shown) -> str | None:
@@ -121,7 +162,7 @@ class PlotPicture:
 
     def fetch(self, shown: Shown) -> None:
         """Take the newest results; nothing where they are those of the last time."""
-        revision = shown.document.revision if self.quantity is Quantity.ERROR else 0
+        revision = shown.document.revision if self.quantity.asks_document else 0
         results = [shown.result(body.performer_id) for body in shown.subject.bodies]
         basis = (self.quantity, shown.subject, revision, plotted_constraint(shown), *results)
         if basis == self._basis:
@@ -188,7 +229,7 @@ class PlotPicture:
     def words(self, shown: Shown, value: float) -> str:
         """A value that is drawn, with its unit."""
         if self.quantity is not Quantity.ERROR:
-            return f"{value:.2f} m/s"
+            return f"{value:.2f} {self.quantity.unit(shown)}"
         measure = error_measure(shown)
         return measure.words(value / measure.factor)
 
