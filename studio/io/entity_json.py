@@ -22,7 +22,7 @@ from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.grounds import GROUND_KINDS
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
-from studio.io.value_json import Array, Json, MemberCodec, from_json, to_json, unknown_fields
+from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 1
 ENTITY_SCHEMAS = dict.fromkeys(COLLECTIONS, 1)
@@ -167,6 +167,9 @@ def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
                 continue
             try:
                 entities[collection][item["id"]] = entity_of(collection, item, load)
+            except UnknownKind:
+                foreign.setdefault(collection, []).append(item)
+                continue
             except (ValueError, StudioError) as error:
                 losses.append(f"{collection}, {_title(item)}: {error}")
                 continue

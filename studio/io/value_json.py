@@ -18,6 +18,10 @@ INLINE_NUMBERS = 64
 """Arrays of up to so many numbers stand in the JSON itself."""
 
 
+class UnknownKind(ValueError):  # noqa: N818 - it names what is the matter
+    """A record within another says that it is of a kind that this version does not know."""
+
+
 @dataclass(frozen=True)
 class MemberCodec:
     """Where large arrays go and come from: ``store`` names an array's member, ``load`` gives it back."""
@@ -115,6 +119,8 @@ def _dataclass(record: Json, kind: Any, members: MemberCodec) -> Any:
         if name in record:
             try:
                 values[name] = from_json(record[name], hint, members)
+            except UnknownKind as error:
+                raise UnknownKind(f"{name}: {error}") from error
             except (ValueError, StudioError) as error:
                 raise ValueError(f"{name}: {error}") from error
     required = {f.name for f in fields(kind) if f.default is MISSING and f.default_factory is MISSING}
@@ -155,7 +161,7 @@ def _union(record: Json, choices: tuple[Any, ...], members: MemberCodec) -> Any:
     records = _of_kind(record, choices)
     if isinstance(record, dict) and "kind" in record and not records:
         kinds = [kind for choice in choices if (kind := getattr(choice, "kind", ""))]
-        raise ValueError(f"kind: one of {', '.join(kinds)} expected, not {str(record['kind'])[:40]!r}.")
+        raise UnknownKind(f"kind: one of {', '.join(kinds)} expected, not {str(record['kind'])[:40]!r}.")
     failure = ValueError("no value.")
     for choice in records or plain or choices:
         try:

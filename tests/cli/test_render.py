@@ -6,9 +6,13 @@ import struct
 import pytest
 
 from studio.cli.main import main
+from studio.cli.render import adapted_performers
+from studio.core.placement import Placement
+from studio.core.solver.adapt import place_of
 from studio.io.export import write_capture
 from studio.io.project_file import new_document_id, write_project
 from tests.builders import make_capture, make_project
+from tests.engine.test_following import RIGHT, stage
 
 
 @pytest.fixture
@@ -45,6 +49,15 @@ def test_a_project_is_drawn_with_its_own_characters(capsys, tmp_path):
     assert "2 characters" in capsys.readouterr().out
     assert main(["render", str(tmp_path / "play.studio"), "--out", "p.png", "--character", "child"]) == 1
     assert "has its own characters" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("circle", [False, True])
+def test_performers_who_follow_each_other_are_drawn_where_they_follow(circle):
+    project = stage(2, p0="p1", **({"p1": "p0"} if circle else {}))
+    free, followed = adapted_performers(stage(2)), adapted_performers(project)
+    places = [Placement.of(project.performers[key]) for key in ("p0", "p1")]
+    wrist = places[0].to_stage(place_of(RIGHT, followed["p0"]))
+    assert wrist == pytest.approx(places[1].to_stage(place_of(RIGHT, free["p1"])), abs=3e-4)
 
 
 def test_a_film_has_its_progress_on_standard_error(capsys, walk, tmp_path):

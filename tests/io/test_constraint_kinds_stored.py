@@ -107,7 +107,10 @@ def test_what_a_newer_version_wrote_into_a_target_is_kept(tmp_path: Path) -> Non
     root["constraints"].append(record)
     arrays: dict = {}
     project_json(make_project(), arrays)
+    newer = {**record, "id": "newer", "target": {"kind": "follow_wind", "gust": 3}}
+    root["constraints"].append(newer)
     read = project_of(root, arrays.__getitem__)
     assert read.losses == []
+    assert "newer" not in read.project.constraints
     again = json.loads(project_json(read.project, {}))
-    assert again["constraints"][-1] == record
+    assert again["constraints"][-2:] == [record, newer]
