@@ -48,7 +48,8 @@ class Timeline(QWidget):
     def row_rect(self, kind: str, row_id: str = "") -> QRect:
         """Where a row lies, empty where there is none.
 
-        Kinds: ``ruler``, ``clip`` (performer), ``lane`` (left foot, right foot, hands, knees, seat), ``constraints``, ``plot``.
+        Kinds: ``ruler``, ``clip`` (performer), ``lane`` (left foot, right foot, hands, knees, seat), ``constraints``,
+        ``plot``.
         """
         sheet = self.tracks.sheet
         if sheet is None:

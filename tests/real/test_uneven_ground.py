@@ -21,7 +21,7 @@ from tests.real.taken import contacts_of, named, taken
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 STEMS = (
     "bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180",
-    "accad_female1_B21_PutDownBoxToWalk",
+    "accad_female1_B21_PutDownBoxToWalk", "accad_female1_C20_RunToJumpToWalk",
 )  # fmt: skip
 TILT = math.radians(15.0)
 

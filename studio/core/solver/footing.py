@@ -11,6 +11,7 @@ from studio.core.constraints.activation import EaseShape, ease
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.kernels import feet as kernel
+from studio.core.kernels import layout as at
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.legs import hip_heights
 from studio.core.morphology import AnyMorphology, sole_rows
@@ -29,6 +30,8 @@ LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
 LEASH = 0.3
 """Part of its length by which a limb's leash has run out when its contact becomes free."""
+FOLDED, FOLD_ROOM = 0.35, 0.08
+"""Part of its length by which a folded leg's ankle hangs below the hip, and metres by which it may come nearer."""
 CLIMB_SMOOTHING = 0.12
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
@@ -101,8 +104,30 @@ def find_footing(
         )
     )
     # A foot in the air that reaches far down, as on the way down a flight of steps, brings the root down early.
-    drops = np.maximum(drops, all_feet - np.maximum(level, 0.0))
-    return Footing(states, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate) - climb)
+    drops = smooth_drops(np.maximum(drops, all_feet - np.maximum(level, 0.0)), motion.frame_rate) - climb
+    _keep_below_hips(ankles, drops, states, motion.frame_rate, morphology, positions)
+    return Footing(states, comforts, ankles, feet, toes, drops)
+
+
+def _keep_below_hips(
+    ankles: FloatArray,
+    drops: FloatArray,
+    states: NDArray[np.int64],
+    frame_rate: float,
+    morphology: AnyMorphology,
+    positions: FloatArray,
+) -> None:
+    """Ankles (2, F, 3) of feet in the air come no nearer below their hips than a folded leg does, in place.
+
+    Over a flight of steps taken in long strides they would, and the leg would swing round; on the floor they stay.
+    """
+    for side in range(2):
+        hips = positions[:, morphology.layout.hip(side), 2]
+        legs = morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2].sum(axis=1)
+        own = positions[:, morphology.layout.ankle(side), 2] - hips
+        beyond = ankles[side, :, 2] - (hips - drops) - np.maximum(own, -FOLDED * legs)
+        softened = FOLD_ROOM * -np.expm1(-np.maximum(beyond, 0.0) / FOLD_ROOM)
+        ankles[side, :, 2] -= freedom(states[side] != 0, frame_rate) * (np.maximum(beyond, 0.0) - softened)
 
 
 def _drops(

@@ -5,6 +5,7 @@ contact, planned level, is moved as one rigid piece on to the plane found there,
 floor stands on the slope as well; between two contacts the move eases from one to the next.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,10 @@ SHORTEST_RAMP = 0.25
 MIDDLE = 0.5
 """Height of the arch (0 at both contacts, 1 between) above which it must clear the ground; below, a foot that
 leaves or comes down close to an edge may brush it: to clear that too it would have to jerk."""
+RISE_EARLY, SINK_LATE = 0.2, 0.05
+"""Parts of a flight by which a foot is up earlier, or begins to sink later, at most, than over all of the flight."""
+CLIMB_TIME = 0.36
+"""Seconds that it takes for that at least: in a short flight a foot has no time to hurry."""
 GREATEST_LIFT = 0.12
 """Metres of extra lift that are neared and never passed."""
 _SETTLING = 4
@@ -146,7 +151,8 @@ def drape(
     """Feet planned on the level floor, set on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3)."""
     prints = _with_waypoints(footprints, ankles, ground, frame_rate)
     count = len(ankles)
-    pivots, moves, tilts = (_eased(prints, values, count) for values in (prints.pivots, prints.moves, prints.tilts))
+    pivots, tilts = (_eased(prints, values, count) for values in (prints.pivots, prints.tilts))
+    moves = _eased(prints, prints.moves, count, frame_rate)
     turns = Rotation.from_rotvec(tilts).as_matrix()
     return Draped(
         pivots + moves + np.einsum("fij,fj->fi", turns, ankles - pivots), turns @ feet, turns @ toes, moves[:, 2]
@@ -288,14 +294,24 @@ def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, fram
     return Footprints(first, last, pivots, all_moves, tilts, hanging)
 
 
-def _eased(prints: Footprints, values: FloatArray, count: int) -> FloatArray:
-    """(F, 3) the ``values`` (N, 3) of footprints, held through each and eased from one to the next."""
+def _eased(prints: Footprints, values: FloatArray, count: int, frame_rate: float = math.inf) -> FloatArray:
+    """(F, 3) the ``values`` (N, 3) of footprints, held through each and eased from one to the next.
+
+    With a frame rate: what rises does so early in the flight, and what sinks late, as feet pass over edges.
+    """
     frames = np.arange(count)
     following = np.minimum(np.searchsorted(prints.last, frames), len(prints.last) - 1)
     before = np.where(frames < prints.first[following], np.maximum(following - 1, 0), following)
     gap = np.maximum(prints.first[following] - prints.last[before], 1)
-    share = _smoothstep(np.clip((frames - prints.last[before]) / gap, 0.0, 1.0))
-    return np.asarray(values[before] + share[:, None] * (values[following] - values[before]))
+    share = np.clip((frames - prints.last[before]) / gap, 0.0, 1.0)
+    change = values[following] - values[before]
+    eased = values[before] + _smoothstep(share)[:, None] * change
+    if frame_rate < math.inf:
+        most = np.where(change[:, 2] > 0.0, RISE_EARLY, SINK_LATE)
+        haste = np.clip(1.0 - CLIMB_TIME * frame_rate / gap, 0.0, most)
+        rising = np.where(change[:, 2] > 0.0, share, share - haste) / (1.0 - haste)
+        eased[:, 2] = values[before][:, 2] + _smoothstep(np.clip(rising, 0.0, 1.0)) * change[:, 2]
+    return np.asarray(eased)
 
 
 def _smoothstep(t: FloatArray) -> FloatArray:
