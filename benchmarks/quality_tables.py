@@ -36,11 +36,11 @@ and 0.01 degrees. Written by `benchmarks/quality_tables.py`; `info` prints the s
 QUALITY = """# Quality of adaptation
 
 Every capture on the five bundled characters with detected contacts and no constraints; each figure is the worst of
-the five. *Slide* is how far a standing heel or toe moves along the ground, *float* and *below* how far it is off the
-ground (aims: 1 mm, 2 mm, 2 mm). *Acceleration* compares the greatest angular acceleration of thighs and shanks with
-the capture's own: 1 is as smooth, a popping knee shows as 5 and more. *Speed* compares the greatest angular speed of
-any joint with the same joint's in the capture. Written by `benchmarks/quality_tables.py`; `adapt` reports the same
-figures for any capture and character.
+the five. *Slide* is how far a standing heel, toe, hand, knee or seat moves along the ground, *float* and *below* how
+far it is off the ground (aims: 1 mm, 2 mm, 2 mm). *Acceleration* compares the greatest angular acceleration of arms
+and legs with the capture's own: 1 is as smooth, a popping knee shows as 5 and more. *Speed* compares the greatest
+angular speed of any joint with the same joint's in the capture. Written by `benchmarks/quality_tables.py`; `adapt`
+reports the same figures for any capture and character.
 
 """
 _KEYS = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
