@@ -1,7 +1,8 @@
-"""A C3D file as a capture."""
+"""A C3D file as a capture, and its events."""
 
 from pathlib import Path
 
+from studio.core.annotations import Annotations, Label
 from studio.core.capture import Capture
 from studio.core.markers.take import MarkerTake
 from studio.io.c3d import read_c3d
@@ -21,3 +22,14 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     capture = capture_of_take(take, options, file.repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
     progress(1.0, f"Loaded {path.name}")
     return capture
+
+
+def load_events(path: Path, motion_id: str) -> Annotations:
+    """The events of the C3D file at ``path`` as labels of one frame; contacts are for the feet to tell."""
+    trial = read_c3d(path).trial
+    labels = []
+    for event in trial.events:
+        frame = round(trial.event_frame(event))
+        if 0 <= frame < trial.frame_count:
+            labels.append(Label(f"{event.context} {event.label}".strip(), frame, frame))
+    return Annotations(labels=tuple(labels)).of_motion(motion_id)

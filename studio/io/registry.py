@@ -165,6 +165,7 @@ OWN_FORMATS = (
         suffixes=(".c3d",),
         sniff="studio.io.c3d_format:is_c3d",
         capture_reader="studio.io.c3d_capture:load_c3d",
+        annotation_reader="studio.io.c3d_capture:load_events",
         motion_writer="studio.io.c3d_format:write_take",
     ),
     Format(

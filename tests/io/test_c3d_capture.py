@@ -18,7 +18,7 @@ from studio.core.project import Project
 from studio.io.c3d import read_c3d
 from studio.io.c3d_writer import write_c3d
 from studio.io.export import take_of_capture, write_take
-from studio.io.importing import GUESS_ALL, ImportOptions, load_capture
+from studio.io.importing import GUESS_ALL, ImportOptions, load_annotations, load_capture
 from studio.io.marker_capture import capture_of_take
 from studio.io.project_file import read_project, write_project
 from tests.core.markers.made import made_trial
@@ -161,3 +161,19 @@ def test_contacts_become_events(captures: Path) -> None:
     events = virtual_trial(load_capture(path), contacts).events
     assert [(event.context, event.label) for event in events] == [("Left", "Foot Strike"), ("Right", "Foot Off")]
     assert events[1].time == pytest.approx(40 / 30)
+
+
+@pytest.mark.parametrize("name", ["btk_PiG_FullBody_walk", "btk_PiG_LowerBody_walk"])
+def test_feet_are_seen_to_strike_and_to_leave_when_the_file_says_so(captures: Path, name: str) -> None:
+    """The operator marked these events by the force plates and by eye; contacts are found from the solved feet."""
+    path = captures / "c3d" / f"{name}.c3d"
+    capture = load_capture(path)
+    known = load_annotations(path, capture, "m")
+    near = 0.12 * capture.frame_rate
+    for label in known.labels:
+        side, what = label.name.split(" ", 1)
+        point, end = ("heel", "first") if what == "Foot Strike" else ("toe", "last")
+        found = [getattr(each, end) for each in known.contacts if each.point == f"{side.lower()}_{point}"]
+        at_the_edge = label.first < near or label.first > capture.frame_count - near
+        assert at_the_edge or min(abs(frame - label.first) for frame in found) < near, label
+    assert len(known.labels) == 12

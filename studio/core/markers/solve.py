@@ -283,6 +283,7 @@ def _body_map(skeleton: Skeleton) -> BodyMap:
 def _half(rotations: FloatArray) -> FloatArray:
     """Half of each turn (F, 3, 3): the sum with no turn at all, made a rotation again."""
     u, _, v = np.linalg.svd(rotations + np.eye(3))
+    u[..., 2] *= np.sign(np.linalg.det(u @ v))[..., None]  # half of a half turn may come out as a mirror
     return np.asarray(u @ v)
 
 
