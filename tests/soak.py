@@ -22,7 +22,7 @@ from random import Random
 
 from studio.cli.process import prepare_process
 
-COUNT, COUNTS = 1_000_000, {".c3d": 50_000}
+COUNT, COUNTS = 1_000_000, {".c3d": 50_000, ".fbx": 5_000}  # FBX takes a process for each
 SECONDS = 10.0
 MEMORY = 500 << 20
 TIMES_SIZE = 20

@@ -46,6 +46,11 @@ class BvhFile:
     """Worth in seconds of the last digit written, within which the frame time may be rounded."""
     repairs: tuple[str, ...]
 
+    @property
+    def frame_count(self) -> int:
+        """Frames F."""
+        return len(self.frames)
+
     def poses(self) -> PoseSequence:
         """Rotations and translations of every joint in file axes."""
         return PoseSequence(*self.transforms(np.arange(len(self.frames))))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
 from studio.io.body_maps import find_body
-from studio.io.bvh import BvhFile, read_bvh
+from studio.io.bvh import read_bvh
 from studio.io.capture_guesses import body_guesses, floor_of, reference_of
 from studio.io.guessing import (
     AXES,
@@ -38,11 +39,35 @@ _LOOKED_AT = 128
 """Frames, spread over the clip, that decide about the body and the up axis."""
 
 
+class Recording(Protocol):
+    """What a file says of joints that move, in its own units and axes."""
+
+    @property
+    def skeleton(self) -> Skeleton: ...
+    @property
+    def frame_count(self) -> int: ...
+    @property
+    def frame_time(self) -> float | None: ...
+    @property
+    def frame_time_digit(self) -> float: ...
+    @property
+    def repairs(self) -> tuple[str, ...]: ...
+    def transforms(self, frames: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
+
+
 def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     """The capture in the BVH file at ``path``."""
-    file = read_bvh(path, lambda share, text: progress(0.6 * share, text))
+    return capture_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
+
+
+def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
+    """A recording in world axes and metres, with everything guessed that ``options`` do not say.
+
+    ``progress`` goes on at a share of 0.6.
+    """
     progress(0.6, f"Finding the body in {path.name}")
-    looked_at = np.unique(np.linspace(0, len(file.frames) - 1, _LOOKED_AT).astype(int))
+    looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
     sample = PoseSequence(*file.transforms(looked_at))
     points = joint_world(file.skeleton, sample)[0]
     found = find_body(file.skeleton, points, options.body_map)
@@ -76,14 +101,14 @@ def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> Capture:
 
 
 def to_world(
-    file: BvhFile, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
+    file: Recording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
 ) -> tuple[Skeleton, PoseSequence]:
     """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
 
     Turned like that, a quaternion has its axis turned. A long file is taken in pieces, which tells how far it is and
     never keeps the window waiting.
     """
-    skeleton, frames = file.skeleton, np.arange(len(file.frames))
+    skeleton, frames = file.skeleton, np.arange(file.frame_count)
     scaled = metres * file_to_world.T
     turned = Skeleton(skeleton.names, skeleton.parents, skeleton.offsets @ scaled, skeleton.end_sites)
     rotations = np.empty((len(frames), skeleton.joint_count, 4))

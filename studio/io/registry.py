@@ -112,6 +112,12 @@ OWN_FORMATS = (
         motion_writer="studio.io.bvh_format:write_take",
     ),
     Format(
+        name="FBX",
+        suffixes=(".fbx",),
+        sniff="studio.io.fbx_capture:is_fbx",
+        capture_reader="studio.io.fbx_capture:load_fbx",
+    ),
+    Format(
         name="S4D",
         suffixes=(".s4d",),
         sniff="studio.io.s4d_format:is_s4d",

@@ -1,0 +1,85 @@
+"""FBX: the same body as it was, by a reader that may crash without harm."""
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.errors import StudioError
+from studio.core.kinematics import joint_world
+from studio.io import fbx_capture
+from studio.io.importing import ImportOptions, load_capture
+from tests.builders import BODY_MAP
+from tests.io.fbx_text import body, fbx_text
+
+INSTEAD = r"Export the animation as BVH or GLB from the program that made it\.$"
+
+
+@pytest.mark.parametrize(("scale", "armature"), [(1.0, False), (100.0, True)])
+def test_its_body_is_found_and_moves_as_it_did(tmp_path: Path, scale: float, armature: bool) -> None:
+    (tmp_path / "take.fbx").write_text(fbx_text(scale, armature))
+    capture = load_capture(tmp_path / "take.fbx")
+    assert (capture.frame_rate, capture.frame_count, capture.unit, capture.up_axis) == (30.0, 20, "cm", "Y")
+    assert capture.body_map is not None
+    assert capture.body_map.to_json(capture.skeleton) == BODY_MAP
+    skeleton, poses = body()
+    expected, places = joint_world(skeleton, poses)[0], joint_world(capture.skeleton, capture.poses)[0]
+    same = [capture.skeleton.index(name) for name in skeleton.names]
+    assert np.abs(places[:, same] - expected).max() < 1e-5
+
+
+def test_what_the_user_knows_better_than_the_file_holds(tmp_path: Path) -> None:
+    (tmp_path / "take.fbx").write_text(fbx_text())
+    capture = load_capture(tmp_path / "take.fbx", ImportOptions(unit="inch", frame_rate=25.0))
+    assert (capture.unit, capture.frame_rate) == ("inch", 25.0)
+
+
+REFUSED = {
+    "empty": (b"", "could not be read as FBX"),
+    "a text": (b"; FBX 7.4.0 project file\nDear diary", "it holds no joints|could not be read as FBX"),
+    "cut off in the joints": (fbx_text().encode()[:1500], "could not be read as FBX|it holds no joints"),
+    "binary cut off": (b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0" + b"\xff" * 40, "could not be read as FBX"),
+    "no joints": (fbx_text().replace('"LimbNode"', '"Null"').encode(), "it holds no joints"),
+    "a take of three hundred years": (
+        fbx_text().replace('"LocalStop", "KTime", "Time", "",', '"LocalStop", "KTime", "Time", "",4444444').encode(),
+        "it says that it has [0-9]+ frames",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_it_cannot_read_is_refused_with_what_to_do_instead(tmp_path: Path, case: str) -> None:
+    content, words = REFUSED[case]
+    (tmp_path / "take.fbx").write_bytes(content)
+    with pytest.raises(StudioError, match=words) as error:
+        load_capture(tmp_path / "take.fbx")
+    assert "take.fbx" in str(error.value)
+    assert "BVH or GLB" in str(error.value)
+
+
+def instead_of_the_reader(monkeypatch: pytest.MonkeyPatch, statement: str) -> None:
+    popen = subprocess.Popen
+    monkeypatch.setattr(subprocess, "Popen", lambda command, **more: popen([command[0], "-c", statement], **more))
+
+
+def test_a_reader_that_crashes_costs_the_import_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "take.fbx").write_text(fbx_text())
+    instead_of_the_reader(monkeypatch, "import os; os.abort()")
+    with pytest.raises(StudioError, match=rf"its reader crashed\. {INSTEAD}"):
+        load_capture(tmp_path / "take.fbx")
+
+
+def test_a_reader_that_never_ends_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "take.fbx").write_text(fbx_text())
+    monkeypatch.setattr(fbx_capture, "_PATIENCE", 0.5)
+    instead_of_the_reader(monkeypatch, "while True: pass")
+    with pytest.raises(StudioError, match="takes longer than"):
+        load_capture(tmp_path / "take.fbx")
+
+
+def test_without_its_package_the_sentence_says_what_to_export(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "take.fbx").write_text(fbx_text())
+    monkeypatch.setattr(fbx_capture, "find_spec", lambda _name: None)
+    with pytest.raises(StudioError, match=rf"read with the package 'ufbx'.*{INSTEAD}"):
+        load_capture(tmp_path / "take.fbx")
