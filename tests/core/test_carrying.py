@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
+from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.kernels import carrying as kernel
 from studio.core.kernels import layout as at
 from studio.core.kernels.legs import place_leg
@@ -268,3 +269,24 @@ def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
     place_leg(row, BODY.packed, side, 0.97, target, foot, toe, np.empty((3, 3, 3)), positions, rotations)
     assert np.allclose(positions[layout.ankle(side)], ankle, atol=1e-9)
     assert np.allclose(positions[layout.hip(side) + 1], knee, atol=1e-9)
+
+
+@given(seeds)
+@settings(max_examples=25, deadline=None)
+def test_contacts_of_any_kind_anywhere_leave_a_whole_body(seed: int) -> None:
+    """No number that is not finite, no bone of another length, whatever is said to stand, on whatever ground."""
+    random = np.random.default_rng(seed)
+    motion = (WALK, HANDSTAND[0], BEAR[0])[seed % 3]
+    contacts = []
+    for point in ContactPoint:
+        for first in random.integers(0, motion.frame_count, random.integers(0, 3)).tolist():
+            contacts.append(ContactInterval("pose", point, first, first + int(random.integers(0, 50))))
+    ground = (Ground(), Slope(0.0, 0.2, 0.5), Steps(0.0, 0.17, 0.3, 5), Bumps(0.0, 0.08))[seed % 4]
+    body = list(BODIES.values())[seed % len(BODIES)]
+    adapted = adapt(AdaptRequest(motion, body, tuple(contacts), (), ground))
+    assert np.isfinite(adapted.positions).all()
+    assert np.isfinite(adapted.rotations).all()
+    for side in range(2):
+        for first, lengths in ((body.layout.hip(side), body.leg[side]), (body.layout.collar(side) + 1, body.arm[side])):
+            bones = np.diff(adapted.positions[:, first : first + 3], axis=1)
+            assert np.allclose(np.linalg.norm(bones, axis=2), lengths, atol=1e-8)
