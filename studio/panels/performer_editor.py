@@ -75,8 +75,11 @@ class PerformerEditor(Editor):
             self.change(f"Rename {self.entity.name}", name=name)
 
     def _recast(self, character_id: str) -> None:
-        name = self.document.project.characters[character_id].name
-        self.change(f"Let {name} play {self.entity.name}", character_id=character_id)
+        """Another character takes the place, and gives it its name unless the user gave it one."""
+        characters = self.document.project.characters
+        new, old = characters[character_id], characters[self.entity.character_id]
+        name = new.name if self.entity.name == old.name else self.entity.name
+        self.change(f"Let {new.name} play {self.entity.name}", character_id=character_id, name=name)
 
     def _mover(self, axis: int) -> Callable[[float], None]:
         def move(metres: float) -> None:

@@ -113,8 +113,10 @@ def test_another_character_can_play_a_performer(qtbot, window, hero):
     cast = window.inspector.editor._cast
     cast.setCurrentIndex(cast.findText("my hero"))
     cast.activated.emit(cast.currentIndex())
-    played = document.project.performers[first].character_id
-    assert document.project.characters[played] is character
+    performer = document.project.performers[first]
+    assert document.project.characters[performer.character_id] is character
+    assert performer.name == "my hero"
+    assert document.history[-1].startswith("Let my hero play ")
 
 
 def test_nothing_of_a_character_is_lost_in_the_project_file(qtbot, window, hero, tmp_path):
