@@ -4,10 +4,12 @@ import json
 import math
 import zipfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from studio.cli.main import main
 from studio.core.annotations import Annotations, Label
 from studio.core.errors import StudioError
 from studio.core.kinematics import joint_world
@@ -129,3 +131,29 @@ def test_a_capture_that_is_no_human_is_refused(tmp_path):
     with pytest.raises(StudioError, match="choose which joint plays which part"):
         write_take(take_of_capture(make_capture(body_map=None)), tmp_path / "out.s4d")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_every_field_that_is_written_is_told_in_the_documentation(tmp_path):
+    text = (Path(__file__).resolve().parents[2] / "docs" / "s4d.md").read_text()
+    notes = Annotations((make_contact(),), (make_constraint(),), (Label("step", 2, 9),))
+    with zipfile.ZipFile(written(tmp_path, make_capture(), notes)) as archive:
+        record = json.loads(archive.read("s4d.json"))
+        fields = [*archive.namelist(), *record, *record["actor"], *record["provenance"], *record["actor"]["morphology"]]
+    fields += [*record["provenance"]["guesses"][0], *record["labels"][0], *record["contacts"]]
+    assert [field for field in fields if f"`{field}`" not in text and f'"{field}"' not in text] == []
+
+
+def test_the_program_of_the_documentation_reads_a_file(tmp_path, monkeypatch):
+    text = (Path(__file__).resolve().parents[2] / "docs" / "s4d.md").read_text()
+    written(tmp_path, make_capture()).rename(tmp_path / "kick.s4d")
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(text.split("```python")[1].split("```")[0], names)
+    assert names["hips"].shape == (30, 3)
+
+
+def test_a_motion_stored_with_constraints_is_adapted_to_them(tmp_path, capsys):
+    path = written(tmp_path, make_capture(), Annotations((make_contact(),), (make_constraint(name="Bell"),)))
+    assert main(["adapt", str(path), "--character", "child", "--out", str(tmp_path / "out"), "--json"]) == 0
+    [child] = json.loads(capsys.readouterr().out)["characters"]
+    assert [each["name"] for each in child["constraints"]] == ["Bell"]

@@ -1,11 +1,13 @@
 """USD of an adapted motion, opened again with usd-core: the same joints, and a skin that is carried by them."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from studio.core.character_skeleton import joint_points
+from studio.core.errors import StudioError
 from studio.core.joint_skin import character_skin
 from studio.core.kinematics import joint_world
 from studio.core.normalized.normalize import normalize
@@ -95,3 +97,10 @@ def test_materials_come_along_with_their_colours(captures, tmp_path):
     write_take(take_on(character, make_capture()), tmp_path / "out.usda")
     text = (tmp_path / "out.usda").read_text()
     assert text.count('"UsdPreviewSurface"') == len(character.skin.appearance.materials)
+
+
+def test_without_usd_core_a_sentence_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    with pytest.raises(StudioError, match="pip install usd-core"):
+        write_take(take_of_capture(make_capture()), tmp_path / "out.usd")
+    assert list(tmp_path.iterdir()) == []
