@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactPoint
-from studio.core.metrics import acceleration_ratio, contact_quality
+from studio.core.metrics import acceleration_ratio, contact_quality, knee_speeds
 from studio.core.rotations import from_matrix, inverse, multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.carrying import limb_freedom
@@ -49,6 +49,7 @@ def character_report(
         "speed_ratio": speed_ratio(adapted, source),
         "microseconds_per_frame": 1e6 * seconds_to_adapt(request) / request.motion.frame_count,
         "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
+        "knee_speed_ratio": knee_speed_ratio(adapted, source),
         "mass_margin_mm": _least(1000.0 * report.mass_margins),
         "constraints": constraint_records(request, adapted, report, by_frame),
     }
@@ -148,6 +149,15 @@ def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
         theirs = peak_turning(source.rotations[window, segments[1]], source.frame_rate)
         ratios.append(max(ours, QUIET) / max(theirs, QUIET))
     return max(ratios)
+
+
+def knee_speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
+    """The worse knee's peak speed of bending, beside the same knee's peak in the source; a popping knee shows here."""
+    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    ours, theirs = (
+        knee_speeds(motion)[:, frames].max(axis=1) for motion, frames in ((adapted, slice(None)), (source, window))
+    )
+    return float((np.maximum(ours, QUIET) / np.maximum(theirs, QUIET)).max())
 
 
 def peak_turning(rotations: FloatArray, frame_rate: float) -> float:

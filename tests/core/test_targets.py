@@ -225,6 +225,21 @@ def test_one_frame_alone_is_as_in_the_whole_clip(body: Morphology) -> None:
         assert alone.positions[0] == pytest.approx(whole.positions[frame], abs=1e-9)
 
 
+@every_body
+def test_the_height_of_the_mass_is_asked_only_where_it_is_to_be(body: Morphology) -> None:
+    before = centre_of_mass(solved(body))
+    lower = tuple(before[30] - [0.0, 0.0, 0.03])
+    for vertical in (False, True):
+        asked = ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), place=lower, vertical=vertical)
+        adapted = solved(body, asked, frames=(30, 30))
+        mass = centre_of_mass(adapted)[0]
+        assert adapted.residuals[0, 0] < 1e-3
+        assert np.linalg.norm((mass - lower)[: 3 if vertical else 2]) == pytest.approx(
+            adapted.residuals[0, 0], abs=1e-6
+        )
+        assert (mass[2] < before[30, 2] - 0.02) == vertical
+
+
 places = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
 turns = st.tuples(*[st.floats(-1.0, 1.0)] * 3).map(lambda vector: (*vector, 0.5))
 
