@@ -167,6 +167,8 @@ def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) ->
         near = np.linalg.norm(part - np.median(part, axis=0), axis=1) < wander
         if near.all():
             return first, last
+        if not near.any():  # round its middle, and never in it
+            return first, first
         begin, end = max(_spans(near), key=lambda run: run[1] - run[0])
         first, last = first + begin, first + end
 

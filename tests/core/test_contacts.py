@@ -14,6 +14,7 @@ from studio.core.contacts import (
     contact_mask,
     detect_body_contacts,
     detect_contacts,
+    staying,
     without,
 )
 
@@ -134,3 +135,10 @@ def test_what_is_taken_out_of_a_contact_is_out(wanted: list[bool], gone: list[bo
     spans = [(frame, frame) for frame, yes in enumerate(wanted) if yes]
     rest = contact_mask(without(spans, mask, 0), len(wanted))
     assert np.array_equal(rest, np.array(wanted) & ~mask)
+
+
+def test_a_point_that_circles_round_its_middle_stays_nowhere() -> None:
+    """Found by spoiling captures: no frame of it lies near the middle of all."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(60)], axis=1)
+    assert staying(circle, 0, 59) == (0, 0)

@@ -18,6 +18,8 @@ _WITHIN = 64
 """Frames on each side among which they are looked for."""
 _LOOKED_AT = 400
 """Frames that tell how stiff two markers hang together."""
+_SKIN = 0.001
+"""Metres by which even markers on one bone move against each other."""
 _STIFF = 0.02
 """Metres by which the distance to a donor may vary (standard deviation): skin moves, joints move more."""
 
@@ -89,8 +91,8 @@ def stiffness(points: FloatArray, places: tuple[int, ...], metres: float) -> Sti
 def pattern_through(points: FloatArray, gap: Gap, known: Stiffness) -> FloatArray | None:
     """Places (n, 3) in the gap as the stiffest neighbours carry the marker; None without three of them.
 
-    The rigid motion (Kabsch 1976) of the neighbours from the last frame before the gap and from the first one after
-    it, each weighed by how near it is, so that the path joins on both sides.
+    The rigid motion (Kabsch 1976) of the neighbours, the stiffer the more they are trusted, from the last frame before
+    the gap and from the first one after it, each weighed by how near it is, so that the path joins on both sides.
     """
     donors = _donors(points, gap, known)
     if len(donors) < 3:
@@ -98,7 +100,9 @@ def pattern_through(points: FloatArray, gap: Gap, known: Stiffness) -> FloatArra
     frames = np.arange(gap.first, gap.last + 1)
     anchors = [frame for frame in (gap.first - 1, gap.last + 1) if 0 <= frame < len(points)]
     moving = points[gap.first : gap.last + 1, donors]
-    carried = [_carried(points[anchor, donors], points[anchor, gap.place], moving) for anchor in anchors]
+    trust = (known.spread[gap.place, donors] + _SKIN) ** -2.0
+    trust /= trust.sum()
+    carried = [_carried(points[anchor, donors], points[anchor, gap.place], moving, trust) for anchor in anchors]
     if len(carried) == 1:
         return carried[0]
     share = ((frames - gap.first + 1) / (gap.frames + 1))[:, None]
@@ -128,10 +132,13 @@ def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
     return chosen
 
 
-def _carried(source: FloatArray, marker: FloatArray, targets: FloatArray) -> FloatArray:
-    """Where ``marker`` (3,) goes when ``source`` (n, 3) moves rigidly onto each of ``targets`` (F, n, 3)."""
-    middle, middles = source.mean(axis=0), targets.mean(axis=1)
-    covariance = np.einsum("ni,fnj->fij", source - middle, targets - middles[:, None])
+def _carried(source: FloatArray, marker: FloatArray, targets: FloatArray, trust: FloatArray) -> FloatArray:
+    """Where ``marker`` (3,) goes when ``source`` (n, 3) moves rigidly onto each of ``targets`` (F, n, 3).
+
+    ``trust`` (n,) are weights that sum to one.
+    """
+    middle, middles = trust @ source, np.einsum("n,fni->fi", trust, targets)
+    covariance = np.einsum("n,ni,fnj->fij", trust, source - middle, targets - middles[:, None])
     u, _, v = np.linalg.svd(covariance)
     turn = np.ones((len(targets), 3))
     turn[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(v))

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTreeWidget, QTreeWidgetIt
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, ROLES, SIDES
 from studio.core.markers.take import MarkerTake
-from studio.core.markers.trial import bare_label, subject_of
+from studio.core.markers.trial import bare_label, subject_of, whole
 from studio.document import colours
 from studio.io.marker_maps import find_map, fitted, known_maps, save_map
 from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
@@ -169,8 +169,7 @@ class MarkerAssistant(QWidget):
     def _fill(self) -> None:
         self.list.clear()
         for label, bare in seen_labels(self._trial, self.subject).items():
-            track = self._trial.track(label)
-            share = float((track == track).all(axis=1).mean())  # NaN is not itself
+            share = float(whole(self._trial.track(label)).mean())
             item = QTreeWidgetItem([bare_label(bare), "", f"{100 * share:.0f} %"])
             item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight)
             self.list.addTopLevelItem(item)

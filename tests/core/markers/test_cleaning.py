@@ -1,5 +1,7 @@
 """Steps on made trials whose truth is known: what they fill, smooth and exchange, what they leave and what they say."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,6 +11,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, UndoSwaps, clean
 from studio.core.markers.gaps import find_gaps
 from studio.core.markers.trial import Trial
+from studio.io.c3d import read_c3d
 from tests.core.markers.made import RATE, made_trial
 
 
@@ -147,3 +150,21 @@ def test_in_a_clean_trial_nothing_is_exchanged() -> None:
 def test_a_step_without_sense_is_refused(step) -> None:
     with pytest.raises(StudioError, match="must be more than zero"):
         step()
+
+
+@pytest.mark.parametrize(("label", "first", "last"), [("RTH3", 100, 130), ("LSK4", 240, 265), ("PV1", 180, 200)])
+def test_on_a_real_cluster_a_gap_of_half_a_second_is_filled_within_centimetres(
+    captures: Path, label: str, first: int, last: int
+) -> None:
+    truth = read_c3d(captures / "c3d" / "sample01_Eb015pi.c3d").trial
+    filled, _ = FillLongGaps().apply(_with_gap(truth, label, first, last))
+    off = np.linalg.norm(filled.track(label)[first : last + 1] - truth.track(label)[first : last + 1], axis=1)
+    assert off.max() * truth.metres < 0.015
+
+
+@pytest.mark.parametrize(("one", "other"), [("LWRA", "LWRB"), ("LASI", "RASI"), ("RFHD", "RBHD"), ("LKNE", "RKNE")])
+def test_a_swap_put_into_a_real_walk_is_found_and_nothing_else(captures: Path, one: str, other: str) -> None:
+    truth = read_c3d(captures / "c3d" / "btk_PiG_FullBody_walk.c3d").trial
+    mended, report = UndoSwaps().apply(_exchanged(truth, one, other, 90, 170))
+    assert np.array_equal(mended.points, truth.points, equal_nan=True)
+    assert report.summary == "2 swaps undone."
