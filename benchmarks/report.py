@@ -94,27 +94,23 @@ def growth(record: Record) -> str:
 def peers(record: Record) -> str:
     """What others take, from the same poses, and how well they do it; those that are not installed by name."""
     absent = [name for name, answers in record["peers"].items() if answers is None]
-    rows = []
-    for row in record["rows"]:
-        ours = [row["name"], "Morpho Studio", f"{row['median']:.1f}", *["see above"] * 3]
-        others = [
-            [
-                row["name"],
-                name,
-                f"{found['microseconds']:,.0f}",
-                *("{:.2f} / {:.1f}".format(*found[key]) for key in keys),
-            ]
-            for name, answers in record["peers"].items()
-            if answers and (found := answers.get(row["name"])) and (keys := ("miss", "slide", "balance"))
+    keys = "miss", "slide", "balance"
+    rows = [
+        [
+            row["name"],
+            name,
+            f"{found['microseconds']:,.{0 if found['microseconds'] > 99.5 else 1}f}",
+            *("{:.2f} / {:.1f}".format(*found[key]) for key in keys),
         ]
-        rows += [ours, *others] if others else []
+        for row in record["rows"]
+        for name, answers in record["peers"].items()
+        if answers and (found := answers.get(row["name"]))
+    ]
     titles = ("work", "who", "µs a frame", "missed, mm (median / most)", "feet slide, mm", "balance off, mm")
-    notes = "; ".join(f"{name}: {record['peer_notes'][name]}" for name in record["peers"] if name not in absent)
-    told = f"\n{notes}. Each frame from its own pose, without joint limits.\n" if rows else ""
-    missing = (
-        f"\nNot installed when this was measured: {', '.join(absent)} (`pip install -e .[peers]`).\n" if absent else ""
-    )
-    return (table(titles, rows) if rows else "") + told + missing
+    notes = "; ".join(f"{name}: {note}" for name, note in record["peer_notes"].items() if name not in absent)
+    told = f"{notes}. Each frame from its own pose, without limits of joints. " if notes else ""
+    missing = f"Not installed when this was measured: {', '.join(absent)}. " if absent else ""
+    return f"{table(titles, rows)}\nOn {record['peer_clip']}. {told}{missing}\n"
 
 
 def start(record: Record) -> str:

@@ -18,8 +18,9 @@ from studio.cli.bench_cases import Task, places_of
 from studio.core.character_skeleton import character_poses, character_skeleton, joint_points
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.metrics import centre_of_mass
 from studio.core.morphology import Morphology
-from studio.core.solver.adapt import hold, stand
+from studio.core.solver.adapt import adapt, hold, stand
 from studio.core.solver.chains import segment_masses
 from studio.core.solver.packing import point_indices
 
@@ -60,6 +61,22 @@ def run_peers(tasks: Sequence[Task]) -> dict[str, dict[str, Any] | None]:
             files.append(str(Path(folder) / f"{number}.npz"))
             np.savez(files[-1], **problem(task))
         return {peer.name: _answers(peer, tasks, files) if _installed(peer) else None for peer in PEERS}
+
+
+def our_answer(task: Task, microseconds: float) -> dict[str, Any]:
+    """What the studio answers, judged as the peers are: every frame of the clip."""
+    request = task.request
+    adapted = adapt(request)
+    before = hold(stand(request.motion, request.morphology, request.contacts, request.ground), ())
+    ankles = [request.morphology.layout.ankle(side) for side in range(2)]
+    figures = {
+        "miss": adapted.residuals[request.constraints.index(task.highest)],
+        "slide": np.linalg.norm(adapted.positions[:, ankles] - before.positions[:, ankles], axis=2).max(axis=1),
+        "balance": np.linalg.norm((centre_of_mass(adapted) - centre_of_mass(before))[:, :2], axis=1),
+    }
+    return {"microseconds": microseconds} | {
+        name: [1e3 * float(np.median(values)), 1e3 * float(values.max())] for name, values in figures.items()
+    }
 
 
 def problem(task: Task) -> dict[str, Any]:
