@@ -85,7 +85,9 @@ class Asked:
 def asked_by(arguments: Namespace) -> Asked:
     """The arguments of ``adapt`` as they hold for any capture; StudioError for a character or format there is not."""
     suffix = f".{arguments.format.lower().lstrip('.')}"
-    format_for(Path(f"'{arguments.format}'").with_suffix(suffix))
+    kind = Path(f"'{arguments.format}'").with_suffix(suffix)
+    format_for(kind)
+    export_options(arguments).check(kind)
     others = [name for name in arguments.character if name != ACTOR]
     characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
     if others or not characters:

@@ -29,6 +29,7 @@ def run(arguments: Namespace) -> int:
     if _writes_characters(arguments.target):
         return _convert_character(arguments)
     format_for(arguments.target)
+    export_options(arguments).check(arguments.target)
     capture = load_capture(arguments.source, import_options(arguments))
     annotations = load_annotations(arguments.source, capture, MOTION_ID)
     take = export_options(arguments).applied_to(take_of_capture(capture, annotations), arguments.target)

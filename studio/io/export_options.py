@@ -22,18 +22,21 @@ class ExportOptions:
     rest_pose: str = ""
     """A key of ``REST_POSES``, for BVH: ``own`` is the pose in which a character's skin is bound, or the file's own."""
 
+    def check(self, path: Path) -> None:
+        """Raise StudioError where a choice does not fit the kind of file that ``path`` is."""
+        if self.rest_pose and path.suffix.lower() != ".bvh":
+            raise StudioError(f"{path.name}: only BVH has a rest pose to choose; others keep the skin's own.")
+        if self.rest_pose and self.rest_pose not in REST_POSES:
+            raise StudioError(f"There is no rest pose '{self.rest_pose}'. Choose {', '.join(REST_POSES)}.")
+
     def applied_to(self, take: Take, path: Path) -> Take:
         """``take`` as it shall be written to ``path``. Raises StudioError where a choice does not fit."""
+        self.check(path)
         capture = take.capture
-        if self.rest_pose:
-            if path.suffix.lower() != ".bvh":
-                raise StudioError(f"{path.name}: only BVH has a rest pose to choose; others keep the skin's own.")
-            if self.rest_pose not in REST_POSES:
-                raise StudioError(f"There is no rest pose '{self.rest_pose}'. Choose {', '.join(REST_POSES)}.")
-            if self.rest_pose == "t" and take.character is None:
-                capture = with_zero_pose(capture, t_pose(capture))
-            elif self.rest_pose == "own" and take.character is not None:
-                capture = with_zero_pose(capture, character_skin(take.character).bind_rotations)
+        if self.rest_pose == "t" and take.character is None:
+            capture = with_zero_pose(capture, t_pose(capture))
+        elif self.rest_pose == "own" and take.character is not None:
+            capture = with_zero_pose(capture, character_skin(take.character).bind_rotations)
         if self.joint_names:
             capture = with_joint_names(capture, self.joint_names)
         return take if capture is take.capture else replace(take, capture=capture)

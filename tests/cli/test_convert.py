@@ -42,6 +42,18 @@ def test_an_unknown_format_is_refused_before_anything_is_read(capsys, tmp_path):
     assert "Let it end with .bvh" in capsys.readouterr().err
 
 
+def test_a_rest_pose_that_a_format_has_not_is_refused_before_anything_is_read(capsys, tmp_path):
+    assert main(["convert", str(tmp_path / "missing.bvh"), str(tmp_path / "out.glb"), "--rest-pose", "t"]) == 1
+    assert "only BVH has a rest pose" in capsys.readouterr().err
+
+
+def test_joints_get_the_names_of_another_program(tmp_path):
+    write_capture(make_capture(), tmp_path / "walk.bvh")
+    asked = ["--joint-names", "blender", "--rest-pose", "t"]
+    assert main(["convert", str(tmp_path / "walk.bvh"), str(tmp_path / "out.bvh"), *asked]) == 0
+    assert "upper_arm.L" in load_capture(tmp_path / "out.bvh").skeleton.names
+
+
 def test_a_damaged_file_leaves_the_target_as_it_was(capsys, tmp_path):
     (tmp_path / "bad.bvh").write_bytes(b"HIERARCHY\nROOT Hips\n{\n OFFSET 0,5 0 0\n")
     (tmp_path / "out.bvh").write_text("precious")

@@ -307,7 +307,7 @@ def test_the_adapted_motion_of_a_character_is_exported_as_bvh(qtbot, window, tmp
     assert load_capture(path).frame_count == 30
 
 
-@pytest.mark.parametrize("suffix", [".bvh", ".s4d", ".glb", ".csv", ".npz"])
+@pytest.mark.parametrize("suffix", [".bvh", ".s4d", ".glb", ".c3d", ".npz"])
 def test_every_kind_of_file_goes_out_by_the_one_dialog(qtbot, window, tmp_path, monkeypatch, suffix):
     from studio.app import export_dialog
 
