@@ -46,7 +46,6 @@ HINTS = {
     ".gltf": "The same as GLB, as text.",
     ".usd": "Joints, skin and animation for USD pipelines; without textures.",
     ".c3d": "Joints and the markers the body would wear, for laboratories.",
-    ".c3d": "Joints, and the markers the body would wear, as points.",
     ".csv": "Where every joint is at every frame, and by how much constraints are missed.",
     ".npz": "The same as CSV, for NumPy.",
     ".mp4": "The range of the timeline, from the present camera.",
