@@ -32,7 +32,7 @@ from studio.core.solver.tracks import Targets, Track, Tracks
 
 FloatArray = NDArray[np.float64]
 
-PASSES = 4
+PASSES = 5
 """Times a motion is solved whose constraints follow points of its own body: each to where the last one had them."""
 
 
