@@ -183,6 +183,7 @@ VIEW = (
 
 HELP = (
     Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find anything by its name"),
+    Action("formats", "Help", "Kinds of files", view.formats, tooltip="What can be read and written, and what failed"),
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )
 

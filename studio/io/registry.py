@@ -63,6 +63,16 @@ class Format:
     character_writer: str = ""
     """``(path, character: Character, progress: Progress) -> None``."""
 
+    @property
+    def reads(self) -> list[str]:
+        """What it can be read as: ``capture``, ``character``."""
+        return [what for what in ("capture", "character") if getattr(self, f"{what}_reader")]
+
+    @property
+    def writes(self) -> list[str]:
+        """What can be written to it: ``motion``, ``character``."""
+        return [what for what in ("motion", "character") if getattr(self, f"{what}_writer")]
+
     def recognises(self, head: bytes) -> bool:
         """Whether a file that begins with ``head`` is one of this kind."""
         return bool(self.sniff) and bool(self._function("sniff")(head))

@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from studio.core.annotations import Annotations
 from studio.document.document import Document
 from studio.document.journal import StateHash
 from studio.document.recovery import Session
+from studio.io import registry
 from studio.io.bvh_writer import write_bvh
 from studio.io.export import take_of_capture, write_take
 from studio.io.importing import load_capture
@@ -443,6 +445,16 @@ def test_what_is_corrected_in_a_report_holds_for_the_next_file_of_its_kind(qtbot
     wait_until_idle(qtbot, window)
     assert (document.project.captures[second_id].unit, document.project.captures[second_id].floor) == ("cm", floor)
     assert settings.corrections == {}
+
+
+def test_the_kinds_of_files_are_listed_and_those_that_failed_with_them(window, monkeypatch):
+    known = registry.known_formats()
+    failed = replace(known, failures=("The format 'gone' of nobody could not be added: it is gone.",))
+    monkeypatch.setattr("studio.app.verbs.view.known_formats", lambda: failed)
+    window.actions_by_id.by_id["formats"].trigger()
+    texts = [action.text() for action in window.choice_panel._actions]
+    assert "BVH  .bvh" in texts
+    assert failed.failures[0] in texts
 
 
 def test_a_correction_that_is_undone_is_not_remembered(qtbot, window, walk):

@@ -1,5 +1,7 @@
 """One registry: what a file is, who reads it, and what is added to the studio from outside."""
 
+import json
+import re
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -74,6 +76,17 @@ def test_a_format_that_fails_is_listed_with_its_error_and_the_others_are_there(i
     (tmp_path / "take.xyz").write_bytes(b"?")
     with pytest.raises(StudioError, match="no_such_module"):
         load_capture(tmp_path / "take.xyz")
+
+
+def test_the_verb_lists_what_there_is_and_what_failed(installed, capsys):
+    installed(gone="no_such_module:FORMAT", trace="examples.trace_format:FORMAT")
+    assert main(["formats"]) == 1
+    told = capsys.readouterr().out
+    assert re.search(r"Trace +\.trace +capture +motion", told)
+    assert re.search(r"BVH +\.bvh +capture +motion", told)
+    assert "No module named 'no_such_module'" in told
+    assert main(["formats", "--json"]) == 1
+    assert len(json.loads(capsys.readouterr().out)["failures"]) == 1
 
 
 def test_a_second_format_of_the_same_name_is_refused(installed, monkeypatch):

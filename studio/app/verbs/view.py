@@ -1,6 +1,7 @@
 """What is seen: camera, ghost, tools, panels, palette."""
 
 from studio.app.workbench import Workbench
+from studio.io.registry import Format, known_formats
 
 
 def frame_selection(bench: Workbench) -> None:
@@ -56,6 +57,19 @@ def palette(bench: Workbench) -> None:
 def shortcuts(bench: Workbench) -> None:
     """All shortcuts on one sheet."""
     bench.window.show_shortcuts()
+
+
+def formats(bench: Workbench) -> None:
+    """The kinds of files that are known, what can be done with each, and those that could not be added."""
+    known = known_formats()
+    rows = [(f"{each.name}  {' '.join(each.suffixes)}", _uses(each)) for each in known.formats]
+    rows += [(sentence, "failed") for sentence in known.failures]
+    bench.window.choose("Kinds of files", [(row, lambda: None) for row in rows])
+
+
+def _uses(known: Format) -> str:
+    uses = (f"reads {', '.join(known.reads)}" if known.reads else "", "writes" if known.writes else "")
+    return "; ".join(use for use in uses if use)
 
 
 def arrange(bench: Workbench) -> None:

@@ -1,0 +1,31 @@
+"""``formats``: the kinds of files that are known here, what can be done with each, and those that failed."""
+
+from argparse import ArgumentParser, Namespace
+
+from studio.cli.printing import print_json, print_table
+from studio.io.registry import known_formats
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """How to print."""
+    parser.add_argument("--json", action="store_true", help="one object: formats, and failures as sentences")
+
+
+def run(arguments: Namespace) -> int:
+    """List them; 1 when one that is installed beside the studio could not be added."""
+    known = known_formats()
+    if arguments.json:
+        records = [
+            {"name": each.name, "suffixes": list(each.suffixes), "reads": each.reads, "writes": each.writes}
+            for each in known.formats
+        ]
+        print_json({"formats": records, "failures": list(known.failures)})
+    else:
+        rows = [
+            [each.name, " ".join(each.suffixes), ", ".join(each.reads) or "-", ", ".join(each.writes) or "-"]
+            for each in known.formats
+        ]
+        print_table(("format", "suffixes", "reads", "writes"), rows)
+        for sentence in known.failures:
+            print(f"\n{sentence}")
+    return 1 if known.failures else 0
