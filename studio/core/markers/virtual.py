@@ -142,8 +142,10 @@ def _events(capture: Capture, contacts: Iterable[ContactInterval]) -> tuple[Tria
     """A foot strikes when its heel comes down, and is off when its toes leave the ground."""
     events = []
     for contact in contacts:
-        side, point = contact.point.value.split("_")
-        frame, label = (contact.first, "Foot Strike") if point == "heel" else (contact.last, "Foot Off")
+        if not contact.point.is_foot:
+            continue
+        side = contact.point.value.split("_")[0]
+        frame, label = (contact.first, "Foot Strike") if contact.point.is_heel else (contact.last, "Foot Off")
         if capture.first_frame < frame < capture.frame_count - 1:
             events.append(TrialEvent(label, side.capitalize(), (frame - capture.first_frame) / capture.frame_rate))
     return tuple(sorted(events, key=lambda event: event.time))
