@@ -7,13 +7,18 @@ import pytest
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
+from scipy.spatial.transform import Rotation
 
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
 from studio.core.appearance import Material
-from studio.core.skin import Blending
+from studio.core.canonical import BodyPart
+from studio.core.project import Performer
+from studio.core.skin import Blending, bound_pose
+from studio.core.solver.request import AdaptedMotion
 from studio.document.commands.replace import same_value
 from studio.document.document import Document
+from studio.engine.performance import Placement, Posed
 from studio.io.importing import load_character
 from studio.io.project_file import new_document_id, read_project, write_project
 from studio.viewport.bodies import BodyVisual
@@ -145,3 +150,27 @@ def test_each_material_is_drawn_in_its_colour_and_texture(tmp_path):
     assert red.texture is None
     assert red.prop.color.hex_rgb == "#ff0000"
     assert isinstance(character.skin.appearance.materials[1], Material)
+
+
+def test_the_skin_that_is_drawn_bends_as_was_chosen(tmp_path):
+    (tmp_path / "hero.glb").write_bytes(Gltf().glb())
+    linear = load_character(tmp_path / "hero.glb").character
+    weights = np.full_like(linear.skin.weights, 0.0)
+    weights[:, :2] = 0.5
+    segments = linear.skin.segments.copy()
+    hand = linear.build.layout.segment(BodyPart.LEFT_HAND)
+    segments[:, 1] = np.where(segments[:, 0] == hand, hand - 1, segments[:, 0])
+    linear = replace(linear, skin=replace(linear.skin, weights=weights, segments=segments))
+    positions, rotations = (part[None].copy() for part in bound_pose(linear.skin, linear.build))
+    rotations[0, hand] = rotations[0, hand] @ Rotation.from_rotvec([0.0, 0.0, 2.5]).as_matrix()
+    motion = AdaptedMotion(linear.build, 30.0, 0, positions, rotations, np.empty((0, 1)))
+    posed = Posed(Performer("hero", "hero"), motion, 0, Placement())
+    visual = BodyVisual(linear)
+    drawn = []
+    for blending in Blending:
+        visual.take(replace(linear, blending=blending))
+        visual.pose(posed, bones=False)
+        drawn.append(np.array(visual.skin_actors[0].mapper.dataset.points))
+    moved = np.linalg.norm(drawn[1] - drawn[0], axis=1)
+    assert moved[segments[:, 0] == hand].max() > 0.01
+    assert moved[segments[:, 0] != hand].max() < 1e-5
