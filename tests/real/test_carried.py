@@ -95,7 +95,7 @@ def test_constraints_yield_to_hands_and_knees_and_scrubbing_is_playing(captures:
     lifted = target("thorax", place, Chain(trunk=1.0, root=1.0), activation=curve)
     moved = hold(standing, (lifted,))
     assert moved.residuals.shape == (1, motion.frame_count)
-    assert moved.residuals[0, 270] < 0.03
+    assert moved.residuals[0, 270] < 0.08  # of 0.12, for hands and knees hold
     quality = contact_quality(moved, contacts, Ground())
     assert quality.slide < 1e-3
     assert quality.penetration < 2e-3
