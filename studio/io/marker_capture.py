@@ -97,6 +97,8 @@ def _believable(
     None, and why, where no unit makes it human: the map cannot be right.
     """
     followed = follow(take)
+    if not followed.joints:
+        return take, None, f"the map '{take.marker_map.name}' leaves a joint of every limb open"
     length = _limb_length(followed.joints)
     if length > 0.0 and (options.unit is not None or _LEG[0] < length < _LEG[1]):
         return take, followed, ""

@@ -151,13 +151,14 @@ def test_a_failed_export_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_contacts_become_events(captures: Path) -> None:
-    from studio.core.contacts import ContactInterval, ContactPoint
+    from studio.core.contacts import BODY_POINTS, ContactInterval, ContactPoint
 
     [path] = (captures / "bvh").rglob("accad_male2_G2_FrontKick.bvh")
     contacts = [
         ContactInterval("m", ContactPoint.LEFT_HEEL, 10, 20),
         ContactInterval("m", ContactPoint.RIGHT_TOE, 5, 40),
     ]
+    contacts += [ContactInterval("m", point, 8, 30) for point in BODY_POINTS]
     events = virtual_trial(load_capture(path), contacts).events
     assert [(event.context, event.label) for event in events] == [("Left", "Foot Strike"), ("Right", "Foot Off")]
     assert events[1].time == pytest.approx(40 / 30)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studio.core.markers.functional import cluster_axes
 from studio.core.markers.joint_centres import thorax_frame
-from studio.core.markers.measures import frame_of, pelvis_frame
+from studio.core.markers.measures import frame_of, has_pelvis, pelvis_frame
 from studio.core.markers.roles import SIDES
 from studio.core.rotations import normalized
 
@@ -44,7 +44,7 @@ def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) ->
     """Pelvis and thorax; one that has no markers stands upright under or over the other one."""
     legs, arms = "left_hip" in joints, "left_shoulder" in joints
     trunk = 0.3 * stature
-    pelvis = _pelvis(tracks, joints) if legs or "left_front_hip" in tracks else None
+    pelvis = _pelvis(tracks, joints) if legs or has_pelvis(tracks) else None
     thorax = _thorax(tracks, joints, radius) if arms else None
     if pelvis is None and thorax is not None:
         pelvis = upright(thorax)
@@ -55,7 +55,7 @@ def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) ->
     neck = _neck(tracks, joints) if arms else None
     if legs:
         hips = 0.5 * (joints["left_hip"] + joints["right_hip"])
-    elif "left_front_hip" in tracks:
+    elif has_pelvis(tracks):
         front = 0.5 * (tracks["left_front_hip"] + tracks["right_front_hip"])
         hips = front + pelvis @ np.array([-0.06, 0.0, -0.09])
     else:
@@ -150,7 +150,7 @@ def foot_axes(joints: Tracks, tracks: Tracks, side: str, shank: FloatArray) -> F
 
 
 def _pelvis(tracks: Tracks, joints: Tracks) -> FloatArray:
-    if "left_front_hip" in tracks and ("left_back_hip" in tracks or "right_back_hip" in tracks):
+    if has_pelvis(tracks):
         return pelvis_frame(tracks)[1]
     left = joints["left_hip"] - joints["right_hip"]
     above = _middle(joints, "shoulder") if "left_shoulder" in joints else None

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.markers.functional import centre_of_rotation
 from studio.core.markers.marker_map import middles
-from studio.core.markers.measures import Measures, SideMeasures, pelvis_frame
+from studio.core.markers.measures import Measures, SideMeasures, has_pelvis, pelvis_frame
 from studio.core.markers.roles import SIDES
 from studio.core.rotations import normalized
 
@@ -74,9 +74,7 @@ def _leg(
     joints: dict[str, FloatArray],
 ) -> None:
     """``out`` is 1 where the outer side is the left of the body, -1 on its right."""
-    has_pelvis = all(role in tracks for role in ("left_front_hip", "right_front_hip"))
-    has_pelvis = has_pelvis and ("left_back_hip" in tracks or "right_back_hip" in tracks)
-    if has_pelvis:
+    if has_pelvis(tracks):
         origin, pelvis = pelvis_frame(tracks)
         outward = out * pelvis[..., 1]
         joints[f"{side}_hip"] = origin + pelvis @ own.hip

@@ -101,6 +101,12 @@ def find_measures(stored: Mapping[str, float], metres: float, tracks: Tracks, ce
     return Measures((sides[0], sides[1]), radius, words)
 
 
+def has_pelvis(tracks: Tracks) -> bool:
+    """Whether there are markers for ``pelvis_frame``: both in front and one behind."""
+    fronts = all(role in tracks for role in ("left_front_hip", "right_front_hip"))
+    return fronts and ("left_back_hip" in tracks or "right_back_hip" in tracks)
+
+
 def pelvis_frame(tracks: Tracks) -> tuple[FloatArray, FloatArray]:
     """Origin (F, 3) between the front markers, and axes (F, 3, 3): x forward, y left, z up."""
     left, right = tracks["left_front_hip"], tracks["right_front_hip"]
@@ -123,9 +129,7 @@ def median(values: FloatArray, usual: float) -> float:
 
 
 def _stored_hip(tracks: Tracks, centres: Tracks, side: str, usual: FloatArray) -> FloatArray:
-    needed = ("left_front_hip", "right_front_hip")
-    backed = "left_back_hip" in tracks or "right_back_hip" in tracks
-    if f"{side}_hip" not in centres or not backed or any(role not in tracks for role in needed):
+    if f"{side}_hip" not in centres or not has_pelvis(tracks):
         return usual
     origin, pelvis = pelvis_frame(tracks)
     local = np.einsum("fji,fj->fi", pelvis, centres[f"{side}_hip"] - origin)
