@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from studio.app.importing import UNCHANGED
+from studio.app.importing import UNCHANGED, import_motion
 from studio.app.workbench import Workbench
 from studio.core.capture import Guess
 from studio.core.character import Character
@@ -27,7 +27,7 @@ def import_character(bench: Workbench, path: Path) -> int:
 
     def done(read: ReadCharacter) -> None:
         put_character(bench.document, marked(read.character, bench.document), f"Import {path.name}")
-        _tell(bench, path.name, read)
+        _tell(bench, path, read)
 
     def work(progress: Callable[[float, str], None]) -> ReadCharacter:
         try:
@@ -83,19 +83,23 @@ def put_character(document: Document, character: Character, text: str) -> str:
     return performer_id
 
 
-def _tell(bench: Workbench, source: str, read: ReadCharacter) -> None:
-    """What had to be repaired or is a daring guess; where nothing is, what went wrong before is past."""
-    count = len(read.repairs)
+def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
+    """What had to be repaired or is a daring guess, and whether a motion came along; without any, what was is past."""
+    count, sentences = len(read.repairs), []
     daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_daring(guess)]
     if count:
-        first = read.repairs[0].removeprefix(f"{source}, ")
-        sentence = f"{source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
+        first = read.repairs[0].removeprefix(f"{path.name}, ")
+        sentences.append(f"{path.name} was read with {count} repair{'' if count == 1 else 's'}: {first}")
     elif daring:
-        sentence = f"{source} was read; guessed {' '.join(daring)}"
+        sentences.append(f"{path.name} was read; guessed {' '.join(daring)}")
+    actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.window.strip.clear)]
+    if read.moves:
+        sentences.append("The file holds a motion too." if sentences else f"{path.name} holds a motion too.")
+        actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))
+    if sentences:
+        bench.window.strip.say(" ".join(sentences), *actions)
     else:
         bench.window.strip.clear()
-        return
-    bench.window.strip.say(sentence, ("Close", bench.window.strip.clear))
 
 
 def is_daring(guess: Guess) -> bool:

@@ -51,5 +51,6 @@ class Figure:
     """Joints by part, where the file says it."""
     up: str = "Y"
     """The axis that is up by the format's own rule."""
-    unit: str = "m"
+    moves: bool = False
+    """Whether the file holds a motion of it too."""
     repairs: tuple[str, ...] = ()

@@ -216,7 +216,8 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     appearance = _appearance(pieces)
     skin = bound_mesh(measures, stance, root, vertices, normals, triangles, shares, appearance)
     character = Character(figure.name.replace("_", " "), _colour(appearance), measures, skin)
-    return ReadCharacter(character, tuple(guesses), tuple(repairs), body.body_map.to_json(body.skeleton))
+    names = body.body_map.to_json(body.skeleton)
+    return ReadCharacter(character, tuple(guesses), tuple(repairs), names, figure.moves)
 
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[Piece]:

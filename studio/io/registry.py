@@ -37,6 +37,8 @@ class ReadCharacter:
     repairs: tuple[str, ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
     """The file's own joints by part, where it has joints of its own."""
+    moves: bool = False
+    """Whether the file holds a motion too, to be read as a capture."""
 
 
 @dataclass(frozen=True)

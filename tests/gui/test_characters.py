@@ -7,6 +7,7 @@ import pytest
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QPushButton
 from scipy.spatial.transform import Rotation
 
 from studio.app.application import make_application, make_window
@@ -84,6 +85,19 @@ def test_what_was_repaired_is_told_in_the_strip(qtbot, window, tmp_path):
     path.write_text(vrml().replace("skinCoordIndex [ 32 33 34 35 36 37 38 39 ]", "skinCoordIndex [ ]", 1))
     drop(qtbot, window, path)
     assert window.strip.text.startswith("hero.wrl was read with 1 repair: 8 points of the skin had no joint")
+
+
+def test_the_motion_that_came_along_is_offered(qtbot, window, tmp_path):
+    path = tmp_path / "dancer.glb"
+    path.write_bytes(Gltf().moving().glb())
+    drop(qtbot, window, path)
+    assert window.strip.text == "dancer.glb holds a motion too."
+    [offer] = [button for button in window.strip.findChildren(QPushButton) if button.text() == "Import its motion"]
+    offer.click()
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+    document = window.bench.document
+    assert document.history == ("Import dancer.glb", "Import dancer.glb")
+    assert len(document.project.captures) == 2
 
 
 def test_a_bad_character_leaves_the_project_as_it_was(qtbot, window, hero):

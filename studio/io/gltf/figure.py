@@ -60,6 +60,7 @@ def _figure(
         positions=world[joints, :3, 3],
         pieces=tuple(pieces),
         parts={part: names[node] for part, node in bones.items()},
+        moves=bool(file.root.records("animations")),
         repairs=tuple(dict.fromkeys(reader.repairs)),
     )
 
