@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 from studio.panels.fields import labelled
 
 STEPS = 1000
-VALUE_WIDTH = 52
+VALUE_WIDTH = 62
 
 
 class QuietSlider(QSlider):
