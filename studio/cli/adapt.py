@@ -106,8 +106,13 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
     contacts = ready.contacts if given.contacts is None else given.contacts
     constraints = tuple(each for each in given.constraints if each.enabled)
     bodies = {key: each.morphology if each else ready.actor.morphology for key, each in asked.characters.items()}
+    volumes = {key: each.volume if each else None for key, each in asked.characters.items()}
+    actor = ready.actor.morphology
     requests = with_tracks(
-        {key: AdaptRequest(ready.motion, body, contacts, constraints) for key, body in bodies.items()},
+        {
+            key: AdaptRequest(ready.motion, body, contacts, constraints, volume=volumes[key], actor=actor)
+            for key, body in bodies.items()
+        },
         ready.capture,
         given.props,
     )

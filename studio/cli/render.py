@@ -17,6 +17,7 @@ from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, rea
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import Progress, print_json, progress_line
 from studio.core.errors import StudioError
+from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
@@ -120,7 +121,7 @@ def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
 def performances(project: Project) -> dict[str, tuple[AdaptRequest, AdaptedMotion]]:
     """What was asked and what came of it, of every visible performer that has a clip of a human motion."""
     motions = {
-        key: normalize(project.captures[motion.capture_id])[0]
+        key: normalize(project.captures[motion.capture_id])
         for key, motion in project.motions.items()
         if project.captures[motion.capture_id].body_map is not None
     }
@@ -140,20 +141,24 @@ def performances(project: Project) -> dict[str, tuple[AdaptRequest, AdaptedMotio
     return {key: (requests[key], results[key]) for key in shown}
 
 
-def request_of(project: Project, performer_id: str, motions: Mapping[str, NormalizedMotion]) -> AdaptRequest:
+def request_of(project: Project, performer_id: str, motions: Mapping[str, tuple[NormalizedMotion, Actor]]) -> AdaptRequest:
     """What is asked of a performer, but for what it follows."""
     performer = project.performers[performer_id]
     motion_id = performer.clips[0].motion_id
+    motion, actor = motions[motion_id]
+    character = project.characters[performer.character_id]
     return AdaptRequest(
-        motions[motion_id],
-        project.characters[performer.character_id].morphology,
+        motion,
+        character.morphology,
         tuple(project.contacts_of(motion_id).values()),
         asked_of(project, performer_id),
         project.ground.seen_from(performer.position, performer.heading),
+        volume=character.volume,
+        actor=actor.morphology,
     )
 
 
-def _bare(project: Project, motions: Mapping[str, NormalizedMotion], performer_id: str) -> AdaptedMotion:
+def _bare(project: Project, motions: Mapping[str, tuple[NormalizedMotion, Actor]], performer_id: str) -> AdaptedMotion:
     return adapt(replace(request_of(project, performer_id, motions), constraints=()))
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from studio.core.morphology import Morphology, Proportions
-from studio.core.skin import Blending, SkinnedMesh
+from studio.core.skin import Blending, SkinnedMesh, fit_skin
+from studio.core.volume import BodyVolume, fitted_volume
 
 
 @dataclass(frozen=True)
@@ -32,3 +33,8 @@ class Character:
     def morphology(self) -> Morphology:
         """The measures in force: the build with its proportions."""
         return self.proportions.applied_to(self.build)
+
+    @cached_property
+    def volume(self) -> BodyVolume:
+        """The room that the skin takes up on these measures."""
+        return fitted_volume(fit_skin(self.skin, self.build, self.morphology), self.morphology)

@@ -30,6 +30,7 @@ KINDS = {
     "contact": "#95ad74",
     "balance": "#5FB5A8",
     "look_at": "#8FA3E0",
+    "clear": "#D9A0A0",
 }
 
 HELD = "#3f7f57"

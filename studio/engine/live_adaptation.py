@@ -12,6 +12,7 @@ from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
 from studio.core.capture import Capture
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
@@ -20,6 +21,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.stage import Followed, asked_of, followed_by, leaders_of, tracks_of, with_leaders
+from studio.core.volume import BodyVolume
 from studio.document.document import Document
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
@@ -54,7 +56,8 @@ class StandingSolver:
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
         from studio.core.solver.adapt import hold, stand
 
-        key, ground = (request.motion, request.morphology), (request.contacts, request.ground)
+        key = (request.motion, request.morphology)
+        ground = (request.contacts, request.ground, request.volume, request.actor)
         kept = self._kept.get(key)
         if kept is None or kept[0] != ground:
             while len(self._kept) >= KEPT_STANDING:
@@ -82,6 +85,7 @@ class Wanted:
     constraints: tuple[Constraint, ...]
     ground: Ground
     followed: tuple[Followed, ...] = ()
+    volume: BodyVolume | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,11 +213,17 @@ class LiveAdaptation(QObject):
         project = self._document.project
         motion_id = performer.clips[0].motion_id
         capture = project.captures[project.motions[motion_id].capture_id]
-        morphology = project.characters[performer.character_id].morphology
+        character = project.characters[performer.character_id]
         contacts = tuple(project.contacts_of(motion_id).values())
         ground = project.ground.seen_from(performer.position, performer.heading)
         followed = followed_by(project, key, self._results.get, lambda leader: self._standing(project, leader))
-        wanted = Wanted(capture, id(capture), morphology, contacts, asked_of(project, key), ground, followed or ())
+        constraints = asked_of(project, key)
+        # The skin is measured only for who asks: a moved slider would pay for it every time.
+        asks = any(isinstance(item, ClearConstraint) for item in constraints)
+        wanted = Wanted(
+            capture, id(capture), character.morphology, contacts, constraints, ground, followed or (),
+            character.volume if asks else None,
+        )  # fmt: skip
         if followed is None or self._wanted.get(key) == wanted:
             return
         self._wanted[key] = wanted
@@ -236,9 +246,11 @@ class LiveAdaptation(QObject):
 
     def _timed(self, wanted: Wanted, first: int, last: int | None) -> Solved:
         self._until_ready()
-        motion, _ = self._prepare(wanted.capture)
+        motion, actor = self._prepare(wanted.capture)
         tracks = tracks_of(wanted.followed)
-        request = AdaptRequest(motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground, tracks)
+        request = AdaptRequest(
+            motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground, tracks, wanted.volume, actor
+        )
         begin = time.perf_counter()
         answer = self._solve(request, first, last)
         return Solved(answer, 1000.0 * (time.perf_counter() - begin), last is None)
@@ -295,7 +307,7 @@ def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
     arrays["positions"][frames] = window.positions
     arrays["rotations"][frames] = window.rotations
     arrays["residuals"][:, frames] = window.residuals
-    return replace(whole, morphology=window.morphology, **arrays)
+    return replace(whole, morphology=window.morphology, volume=window.volume, **arrays)
 
 
 def _fits(whole: AdaptedMotion, capture: Capture, wanted: Wanted) -> bool:

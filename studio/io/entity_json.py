@@ -14,6 +14,7 @@ import numpy as np
 
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -35,6 +36,7 @@ CONSTRAINT_KINDS: Mapping[str, type] = {
         DistanceConstraint,
         BalanceConstraint,
         AreaConstraint,
+        ClearConstraint,
     )
 }
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")

@@ -8,6 +8,7 @@ from studio.document import colours
 from studio.engine.point_names import point_words
 
 Item = tuple[str, str]
+WITHOUT_POINT = {"balance": "whole body", "clear": "arms"}
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ def _constraints(project: Project, motion_id: str | None) -> list[Row]:
 
 def _point(constraint: Constraint) -> str:
     """The point, unless the name says it already."""
-    words = "whole body" if constraint.kind == "balance" else point_words(constraint.point)
+    words = WITHOUT_POINT.get(constraint.kind) or point_words(constraint.point)
     return "" if words in constraint.name.lower() else words
 
 

@@ -12,6 +12,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -136,6 +137,10 @@ def _area(here: Here) -> Constraint:
     )
 
 
+def _clear(here: Here) -> Constraint:
+    return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain(), always=True))
+
+
 _MAKERS: dict[str, Callable[[Here], Constraint]] = {
     "position": _position,
     "orientation": _orientation,
@@ -143,6 +148,7 @@ _MAKERS: dict[str, Callable[[Here], Constraint]] = {
     "distance": _distance,
     "balance": _balance,
     "area": _area,
+    "clear": _clear,
 }
 
 

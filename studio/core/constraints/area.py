@@ -1,4 +1,4 @@
-"""Restricted area: a point of the body is to stay inside, or outside, a part of space."""
+"""Restricted area: a point of the body is to stay inside, outside, or on the surface of a part of space."""
 
 import math
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ from typing import ClassVar
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
+from studio.core.triangle_mesh import TriangleMesh
 
 
 class AreaShape(StrEnum):
@@ -18,17 +19,19 @@ class AreaShape(StrEnum):
     SPHERE = "sphere"
     CYLINDER = "cylinder"
     TABLE = "table"
+    MESH = "mesh"
 
 
 @dataclass(frozen=True)
 class AreaConstraint(Constraint):
-    """``point`` stays outside the shape, or inside it.
+    """``point`` stays outside the shape, or inside it, or ``on_surface`` from either side.
 
     ``centre`` in metres, motion space; ``size`` in metres: the edges of a box or table (x, y, z), the diameter of a
-    sphere (x), diameter and height of an upright cylinder (x, z); ``heading`` turns box and table about Z. A
+    sphere (x), diameter and height of an upright cylinder (x, z); ``heading`` turns box, table and mesh about Z. A
     half-space is bounded by the plane through ``centre`` whose normal is ``size`` as a direction; outside is the side
-    to which the normal points. An area moves when centre or heading is keyed, and with what its centre follows: its
-    turn about Z is added to the heading. Raises ValueError for an area of no size.
+    to which the normal points. A ``mesh`` has its own size and its origin at ``centre``; outside is where its triangles
+    are seen counter-clockwise. An area moves when centre or heading is keyed, and with what its centre follows: its
+    turn about Z is added to the heading. Raises ValueError for an area of no size, or a mesh shape without a mesh.
     """
 
     kind: ClassVar[str] = "area"
@@ -37,6 +40,8 @@ class AreaConstraint(Constraint):
     size: Vector = (1.0, 1.0, 1.0)
     heading: float | KeyedNumber = 0.0
     inside: bool = False
+    on_surface: bool = False
+    mesh: TriangleMesh | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -45,7 +50,13 @@ class AreaConstraint(Constraint):
         object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': the size of an area"))
         if not (isinstance(self.heading, KeyedNumber) or math.isfinite(self.heading)):
             raise ValueError(f"'{self.name}': a heading is a finite number of radians, got {self.heading}.")
-        used = {AreaShape.SPHERE: self.size[:1], AreaShape.CYLINDER: (self.size[0], self.size[2])}
+        if self.shape is AreaShape.MESH and self.mesh is None:
+            raise ValueError(f"'{self.name}': an area with the shape of a mesh needs one. Load it from a file.")
+        used: dict[AreaShape, tuple[float, ...]] = {
+            AreaShape.SPHERE: self.size[:1],
+            AreaShape.CYLINDER: (self.size[0], self.size[2]),
+            AreaShape.MESH: (),
+        }
         if self.shape is AreaShape.HALF_SPACE:
             empty = math.hypot(*self.size) < 1e-9
         else:

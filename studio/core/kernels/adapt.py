@@ -8,6 +8,7 @@ from numba import njit
 from studio.core.kernels.areas import put_area
 from studio.core.kernels.balance import centre_of_mass, segment_centres
 from studio.core.kernels.body import move_all
+from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import place_leg
@@ -48,6 +49,7 @@ def solve_frames(
     leashes,
     stance,
     body,
+    clearance,
     start_positions,
     start_rotations,
     out_residuals,
@@ -59,13 +61,15 @@ def solve_frames(
     ``asked``, ``areas`` and ``chain`` as in ``kernels.constraints``; ``wishes`` the tuple (places (C, F or 1, 3), turns
     (C, F or 1, 3, 3), distances (C, F or 1)) where things are to be at full activation; ``activations`` (C, F);
     ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body``
-    the tuple (measures, masses (S, 2)). ``positions`` and ``rotations`` begin as copies of the unsolved ones.
+    the tuple (measures, masses (S, 2)); ``clearance`` as in ``kernels.clearance``, which works on the unsolved poses,
+    in place, and again after the constraints. ``positions`` and ``rotations`` begin as copies of the unsolved ones.
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
     constraint_count, frame_count = activations.shape
     channels, comforts, ankles, feet, toes = stance
     work = make_work(constraint_count, chain[1].shape[0], positions.shape[1])
     scratch = np.empty((3, 3, 3))
+    clear_work, clears = make_clear_work(clearance), clearance[2].shape[0] > 0
     level_count = chain[0].shape[0] - constraint_count
     for frame in range(frame_count):
         row = body[0][frame if body[0].shape[0] > 1 else 0]
@@ -74,8 +78,15 @@ def solve_frames(
         start, pose = (start_positions[frame], start_rotations[frame]), (positions[frame], rotations[frame])
         for c in range(constraint_count):
             out_residuals[c, frame] = math.nan
-        if set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose):
+        if clears:
+            clear_before(frame, clearance, clear_work, start)
+            positions[frame], rotations[frame] = start_positions[frame], start_rotations[frame]
+        acts = set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose)
+        if acts:
             solve_frame(level_count, asked, areas, chain, frame_body, work, start, pose)
+        if clears:
+            clear_after(frame, acts, asked, clearance, clear_work, pose)
+        if acts:
             for c in range(constraint_count):
                 if asked[c].wanted:
                     out_residuals[c, frame] = miss_of(c, asked, areas, frame_body, work, pose)

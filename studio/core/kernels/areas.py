@@ -4,8 +4,16 @@ import math
 
 from numba import njit
 
-HALF_SPACE, BOX, SPHERE, CYLINDER, TABLE = 0, 1, 2, 3, 4
-"""Shapes, the first of an area's ten numbers: shape, inside, centre (3), size (3), cosine and sine of the heading."""
+from studio.core.kernels.distance_field import surface_place
+
+HALF_SPACE, BOX, SPHERE, CYLINDER, TABLE, MESH = 0, 1, 2, 3, 4, 5
+"""Shapes, the first of an area's ten numbers: shape, side, centre (3), size (3), cosine and sine of the heading.
+
+After them comes, for a mesh, its field (``kernels.distance_field``) in the area's own space.
+"""
+OUTSIDE, INSIDE, ON = 0, 1, 2
+"""Sides: where the point may be."""
+NUMBERS = 10
 
 EDGE = 0.1
 """Metres from a table's edge within which the push upwards fades, so that a hand coming from the side does not pop."""
@@ -23,25 +31,36 @@ def put_area(area, centre, turn):
 def nearest_allowed(area, point, out_place):
     """Write the nearest place (3,) where the point may be; its distance from there, 0 when it may stay.
 
-    ``area`` (10,) as above; ``point`` (3,) metres.
+    ``area`` (10 or more,) as above; ``point`` (3,) metres.
     """
     x, y, z = point[0] - area[2], point[1] - area[3], point[2] - area[4]
     c, s = area[8], area[9]
     x, y = c * x + s * y, c * y - s * x
-    shape, inside = int(area[0]), area[1] > 0.0
-    if shape == HALF_SPACE:
-        nx, ny, nz = half_space(area, x, y, z, inside)
-    elif shape == SPHERE:
-        nx, ny, nz = round_place(x, y, z, 0.5 * area[5], inside)
-    elif shape == CYLINDER:
-        nx, ny, nz = upright(x, y, z, 0.5 * area[5], 0.5 * area[7], inside)
+    side = int(area[1])
+    if int(area[0]) == MESH:
+        nx, ny, nz = surface_place(area[NUMBERS:], x, y, z, side)
     else:
-        nx, ny, nz = box(x, y, z, 0.5 * area[5], 0.5 * area[6], 0.5 * area[7], inside, shape == TABLE)
+        nx, ny, nz = place_of(area, x, y, z, side == INSIDE)
+        if side == ON and nx == x and ny == y and nz == z:
+            nx, ny, nz = place_of(area, x, y, z, True)
     distance = math.sqrt((nx - x) ** 2 + (ny - y) ** 2 + (nz - z) ** 2)
     out_place[0] = area[2] + c * nx - s * ny
     out_place[1] = area[3] + s * nx + c * ny
     out_place[2] = area[4] + nz
     return distance
+
+
+@njit(cache=True, nogil=True)
+def place_of(area, x, y, z, inside):
+    """Nearest place on the allowed side of a shape, in the area's own space."""
+    shape = int(area[0])
+    if shape == HALF_SPACE:
+        return half_space(area, x, y, z, inside)
+    if shape == SPHERE:
+        return round_place(x, y, z, 0.5 * area[5], inside)
+    if shape == CYLINDER:
+        return upright(x, y, z, 0.5 * area[5], 0.5 * area[7], inside)
+    return box(x, y, z, 0.5 * area[5], 0.5 * area[6], 0.5 * area[7], inside, shape == TABLE)
 
 
 @njit(cache=True, nogil=True)

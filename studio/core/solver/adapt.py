@@ -16,11 +16,12 @@ from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames, solve_frames
 from studio.core.kernels.carrying import place_arms
-from studio.core.morphology import AnimatedMorphology, AnyMorphology, at_frames
+from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology, at_frames
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.clearance import lowest_first, pack_clearance
 from studio.core.solver.following import next_guess, point_track
 from studio.core.solver.footing import Footing, find_footing, leashes
 from studio.core.solver.holding import held_points, place_above, release_hands
@@ -29,6 +30,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.settling import Arms, settle
 from studio.core.solver.support import mass_path, standing_points, support_path
 from studio.core.solver.tracks import Targets, Track, Tracks
+from studio.core.volume import BodyVolume, usual_volume
 
 FloatArray = NDArray[np.float64]
 
@@ -48,6 +50,8 @@ class Standing:
     arms: Arms | None
     positions: FloatArray
     rotations: FloatArray
+    volume: BodyVolume | None = None
+    actor: Morphology | None = None
 
 
 @dataclass(frozen=True)
@@ -63,12 +67,23 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
     Every frame is solved from its own pose alone, so any window gives the same poses as the whole clip.
     """
-    standing = stand(request.motion, request.morphology, request.contacts, request.ground)
+    standing = standing_of(request)
     return hold(standing, request.constraints, first, last, request.tracks)
 
 
+def standing_of(request: AdaptRequest) -> Standing:
+    """How the motion of ``request`` stands before its constraints."""
+    ground, volume, actor = request.ground, request.volume, request.actor
+    return stand(request.motion, request.morphology, request.contacts, ground, volume, actor)
+
+
 def stand(
-    motion: NormalizedMotion, morphology: AnyMorphology, contacts: Sequence[ContactInterval], ground: Ground
+    motion: NormalizedMotion,
+    morphology: AnyMorphology,
+    contacts: Sequence[ContactInterval],
+    ground: Ground,
+    volume: BodyVolume | None = None,
+    actor: Morphology | None = None,
 ) -> Standing:
     """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7)."""
     positions, rotations = realize(motion, morphology)
@@ -86,7 +101,7 @@ def stand(
         stance = arms.wrists, arms.hands, arms.bends, arms.placed
         place_arms(motion.channels, measures, *stance, positions, rotations)
     holds = () if carrying is None else carrying.holds
-    return Standing(motion, morphology, tuple(contacts), footing, holds, arms, positions, rotations)
+    return Standing(motion, morphology, tuple(contacts), footing, holds, arms, positions, rotations, volume, actor)
 
 
 def hold(
@@ -156,9 +171,11 @@ def _solve(
     motion, body = standing.motion, standing.morphology
     times = np.arange(motion.frame_count)[window] / motion.frame_rate
     held = held_points(standing.holds, body, standing.positions, standing.rotations) if bound.by_contacts else []
-    order = in_order(constraints)
+    order, clear_rows = in_order(constraints), lowest_first(constraints)
+    order = [c for c in order if c not in clear_rows]
     everything = [*(each.constraint for each in held), *(constraints[c] for c in order)]
-    activations = constraint_activations(everything[len(held) :], standing.contacts, motion)[:, window]
+    given = constraint_activations(constraints, standing.contacts, motion)[:, window]
+    activations = given[order]
     leash = (
         leashes(standing.footing, motion.frame_rate)[:, window]
         if bound.by_contacts
@@ -168,8 +185,12 @@ def _solve(
     if held:
         place_above(rows, held, window)
         stands = np.array([each.standing[window] for each in held])
-        activations = np.concatenate([stands & (activations > 0.0).any(axis=0), activations])
+        activations = np.concatenate([stands & (given > 0.0).any(axis=0), activations])
     joints = free_joints([constraint.chain for constraint in everything], rows.asked["rank"], body.layout)
+    clearance = pack_clearance(
+        [constraints[c] for c in clear_rows], everything, len(held), given[clear_rows],
+        motion, window, standing.actor, standing.volume or usual_volume(body.still), body.layout,
+    )  # fmt: skip
     misses = np.full((len(everything), len(positions)), np.nan)
     solve_frames(
         rows.asked,
@@ -180,13 +201,14 @@ def _solve(
         np.ascontiguousarray(leash),
         (motion.channels[window], *_legs(standing.footing, window)),
         (at_frames(body.rows, window), segment_masses(body.layout)),
-        standing.positions[window],
-        standing.rotations[window],
+        clearance,
+        positions.copy() if clear_rows else standing.positions[window],
+        rotations.copy() if clear_rows else standing.rotations[window],
         misses,
         positions,
         rotations,
     )
-    residuals[order] = misses[len(held) :]
+    residuals[order], residuals[clear_rows] = misses[len(held) :], clearance[7]
     if standing.arms is not None:
         rate, channels = motion.frame_rate, motion.channels[window]
         release_hands(standing.arms, standing.holds, body, channels, rate, window, positions, rotations)
@@ -197,7 +219,7 @@ def _answer(
 ) -> AdaptedMotion:
     body, rate = standing.morphology, standing.motion.frame_rate
     animated = body if isinstance(body, AnimatedMorphology) else None
-    return AdaptedMotion(body.still, rate, first, positions, rotations, residuals, animated)
+    return AdaptedMotion(body.still, rate, first, positions, rotations, residuals, animated, standing.volume)
 
 
 def _legs(footing: Footing, window: slice) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.distance_field import distance_field
 from studio.core.kernels import areas
 
 FloatArray = NDArray[np.float64]
@@ -16,13 +17,21 @@ _SHAPES = {
     AreaShape.SPHERE: areas.SPHERE,
     AreaShape.CYLINDER: areas.CYLINDER,
     AreaShape.TABLE: areas.TABLE,
+    AreaShape.MESH: areas.MESH,
 }
 
 
 def area_row(constraint: AreaConstraint, centre: FloatArray = ORIGIN, heading: float = 0.0) -> FloatArray:
-    """(10,) an area as ``kernels.areas`` takes it; frame by frame its place is put in there (``put_area``)."""
-    shape, inside = _SHAPES[constraint.shape], float(constraint.inside)
-    return np.array([shape, inside, *centre, *constraint.size, np.cos(heading), np.sin(heading)], dtype=np.float64)
+    """(10,) an area as ``kernels.areas`` takes it, longer by its field for a mesh.
+
+    Frame by frame its place is put in there (``put_area``).
+    """
+    shape, turn = _SHAPES[constraint.shape], (np.cos(heading), np.sin(heading))
+    side = areas.ON if constraint.on_surface else areas.INSIDE if constraint.inside else areas.OUTSIDE
+    row = np.array([shape, side, *centre, *constraint.size, *turn], dtype=np.float64)
+    if constraint.shape is not AreaShape.MESH or constraint.mesh is None:
+        return row
+    return np.concatenate([row, distance_field(constraint.mesh)])
 
 
 def nearest_place(constraint: AreaConstraint, point: ArrayLike) -> FloatArray:

@@ -156,7 +156,10 @@ def _area(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.put_end(c, 0, constraint.point, constraint)
     rows.places[c] = rows.targets.places(constraint.centre)
     rows.turns[c] = rows.targets.headings(constraint.heading, constraint.centre)
-    rows.areas[c] = area_row(constraint)
+    row = area_row(constraint)
+    if len(row) > rows.areas.shape[1]:
+        rows.areas = np.pad(rows.areas, ((0, 0), (0, len(row) - rows.areas.shape[1])))
+    rows.areas[c, : len(row)] = row
 
 
 _WRITERS: dict[type[Constraint], Callable[[Rows, int, Any], None]] = {

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
 from studio.core.metrics import centre_of_mass, contact_tracks, knee_speeds
-from studio.core.solver.adapt import Bound, Standing, constraint_activations, hold, stand
+from studio.core.solver.adapt import Bound, Standing, constraint_activations, hold, standing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.support import outlines, standing_points, support_margins
 from studio.core.solver.tracks import Tracks
@@ -50,7 +50,7 @@ class Report:
 
 def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     """All there is to say of ``adapted``, the answer to ``request`` in any window."""
-    standing = stand(request.motion, request.morphology, request.contacts, request.ground)
+    standing = standing_of(request)
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     stands = standing_points(request.contacts, request.motion.frame_count)[:, window]
     areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)

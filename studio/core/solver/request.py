@@ -11,6 +11,7 @@ from studio.core.ground import Ground
 from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.tracks import Tracks
+from studio.core.volume import BodyVolume
 
 FloatArray = NDArray[np.float64]
 
@@ -29,6 +30,10 @@ class AdaptRequest:
     ground: Ground = Ground()
     tracks: Tracks = field(default_factory=dict)
     """What constraints follow beyond the body itself, over all frames of the motion."""
+    volume: BodyVolume | None = None
+    """The room that the body takes up, as its skin has it; None for what is usual with its measures."""
+    actor: Morphology | None = None
+    """The body that the motion was captured from: where it touches itself, others may."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +42,8 @@ class AdaptedMotion:
 
     ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals``
     (C, F) is by how much each constraint is missed, in its ``unit`` (metres or radians), in the order of the request,
-    NaN where the constraint is not active. ``morphology`` of a body that changes is its beginning, ``animated`` is all.
+    NaN where the constraint is not active. ``morphology`` of a body that changes is its beginning, ``animated`` is all;
+    ``volume`` is the room that the body takes up, where it was asked for.
     """
 
     morphology: Morphology
@@ -47,6 +53,7 @@ class AdaptedMotion:
     rotations: FloatArray
     residuals: FloatArray
     animated: AnimatedMorphology | None = None
+    volume: BodyVolume | None = None
 
     @property
     def body(self) -> AnyMorphology:

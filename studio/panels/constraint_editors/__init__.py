@@ -2,6 +2,7 @@
 
 from studio.panels.constraint_editors.area import AreaEditor
 from studio.panels.constraint_editors.balance import BalanceEditor
+from studio.panels.constraint_editors.clear import ClearEditor
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.distance import DistanceEditor
 from studio.panels.constraint_editors.look_at import LookAtEditor
@@ -15,6 +16,7 @@ EDITORS: dict[str, type[ConstraintEditor]] = {
     "distance": DistanceEditor,
     "balance": BalanceEditor,
     "area": AreaEditor,
+    "clear": ClearEditor,
 }
 
 

@@ -31,6 +31,8 @@ class ConstraintEditor(Editor):
 
     has_point = True
     """Whether the kind is about one point; otherwise its rows are not shown."""
+    has_chain = True
+    """Whether it says which parts of the body may move."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -46,6 +48,7 @@ class ConstraintEditor(Editor):
         document.playhead.changed.connect(self._playhead_moved)
         for section in (self._section, self._residuals, self._activation, self._chain, self._priority):
             self.column.addWidget(section)
+        self._chain.setVisible(self.has_chain)
         self.finish()
 
     def add_kind_rows(self, section: Section) -> None:

@@ -1,0 +1,40 @@
+"""Clear of one's own body: hands, forearms and elbows are kept out of trunk, head and thighs."""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import ClassVar
+
+from studio.core.constraints.base import Constraint
+
+
+class Arms(StrEnum):
+    """Which arms are meant."""
+
+    BOTH = "both"
+    LEFT = "left"
+    RIGHT = "right"
+
+    def has(self, side: int) -> bool:
+        """Whether the arm of side 0 (left) or 1 (right) is among them."""
+        return self is Arms.BOTH or self is (Arms.RIGHT if side else Arms.LEFT)
+
+
+@dataclass(frozen=True)
+class ClearConstraint(Constraint):
+    """``arms`` keep ``margin`` metres away from the body, or touch it where the actor touches its own.
+
+    ``point`` is not used. Of the chain only the limb counts: at 1 the wrist gives way and the elbow turns about the
+    line from shoulder to wrist, at 0 the elbow alone. The miss is the room that is still lacking. Raises ValueError
+    for a margin that is below zero or wider than a body.
+    """
+
+    kind: ClassVar[str] = "clear"
+    arms: Arms = Arms.BOTH
+    margin: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "arms", Arms(self.arms))
+        if not (math.isfinite(self.margin) and 0.0 <= self.margin <= 0.5):
+            raise ValueError(f"'{self.name}': a margin lies between 0 and 0.5 metres, got {self.margin}.")

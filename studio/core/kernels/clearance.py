@@ -1,0 +1,354 @@
+"""Arms kept clear of their own body: out of capsules, by moving the wrist and by turning the elbow about its axis.
+
+A pass of its own beside the constraints, in smooth closed-form steps from the frame's own pose, so that it needs no
+frame before. ``volume`` is the tuple (segments (N, 2), places (N, 2, 3), radii (N, 2), girths (5,)) of
+``core.volume.BodyVolume``; ``capsules`` (N, 9) are begin, axis, 1 / length^2 and both radii in the world; an arm has
+five spheres, its probes: at the elbow, half way down the forearm, at the wrist, in the palm and in the fingers. *Room*
+is how far a probe's surface is from the body's, negative inside.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from studio.core.kernels.body import turn_part
+from studio.core.kernels.goals import ORIENTATION
+from studio.core.kernels.limb import soft_reach
+from studio.core.kernels.reach import aim_at, bend_to, longest_reach
+from studio.core.kernels.rotation import add_rotated, rotation_vector_to_matrix
+
+PROBES = 5
+BLEND = 0.02
+"""Metres over which the distances to two capsules run into each other."""
+CORE = 0.3
+"""Part of a capsule's radius within which its outward direction fades: at the axis there is none."""
+FADE, LEAST_FADE, TOUCH = 0.08, 0.015, 0.003
+"""Metres before its place at which a probe begins to be led there at most and at least, and within which it is kept."""
+SWEEPS = 6
+SWIVEL_COST = 0.08
+"""Metres of wrist that are worth one radian of swivel."""
+MOST_SWIVEL = 1.2
+"""Radians to which a swivel tends."""
+NEARNESS, FLESH = 0.02, 0.04
+"""Metres of room, and of depth, to which what the actor itself has is kept at most."""
+COMFORT = 0.97
+RIM = math.sqrt(1.0 + CORE * CORE)
+FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
+"""Part of the wrist's way that each probe goes along."""
+
+
+@njit(cache=True, nogil=True)
+def place_capsules(volume, pose, proximal, out_capsules):
+    """The capsules in the world, (N, 9); ``proximal`` (S,) is the point where each segment begins."""
+    segments, places, radii = volume[0], volume[1], volume[2]
+    for n in range(segments.shape[0]):
+        capsule = out_capsules[n]
+        for end in range(2):
+            segment, place = segments[n, end], places[n, end]
+            origin, out = pose[0][proximal[segment]], capsule[3 * end : 3 * end + 3]
+            add_rotated(origin, pose[1][segment], place[0], place[1], place[2], out)
+        for axis in range(3):
+            capsule[3 + axis] -= capsule[axis]
+        capsule[6] = 1.0 / max(capsule[3] ** 2 + capsule[4] ** 2 + capsule[5] ** 2, 1e-9)
+        capsule[7], capsule[8] = radii[n, 0], radii[n, 1] - radii[n, 0]
+
+
+@njit(cache=True, nogil=True)
+def room_at(x, y, z, girth, capsules, out_way):
+    """Metres of room of a sphere, and the unit way out of the body (3,), shorter towards a capsule's axis.
+
+    The smooth minimum (polynomial, over ``BLEND``) of the distances from tapered capsules.
+    """
+    room, most = math.inf, math.inf
+    out_way[:] = 0.0
+    for n in range(capsules.shape[0]):
+        capsule = capsules[n]
+        ux, uy, uz = capsule[3], capsule[4], capsule[5]
+        px, py, pz = x - capsule[0], y - capsule[1], z - capsule[2]
+        t = soft_clamp((px * ux + py * uy + pz * uz) * capsule[6])
+        px, py, pz = px - t * ux, py - t * uy, pz - t * uz
+        radius = capsule[7] + t * capsule[8]
+        squared = px * px + py * py + pz * pz + CORE * CORE * radius * radius
+        if squared >= (most + RIM * radius) ** 2:
+            continue
+        away = math.sqrt(squared)
+        here = away - RIM * radius - girth
+        if here >= room + BLEND:
+            continue
+        share = 1.0
+        if here > room - BLEND:
+            share = 0.5 * (1.0 + (room - here) / BLEND)
+            room = room + share * (here - room) - 0.5 * BLEND * share * (1.0 - share)
+        else:
+            room = here
+        most = max(room + BLEND + girth, 0.0)
+        keep = 1.0 - share
+        out_way[0] = keep * out_way[0] + share * px / away
+        out_way[1] = keep * out_way[1] + share * py / away
+        out_way[2] = keep * out_way[2] + share * pz / away
+    return room
+
+
+@njit(cache=True, nogil=True)
+def soft_clamp(t):
+    """``t`` held between 0 and 1 with a tenth of rounding at either end."""
+    return t + ramp(-t, 0.1) - ramp(t - 1.0, 0.1)
+
+
+@njit(cache=True, nogil=True)
+def ramp(x, band):
+    """max(x, 0) with its corner rounded over ``band`` on either side; never below it."""
+    if x <= -band:
+        return 0.0
+    return x if x >= band else (x + band) ** 2 / (4.0 * band)
+
+
+@njit(cache=True, nogil=True)
+def probe_at(probe, shoulder, positions, out_point):
+    """The centre (3,) of a probe of the arm whose shoulder is the point of that index."""
+    if probe < 3:
+        begin, end, share = shoulder + 1, shoulder + 2, 0.5 * probe
+    else:
+        begin, end, share = shoulder + 2, shoulder + 3, 0.45 if probe == 3 else 0.85
+    for axis in range(3):
+        out_point[axis] = positions[begin, axis] + share * (positions[end, axis] - positions[begin, axis])
+
+
+@njit(cache=True, nogil=True)
+def measure_arm(side, volume, capsules, positions, out_rooms, out_ways):
+    """The room of every probe of one arm, (5,) metres, and the way out (5, 3)."""
+    shoulder, point = positions.shape[0] - 19 + 5 * side, np.empty(3)
+    for probe in range(PROBES):
+        probe_at(probe, shoulder, positions, point)
+        girth = volume[3][probe]
+        out_rooms[probe] = room_at(point[0], point[1], point[2], girth, capsules, out_ways[probe])
+
+
+@njit(cache=True, nogil=True)
+def room_frames(volume, proximal, positions, rotations, out_rooms, out_ways):
+    """The room of every probe at every frame, (F, 2, 5) metres, and the way out (F, 2, 5, 3)."""
+    capsules = np.empty((volume[0].shape[0], 9))
+    for frame in range(positions.shape[0]):
+        place_capsules(volume, (positions[frame], rotations[frame]), proximal, capsules)
+        for side in range(2):
+            measure_arm(side, volume, capsules, positions[frame], out_rooms[frame, side], out_ways[frame, side])
+
+
+@njit(cache=True, nogil=True)
+def wanted_rooms(actor_rooms, margin, out_wanted):
+    """Room that probes are to have, any shape: ``margin`` more than y C / (|y| + C), where y is the actor's.
+
+    So a hand lands on a wide body as softly as the actor's does on its own, and where the actor seems to sink in, the
+    body may too, but never deeper. C is ``NEARNESS`` outside and ``FLESH`` inside.
+    """
+    own, wanted = actor_rooms.ravel(), out_wanted.ravel()
+    for i in range(own.shape[0]):
+        most = NEARNESS if own[i] > 0.0 else FLESH
+        wanted[i] = margin + own[i] * most / (abs(own[i]) + most)
+
+
+@njit(cache=True, nogil=True)
+def clear_arm(side, again, wanted, own, ways, shares, volume, capsules, saved, turn, pose, out_rooms):
+    """Bring one arm out of its body where its probes have less room than ``wanted`` (5,); True when it moved.
+
+    Probe after probe takes the least step of wrist and elbow that gives it its room, both counted by their cost, in
+    sweeps over linearised places. The actor has the room ``own`` (5,) and the ways out ``ways`` (5, 3): the narrower the
+    actor is, the earlier a probe begins to give way. ``shares`` (3,): how much of the answer is taken, how freely the wrist and the
+    swivel may move. ``again`` leaves a clear arm alone though it is near: for after the constraints. ``saved`` the
+    tuple (points (4, 3), rotations (3, 3, 3)) and ``turn`` (3, 3) are scratch. An arm with enough room is not touched,
+    and ``out_rooms`` (5,) is the room that it has.
+    """
+    positions, rotations = pose
+    spine_count = positions.shape[0] - 23
+    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    moved, shift, swivel, way = False, np.zeros(3), 0.0, np.empty(3)
+    places, arcs = np.empty((PROBES, 3)), np.empty((PROBES, 3))
+    for sweep in range(SWEEPS):
+        for probe in range(PROBES):
+            probe_at(probe, shoulder, positions, places[probe])
+            arc_of(probe, shoulder, places[probe], positions, arcs[probe])
+        dx, dy, dz, dw = 0.0, 0.0, 0.0, 0.0
+        for probe in range(PROBES):
+            k, arc = FOLLOWS[probe], arcs[probe]
+            room = room_at(
+                places[probe, 0] + k * dx + dw * arc[0],
+                places[probe, 1] + k * dy + dw * arc[1],
+                places[probe, 2] + k * dz + dw * arc[2],
+                volume[3][probe],
+                capsules,
+                way,
+            )
+            out_rooms[probe] = room
+            if moved or again:
+                short = ramp(wanted[probe] - room, TOUCH)
+            else:
+                narrower = max(own[probe] - room, 0.0)
+                fade = LEAST_FADE + narrower * FADE / (narrower + FADE)
+                short = ramp(wanted[probe] + TOUCH - room, fade)
+            if short == 0.0:
+                continue
+            turn_way(own[probe], ways[probe], way)
+            lever = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
+            step = short / (k * k * shares[1] + lever * lever * shares[2] + 0.02)
+            wrist = step * k * shares[1]
+            dx, dy, dz = dx + wrist * way[0], dy + wrist * way[1], dz + wrist * way[2]
+            dw += step * lever / SWIVEL_COST * shares[2]
+        if dx == 0.0 and dy == 0.0 and dz == 0.0 and dw == 0.0:
+            break
+        if not moved:
+            saved[0][:], saved[1][:] = positions[shoulder : shoulder + 4], rotations[upper : upper + 3]
+            moved = True
+        shift[0], shift[1], shift[2], swivel = shift[0] + dx, shift[1] + dy, shift[2] + dz, swivel + dw
+        move_arm(side, 1.0, shift, swivel, saved, turn, pose)
+    if moved and shares[0] < 1.0:
+        move_arm(side, shares[0], shift, swivel, saved, turn, pose)
+    return moved
+
+
+@njit(cache=True, nogil=True)
+def turn_way(actor_room, actor_way, way):
+    """Blend the way out (3,), in place, into the actor's near a capsule's axis, where the body itself has none.
+
+    The actor's counts as far as it is outside its own body.
+    """
+    depth = min(actor_room, 0.0)
+    take = 1.0 - way[0] ** 2 - way[1] ** 2 - way[2] ** 2
+    take *= FLESH * FLESH / (FLESH * FLESH + depth * depth)
+    for axis in range(3):
+        way[axis] += take * actor_way[axis]
+
+
+@njit(cache=True, nogil=True)
+def arc_of(probe, shoulder, place, positions, out_arc):
+    """Metres a radian by which a probe moves when the arm swivels about the line from shoulder to wrist, (3,)."""
+    if probe > 1:
+        out_arc[:] = 0.0
+        return
+    root, wrist = positions[shoulder], positions[shoulder + 2]
+    ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
+    length = max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
+    ax, ay, az = ax / length, ay / length, az / length
+    x, y, z = place[0] - root[0], place[1] - root[1], place[2] - root[2]
+    out_arc[0], out_arc[1], out_arc[2] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+
+
+@njit(cache=True, nogil=True)
+def move_arm(side, share, shift, swivel, saved, turn, pose):
+    """The ``saved`` arm with its wrist moved by ``share`` of ``shift`` (3,) and turned about its axis by ``swivel``.
+
+    The hand keeps its orientation; where the arm is too short it stretches as ``limb.soft_reach`` says.
+    """
+    positions, rotations = pose
+    spine_count = positions.shape[0] - 23
+    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    positions[shoulder : shoulder + 4], rotations[upper : upper + 3] = saved[0], saved[1]
+    root, wrist = positions[shoulder], positions[shoulder + 2]
+    target = saved[0][2] + share * shift
+    reach = longest_reach(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)
+    now, needed = 0.0, 0.0
+    for axis in range(3):
+        now += (saved[0][2, axis] - root[axis]) ** 2
+        needed += (target[axis] - root[axis]) ** 2
+    now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
+    needed = soft_reach(needed, min(max(now, COMFORT), 0.9999))
+    bend_to(needed * reach, upper, spine_count, shoulder, wrist, turn, positions, rotations)
+    aim_at(target, wrist, upper, spine_count, root, turn, positions, rotations)
+    angle = MOST_SWIVEL * math.tanh(share * swivel / MOST_SWIVEL)
+    ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
+    scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
+    rotation_vector_to_matrix(scale * ax, scale * ay, scale * az, turn)
+    turn_part(turn, upper, spine_count, root, positions, rotations)
+    rotations[upper + 2] = saved[1][2]
+    positions[shoulder + 3] = positions[shoulder + 2] + saved[0][3] - saved[0][2]
+
+
+@njit(cache=True, nogil=True)
+def make_clear_work(clearance):
+    """Scratch: capsules (N, 9), rooms now and before the constraints (2, 5), saved arm, a turn, two small ones."""
+    return (
+        np.empty((clearance[0][0].shape[0], 9)),
+        np.empty((2, PROBES)),
+        np.empty((2, PROBES)),
+        (np.empty((4, 3)), np.empty((3, 3, 3))),
+        np.empty((3, 3)),
+        np.empty(2),
+        np.empty(PROBES),
+        np.empty((PROBES, 3)),
+    )
+
+
+@njit(cache=True, nogil=True)
+def clear_before(frame, clearance, work, pose):
+    """Clear the arms of one frame before its constraints.
+
+    ``clearance`` is the tuple (volume, proximal points (S,), wanted rooms (Q, F, 2, 5), activations (Q, F), arms
+    (Q, 2) 1 where meant, freedoms of the wrist (Q,), above (Q, C) which constraints stand above, misses (Q, F), rooms
+    (F, 2, 5) and ways out (F, 2, 5, 3) of the actor) of Q constraints, the highest last.
+    """
+    volume, wanted, activations, arms = clearance[0], clearance[2], clearance[3], clearance[4]
+    capsules, rooms, saved, turn = work[0], work[1], work[3], work[4]
+    place_capsules(volume, pose, clearance[1], capsules)
+    for side in range(2):
+        own, ways, moved = clearance[8][frame, side], clearance[9][frame, side], False
+        for q in range(wanted.shape[0]):
+            share = activations[q, frame] * arms[q, side]
+            if share > 0.0:
+                free, asks = (share, clearance[5][q], 1.0), wanted[q, frame, side]
+                moved = clear_arm(
+                    side, False, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side]
+                )
+        if moved:
+            measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
+
+
+@njit(cache=True, nogil=True)
+def clear_after(frame, acted, asked, shares, clearance, work, pose):
+    """Clear arms again that constraints have brought nearer, where they ``acted``, and note how much room is missing.
+
+    A constraint that stands above holds what it is about by its activation in ``shares`` (C,): a wrist or hand still
+    lets the elbow swivel, a point further up holds the whole arm.
+    """
+    volume, wanted, activations, arms, misses = clearance[0], clearance[2], clearance[3], clearance[4], clearance[7]
+    capsules, rooms, before, saved, turn, held, asks = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
+    if acted:
+        before[:] = rooms
+        place_capsules(volume, pose, clearance[1], capsules)
+    for side in range(2):
+        own, ways, moved = clearance[8][frame, side], clearance[9][frame, side], False
+        for q in range(wanted.shape[0]):
+            if acted and activations[q, frame] * arms[q, side] > 0.0:
+                hold_arm(side, asked, shares, clearance[6][q], pose[0].shape[0] - 23, held)
+                free = (1.0, clearance[5][q] * (1.0 - held[0]), 1.0 - held[1])
+                for probe in range(PROBES):
+                    asks[probe] = min(wanted[q, frame, side, probe], before[side, probe] - TOUCH)
+                moved = clear_arm(side, True, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side])
+        if moved:
+            measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
+    for q in range(wanted.shape[0]):
+        misses[q, frame] = math.nan if activations[q, frame] <= 0.0 else 0.0
+        for side in range(2):
+            if activations[q, frame] * arms[q, side] > 0.0:
+                for probe in range(PROBES):
+                    short = wanted[q, frame, side, probe] - rooms[side, probe]
+                    misses[q, frame] = max(misses[q, frame], short)
+
+
+@njit(cache=True, nogil=True)
+def hold_arm(side, asked, shares, above, spine_count, out_held):
+    """How far constraints above hold an arm's wrist and its swivel, (2,) from 0 to 1."""
+    kinds, ends, offsets = asked[0], asked[2], asked[3]
+    out_held[0], out_held[1] = 0.0, 0.0
+    upper, wrist = spine_count + 3 + 4 * side, spine_count + 6 + 5 * side
+    for c in range(kinds.shape[0]):
+        if not above[c] or shares[c] <= 0.0:
+            continue
+        for end in range(2):
+            if ends[c, end, 2] != side:
+                continue
+            segment, at_wrist = ends[c, end, 1], ends[c, end, 0] == wrist and not offsets[c, end].any()
+            if segment == upper + 2 and kinds[c] == ORIENTATION:
+                continue
+            out_held[0] = max(out_held[0], shares[c])
+            if segment < upper + 2 and (kinds[c] == ORIENTATION or not at_wrist):
+                out_held[1] = max(out_held[1], shares[c])

@@ -1,0 +1,173 @@
+"""Signed distance from a triangle mesh: measured on a grid, and asked of it as a smooth field.
+
+A *field* is one row of numbers: origin (3), cell, count along x, y and z, then the coefficients of a cubic B-spline
+through the distances at the nodes, x slowest. The spline has continuous second derivatives, so a place on the surface
+moves smoothly over edges; it rounds them by a part of a cell.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+HEAD = 7
+"""Numbers before the coefficients."""
+STEPS = 12
+
+
+@njit(cache=True, nogil=True)
+def nearest_on_triangle(p, a, b, c):
+    """Barycentric v and w of the nearest place a + v (b - a) + w (c - a), and which part of the triangle it lies on.
+
+    0 face, 1 to 3 edge ab, bc, ca, 4 to 6 corner. By the regions of Ericson, Real-Time Collision Detection (2005),
+    5.1.5.
+    """
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    px, py, pz = p[0] - a[0], p[1] - a[1], p[2] - a[2]
+    uu, uv, vv = ux * ux + uy * uy + uz * uz, ux * vx + uy * vy + uz * vz, vx * vx + vy * vy + vz * vz
+    d1, d2 = ux * px + uy * py + uz * pz, vx * px + vy * py + vz * pz
+    if d1 <= 0.0 and d2 <= 0.0:
+        return 0.0, 0.0, 4
+    d3, d4 = d1 - uu, d2 - uv
+    if d3 >= 0.0 and d4 <= d3:
+        return 1.0, 0.0, 5
+    at_c = d1 * d4 - d3 * d2
+    if at_c <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        return d1 / (d1 - d3), 0.0, 1
+    d5, d6 = d1 - uv, d2 - vv
+    if d6 >= 0.0 and d5 <= d6:
+        return 0.0, 1.0, 6
+    at_b = d5 * d2 - d1 * d6
+    if at_b <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        return 0.0, d2 / (d2 - d6), 3
+    at_a = d3 * d6 - d5 * d4
+    if at_a <= 0.0 and d4 >= d3 and d5 >= d6:
+        w = (d4 - d3) / (d4 - d3 + d5 - d6)
+        return 1.0 - w, w, 2
+    total = at_a + at_b + at_c
+    return at_b / total, at_c / total, 0
+
+
+@njit(cache=True, nogil=True)
+def signed_distance(p, triangle, corners, normals):
+    """Distance of a point (3,) from a triangle, below zero behind the normal of the part that it is nearest to.
+
+    With normals (T, 7, 3) that are weighted by angle the sign is right for every closed mesh (Baerentzen 2005).
+    """
+    a, b, c = corners[triangle, 0], corners[triangle, 1], corners[triangle, 2]
+    v, w, part = nearest_on_triangle(p, a, b, c)
+    u = 1.0 - v - w
+    x = p[0] - u * a[0] - v * b[0] - w * c[0]
+    y = p[1] - u * a[1] - v * b[1] - w * c[1]
+    z = p[2] - u * a[2] - v * b[2] - w * c[2]
+    normal = normals[triangle, part]
+    away = math.sqrt(x * x + y * y + z * z)
+    return away if x * normal[0] + y * normal[1] + z * normal[2] >= 0.0 else -away
+
+
+@njit(cache=True, nogil=True)
+def measure_near(corners, normals, origin, cell, band, out_distances, out_owners):
+    """Signed distances at the nodes of a grid (X, Y, Z) within ``band`` cells of each triangle, and whose they are.
+
+    ``corners`` (T, 3, 3), ``normals`` (T, 7, 3); what is further away is left as it is.
+    """
+    p = np.empty(3)
+    low, high = np.empty(3, np.int64), np.empty(3, np.int64)
+    for t in range(corners.shape[0]):
+        for axis in range(3):
+            least = min(corners[t, 0, axis], corners[t, 1, axis], corners[t, 2, axis])
+            most = max(corners[t, 0, axis], corners[t, 1, axis], corners[t, 2, axis])
+            low[axis] = max(int(math.floor((least - origin[axis]) / cell)) - band + 1, 0)
+            high[axis] = min(int(math.ceil((most - origin[axis]) / cell)) + band, out_distances.shape[axis])
+        for i in range(low[0], high[0]):
+            for j in range(low[1], high[1]):
+                for k in range(low[2], high[2]):
+                    p[0], p[1], p[2] = origin[0] + i * cell, origin[1] + j * cell, origin[2] + k * cell
+                    found = signed_distance(p, t, corners, normals)
+                    if abs(found) < abs(out_distances[i, j, k]):
+                        out_distances[i, j, k], out_owners[i, j, k] = found, t
+
+
+@njit(cache=True, nogil=True)
+def measure_far(corners, normals, origin, cell, owners, out_distances):
+    """Signed distances of the nodes that have none yet, from the triangle that ``owners`` says (X, Y, Z)."""
+    p = np.empty(3)
+    for i in range(out_distances.shape[0]):
+        for j in range(out_distances.shape[1]):
+            for k in range(out_distances.shape[2]):
+                if out_distances[i, j, k] == np.inf:
+                    p[0], p[1], p[2] = origin[0] + i * cell, origin[1] + j * cell, origin[2] + k * cell
+                    out_distances[i, j, k] = signed_distance(p, owners[i, j, k], corners, normals)
+
+
+@njit(cache=True, nogil=True)
+def weights_at(t, out_weights):
+    """Cubic B-spline weights (4,) and their slopes (4,) at ``t`` from 0 to 1 between two nodes: (2, 4)."""
+    s = 1.0 - t
+    out_weights[0, 0], out_weights[0, 3] = s * s * s / 6.0, t * t * t / 6.0
+    out_weights[0, 1] = 2.0 / 3.0 - 0.5 * t * t * (2.0 - t)
+    out_weights[0, 2] = 2.0 / 3.0 - 0.5 * s * s * (2.0 - s)
+    out_weights[1, 0], out_weights[1, 3] = -0.5 * s * s, 0.5 * t * t
+    out_weights[1, 1] = t * (1.5 * t - 2.0)
+    out_weights[1, 2] = -s * (1.5 * s - 2.0)
+
+
+@njit(cache=True, nogil=True)
+def distance_at(field, x, y, z, weights, out_slope):
+    """Signed distance at a place, and its slope (3,). Beyond the grid as at its edge; ``weights`` (3, 2, 4) scratch."""
+    cell = field[3]
+    ny, nz = int(field[5]), int(field[6])
+    first = np.empty(3, np.int64)
+    for axis in range(3):
+        place = ((x, y, z)[axis] - field[axis]) / cell
+        count = int(field[4 + axis])
+        place = min(max(place, 1.0), count - 2.001)
+        first[axis] = int(place) - 1
+        weights_at(place - (first[axis] + 1), weights[axis])
+    distance = 0.0
+    out_slope[:] = 0.0
+    for i in range(4):
+        for j in range(4):
+            start = HEAD + ((first[0] + i) * ny + first[1] + j) * nz + first[2]
+            value, slope = 0.0, 0.0
+            for k in range(4):
+                value += weights[2, 0, k] * field[start + k]
+                slope += weights[2, 1, k] * field[start + k]
+            w = weights[0, 0, i] * weights[1, 0, j]
+            distance += w * value
+            out_slope[0] += weights[0, 1, i] * weights[1, 0, j] * value / cell
+            out_slope[1] += weights[0, 0, i] * weights[1, 1, j] * value / cell
+            out_slope[2] += w * slope / cell
+    return distance
+
+
+@njit(cache=True, nogil=True)
+def surface_place(field, x, y, z, side):
+    """The nearest place that is allowed: outside the mesh (``side`` 0), inside (1) or on its surface (2).
+
+    Newton's steps down the slope of the field, never further than the distance itself says.
+    """
+    weights, slope = np.empty((3, 2, 4)), np.empty(3)
+    px, py, pz = x, y, z
+    for step in range(STEPS):
+        distance = distance_at(field, px, py, pz, weights, slope)
+        if step == 0:
+            beyond = False
+            for axis in range(3):
+                place = ((x, y, z)[axis] - field[axis]) / field[3]
+                beyond = beyond or place < 1.0 or place > field[4 + axis] - 2.001
+            outside = beyond or distance >= 0.0
+            if (side == 0 and outside) or (side == 1 and not outside):
+                return x, y, z
+            if beyond:
+                reach = (field[4] - 2.002, field[5] - 2.002, field[6] - 2.002)
+                px = field[0] + field[3] * min(max((x - field[0]) / field[3], 1.0), reach[0])
+                py = field[1] + field[3] * min(max((y - field[1]) / field[3], 1.0), reach[1])
+                pz = field[2] + field[3] * min(max((z - field[2]) / field[3], 1.0), reach[2])
+        steep = slope[0] ** 2 + slope[1] ** 2 + slope[2] ** 2
+        scale = distance / max(steep, 0.25)
+        px, py, pz = px - scale * slope[0], py - scale * slope[1], pz - scale * slope[2]
+        if abs(distance) < 1e-8:
+            break
+    return px, py, pz

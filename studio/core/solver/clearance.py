@@ -1,0 +1,92 @@
+"""What keeps arms out of their own body, in the words of ``kernels.clearance``."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.clear import ClearConstraint
+from studio.core.kernels import clearance as kernel
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import realize
+from studio.core.solver.request import AdaptedMotion
+from studio.core.volume import PROBES, BodyVolume, usual_volume
+
+FloatArray = NDArray[np.float64]
+
+
+def rows_apart(constraints: Sequence[Constraint]) -> tuple[list[int], list[int]]:
+    """Rows of the constraints that the solver takes, and of the clear ones, lowest first: the last has the last word."""
+    clear = [row for row, each in enumerate(constraints) if isinstance(each, ClearConstraint)]
+    others = [row for row in range(len(constraints)) if row not in clear]
+    return others, sorted(clear, key=lambda row: -constraints[row].priority)
+
+
+def pack_clearance(
+    clears: Sequence[Constraint],
+    others: Sequence[Constraint],
+    standing: int,
+    activations: FloatArray,
+    motion: NormalizedMotion,
+    window: slice,
+    actor: Morphology | None,
+    volume: BodyVolume,
+    layout: BodyLayout,
+) -> tuple[Any, ...]:
+    """The tuple ``clearance`` of the kernels for Q constraints; its member 7 (Q, F) becomes what is missed.
+
+    ``activations`` (Q, F) in the ``window`` of frames. Above a clear constraint stand the first ``standing`` of the
+    others, which are contacts, and those of its priority or a higher one. Where no ``actor`` is known it is taken to
+    touch itself all the time.
+    """
+    shape = (activations.shape[1], 2, len(PROBES))
+    own, ways = np.zeros(shape), np.zeros((*shape, 3))
+    if clears and actor is not None:
+        own, ways = (np.ascontiguousarray(each[window]) for each in _actor_rooms(motion, actor))
+    asked = [each for each in clears if isinstance(each, ClearConstraint)]
+    wanted = np.empty((len(asked), *shape))
+    above = np.ones((len(asked), len(others)), dtype=np.bool_)
+    for row, each in enumerate(asked):
+        kernel.wanted_rooms(own, each.margin, wanted[row])
+        above[row, standing:] = [one.priority <= each.priority for one in others[standing:]]
+    return (
+        _packed(volume),
+        np.array(layout.proximal_points()),
+        wanted,
+        np.ascontiguousarray(activations),
+        np.array([[float(each.arms.has(side)) for side in range(2)] for each in asked]).reshape(-1, 2),
+        np.array([each.chain.limb for each in asked], dtype=np.float64),
+        above,
+        np.full(activations.shape, np.nan),
+        own,
+        ways,
+    )
+
+
+def rooms(adapted: AdaptedMotion) -> FloatArray:
+    """(F, 2, 5) metres from the surface of each probe of both arms to that of the body, negative inside."""
+    volume = adapted.volume or usual_volume(adapted.morphology)
+    return _rooms(adapted.morphology, volume, adapted.positions, adapted.rotations)[0]
+
+
+@lru_cache(maxsize=8)
+def _actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
+    return _rooms(actor, usual_volume(actor), *realize(motion, actor, play=True))
+
+
+def _rooms(
+    body: Morphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    found = np.empty((len(positions), 2, len(PROBES)))
+    ways = np.empty((*found.shape, 3))
+    kernel.room_frames(_packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, ways)
+    return found, ways
+
+
+def _packed(volume: BodyVolume) -> tuple[NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
+    return volume.segments, volume.places, volume.radii, volume.girths

@@ -1,0 +1,44 @@
+"""The form of what keeps arms clear of their own body: which arms, how far, and whether wrists give way."""
+
+from dataclasses import replace
+
+from studio.core.constraints.clear import Arms
+from studio.panels.constraint_editors.common import CENTIMETRE, ConstraintEditor
+from studio.panels.fields import NumberField, Section, Segments, labelled
+
+ARMS = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
+
+
+class ClearEditor(ConstraintEditor):
+    """No point and no chain: it is about whole arms and moves nothing else."""
+
+    has_point = has_chain = False
+
+    def add_kind_rows(self, section: Section) -> None:
+        """Arms, margin, what gives way."""
+        self._arms = Segments("Arms", ARMS)
+        self._arms.chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
+        section.add_row("Arms", self._arms)
+        self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
+        self._margin.setToolTip("Room that is left even where the actor touches: as for thick clothes")
+        section.add_row("Margin", self._margin)
+        self._gives = Segments("What gives way", [(True, "Wrist, elbow"), (False, "Elbow")])
+        self._gives.chosen.connect(self._set_gives)
+        section.add_row("Gives way", self._gives)
+        section.add_wide(labelled("Where the actor touches its own body, the arm touches this one.", "hint"))
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        super().refresh()
+        if self.entity is None:
+            return
+        self._arms.show_value(self.entity.arms)
+        self._margin.show_value(self.entity.margin / CENTIMETRE)
+        self._gives.show_value(self.entity.chain.limb > 0.0)
+
+    def _set_margin(self, centimetres: float) -> None:
+        self.change(f"Change margin of {self.entity.name}", margin=centimetres * CENTIMETRE)
+
+    def _set_gives(self, wrist: bool) -> None:
+        chain = replace(self.entity.chain, limb=float(wrist))
+        self.change(f"Choose what gives way for {self.entity.name}", chain=chain)

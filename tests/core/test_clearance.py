@@ -1,0 +1,190 @@
+"""Arms stay out of their own body: laws of the steps, and what they make of bodies of every width."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import ClearConstraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.kernels import clearance as kernel
+from studio.core.morphology import Morphology
+from studio.core.rest_pose import rest_pose
+from studio.core.skin import fit_skin
+from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.clearance import rooms
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.volume import BodyVolume, usual_volume
+from studio.io.character_file import bundled_characters
+from tests.core.motions import walk
+
+CHARACTERS = bundled_characters()
+STOCKY = CHARACTERS["stocky_man"]
+BARREL = BodyVolume(STOCKY.volume.segments, STOCKY.volume.places, 1.45 * STOCKY.volume.radii, STOCKY.volume.girths)
+WALK, CONTACTS = walk()
+ALWAYS = ActivationCurve(-1.0, -1.0, 100.0, 100.0)
+WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def clear(activation: ActivationCurve = ALWAYS, priority: int = 0, **more: object) -> ClearConstraint:
+    point = BodyPoint(BodyPart.THORAX)
+    return ClearConstraint("walk", "Clear", point, Chain(), priority, activation, **more)  # type: ignore[arg-type]
+
+
+def solved(*constraints: Constraint, frames: tuple[int, int | None] = (0, None)) -> AdaptedMotion:
+    request = AdaptRequest(WALK, STOCKY.morphology, CONTACTS, constraints, volume=BARREL)
+    return adapt(request, *frames)
+
+
+def belly(adapted: AdaptedMotion) -> tuple[float, ...]:
+    """A place within the belly at the first frame."""
+    return tuple(adapted.positions[0, 1] + adapted.rotations[0, 1] @ [0.08, -0.02, 0.0])
+
+
+@pytest.mark.parametrize("name", CHARACTERS)
+def test_the_capsules_lie_close_under_the_skin(name: str) -> None:
+    character = CHARACTERS[name]
+    body, mesh = character.morphology, fit_skin(character.skin, character.build, character.morphology)
+    pose, capsules, way = rest_pose(body), np.empty((9, 9)), np.empty(3)
+    volume = character.volume
+    packed = (volume.segments, volume.places, volume.radii, volume.girths)
+    kernel.place_capsules(packed, pose, np.array(body.layout.proximal_points()), capsules)
+    main = mesh.segments[:, 0]
+    hips, neck = pose[0][body.layout.hip(0), 2], pose[0][body.layout.neck_base, 2]
+    height = (mesh.vertices[:, 2] - hips) / (neck - hips)
+    meant = (main < body.layout.spine_count) & (height > 0.05) & (height < 0.75)
+    depth = [kernel.room_at(*mesh.vertices[v].astype(float), 0.0, capsules, way) for v in meant.nonzero()[0]]
+    assert np.median(np.abs(depth)) < 0.012 * body.stature
+    assert np.quantile(depth, 0.98) < 0.02 * body.stature
+
+
+def test_a_body_without_a_skin_is_as_thick_as_bodies_of_its_length_are() -> None:
+    for character in CHARACTERS.values():
+        fitted, usual = character.volume, usual_volume(character.morphology)
+        assert np.array_equal(fitted.segments[6:], usual.segments[6:])
+        assert np.abs(np.log(fitted.radii / usual.radii)).max() < np.log(2.0)
+
+
+def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:
+    """A body posed anyhow, with capsules of any size anywhere on it."""
+    random = np.random.default_rng(seed)
+    body = STOCKY.morphology
+    segments, places = STOCKY.volume.segments, random.normal(scale=0.3, size=(9, 2, 3))
+    volume = BodyVolume(segments, places, random.uniform(0.0, 0.3, (9, 2)), random.uniform(0.0, 0.1, 5))
+    positions, rotations = rest_pose(body)
+    for side in range(2):
+        k, upper = body.layout.collar(side) + 1, body.layout.segment(BodyPart.LEFT_UPPER_ARM) + 4 * side
+        turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+        turn *= np.linalg.det(turn)
+        rotations[upper : upper + 3] = turn @ rotations[upper : upper + 3]
+        positions[k : k + 4] = positions[k] + (positions[k : k + 4] - positions[k]) @ turn.T
+    return volume, body, positions, rotations
+
+
+def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float, share: float = 1.0) -> tuple:
+    """One arm cleared: whether it moved, the rooms before and after."""
+    packed = (volume.segments, volume.places, volume.radii, volume.girths)
+    capsules, ways, found = np.empty((9, 9)), np.zeros((5, 3)), np.empty((3, 5))
+    kernel.place_capsules(packed, pose, np.array(body.layout.proximal_points()), capsules)
+    kernel.measure_arm(1, packed, capsules, pose[0], found[0], ways)
+    scratch = (np.empty((4, 3)), np.empty((3, 3, 3)))
+    moved = kernel.clear_arm(
+        1, False, np.full(5, wanted), np.zeros(5), np.zeros((5, 3)), (share, 1.0, 1.0), packed, capsules, scratch,
+        np.empty((3, 3)), pose, found[1],
+    )  # fmt: skip
+    kernel.measure_arm(1, packed, capsules, pose[0], found[2], ways)
+    return moved, found[0], found[2]
+
+
+@given(seed=seeds)
+@settings(max_examples=200, deadline=None)
+def test_any_capsules_leave_the_arm_an_arm(seed: int) -> None:
+    volume, body, *pose = wild(seed)
+    before = [part.copy() for part in pose]
+    moved, _, _ = step(volume, body, tuple(pose), 0.0)
+    k = body.layout.collar(1) + 1
+    lengths = [np.linalg.norm(np.diff(positions[k : k + 4], axis=0), axis=1) for positions in (before[0], pose[0])]
+    assert lengths[1] == pytest.approx(lengths[0], abs=1e-9)
+    assert np.isfinite(pose[1]).all()
+    assert pose[1] @ np.swapaxes(pose[1], 1, 2) == pytest.approx(np.tile(np.eye(3), (len(pose[1]), 1, 1)), abs=1e-9)
+    rest = np.ones(len(pose[0]), dtype=bool)
+    rest[k + 1 : k + 4] = False
+    assert np.array_equal(pose[0][rest], before[0][rest])
+    assert moved or np.array_equal(pose[0], before[0])
+
+
+@given(seed=seeds)
+@settings(max_examples=100, deadline=None)
+def test_an_arm_with_room_enough_is_not_touched(seed: int) -> None:
+    volume, body, *pose = wild(seed)
+    before = [part.copy() for part in pose]
+    fade = kernel.LEAST_FADE + kernel.TOUCH
+    _, room, _ = step(volume, body, tuple(part.copy() for part in pose), 0.0)
+    moved, _, _ = step(volume, body, tuple(pose), room.min() - fade - kernel.FADE)
+    assert not moved
+    assert all(np.array_equal(*pair) for pair in zip(pose, before, strict=True))
+
+
+def test_arms_of_a_wide_body_come_out_of_it_and_nothing_else_moves() -> None:
+    before, after = solved(), solved(clear())
+    assert rooms(before).min() < 0.0
+    assert rooms(after).min() > -1e-3
+    assert after.residuals.max() < 1e-3
+    layout = STOCKY.morphology.layout
+    arms = [layout.collar(side) + bone for side in range(2) for bone in (2, 3, 4)]
+    rest = [point for point in range(layout.point_count) if point not in arms]
+    assert np.array_equal(after.positions[:, rest], before.positions[:, rest])
+
+
+def test_any_window_gives_what_the_whole_clip_gives() -> None:
+    whole = solved(clear())
+    part = solved(clear(), frames=(20, 30))
+    assert np.array_equal(part.positions, whole.positions[20:31])
+    assert np.array_equal(part.residuals, whole.residuals[:, 20:31])
+
+
+def test_it_fades_in_monotonely() -> None:
+    depths = []
+    for share in np.linspace(0.0, 1.0, 6):
+        activation = ActivationCurve(-share, 1.0 - share, 100.0, 100.0, "linear") if share < 1.0 else ALWAYS
+        depths.append(rooms(solved(clear(activation), frames=(0, 0))).min())
+    assert (np.diff(depths) >= -1e-9).all()
+    assert depths[0] == rooms(solved(frames=(0, 0))).min()
+
+
+def test_a_margin_is_kept_and_one_arm_leaves_the_other_alone() -> None:
+    before, after = solved(), solved(clear(margin=0.02, arms="left"))
+    layout = STOCKY.morphology.layout
+    assert rooms(after)[:, 0].min() > 0.019
+    right = slice(layout.collar(1), layout.collar(1) + 5)
+    assert np.array_equal(after.positions[:, right], before.positions[:, right])
+
+
+@pytest.mark.parametrize("reach_priority", [0, 1])
+def test_the_higher_priority_has_its_way(reach_priority: int) -> None:
+    target = belly(solved(frames=(0, 0)))
+    reach = PositionConstraint("walk", "Reach", WRIST, Chain(), reach_priority, ALWAYS, target=target)
+    adapted = solved(reach, clear(priority=1 - reach_priority), frames=(0, 0))
+    if reach_priority == 0:
+        assert place_of(WRIST, adapted)[0] == pytest.approx(target, abs=2e-4)
+        assert adapted.residuals[1, 0] > 0.05
+    else:
+        assert rooms(adapted)[0, 1].min() > -1e-3
+        assert adapted.residuals[0, 0] > 0.05
+
+
+def test_only_the_elbow_gives_way_where_the_wrist_may_not() -> None:
+    before = solved()
+    after = solved(ClearConstraint("walk", "Clear", WRIST, Chain(limb=0.0), 0, ALWAYS))
+    wrists = [STOCKY.morphology.layout.wrist(side) for side in range(2)]
+    assert after.positions[:, wrists] == pytest.approx(before.positions[:, wrists], abs=1e-9)
+
+
+@pytest.mark.parametrize("margin", [-0.01, 0.6, np.nan])
+def test_a_margin_that_makes_no_sense_is_refused_by_name(margin: float) -> None:
+    with pytest.raises(ValueError, match="'Clear': a margin"):
+        clear(margin=margin)
