@@ -141,7 +141,9 @@ def performances(project: Project) -> dict[str, tuple[AdaptRequest, AdaptedMotio
     return {key: (requests[key], results[key]) for key in shown}
 
 
-def request_of(project: Project, performer_id: str, motions: Mapping[str, tuple[NormalizedMotion, Actor]]) -> AdaptRequest:
+def request_of(
+    project: Project, performer_id: str, motions: Mapping[str, tuple[NormalizedMotion, Actor]]
+) -> AdaptRequest:
     """What is asked of a performer, but for what it follows."""
     performer = project.performers[performer_id]
     motion_id = performer.clips[0].motion_id

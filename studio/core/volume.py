@@ -7,6 +7,7 @@ same capsules in the same order, so that one body's can be set beside another's.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,7 +175,7 @@ def _assembled(
         local = [rotations[segment].T @ (place - positions[segment]) for place in sides]
         ends.append((segment, local, radius))
     segments, places, radii = [], [], []
-    for low, high in zip(ends, ends[1:], strict=False):
+    for low, high in pairwise(ends):
         for side in range(2):
             segments.append([low[0], high[0]])
             places.append([low[1][side], high[1][side]])

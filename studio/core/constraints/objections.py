@@ -19,7 +19,7 @@ _CARRIERS = {
     **dict.fromkeys(("thigh", "shank", "foot", "toe"), _LEG),
 }
 """The links of a chain that can move what is fixed to a part of the body."""
-_MANY = {"area"}
+_MANY = {"area", "clear"}
 """Kinds of which a point may have several at once."""
 
 

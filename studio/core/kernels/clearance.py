@@ -152,58 +152,64 @@ def wanted_rooms(actor_rooms, margin, out_wanted):
 def clear_arm(side, again, wanted, own, ways, shares, volume, capsules, saved, turn, pose, out_rooms):
     """Bring one arm out of its body where its probes have less room than ``wanted`` (5,); True when it moved.
 
-    Probe after probe takes the least step of wrist and elbow that gives it its room, both counted by their cost, in
-    sweeps over linearised places. The actor has the room ``own`` (5,) and the ways out ``ways`` (5, 3): the narrower the
-    actor is, the earlier a probe begins to give way. ``shares`` (3,): how much of the answer is taken, how freely the wrist and the
-    swivel may move. ``again`` leaves a clear arm alone though it is near: for after the constraints. ``saved`` the
-    tuple (points (4, 3), rotations (3, 3, 3)) and ``turn`` (3, 3) are scratch. An arm with enough room is not touched,
-    and ``out_rooms`` (5,) is the room that it has.
+    In sweeps, each from where the last one has brought the arm. ``shares`` (3,): how much of the answer is taken, how
+    freely the wrist and the swivel may move. ``again`` leaves a clear arm alone though it is near: for after the
+    constraints. ``saved`` the tuple (points (4, 3), rotations (3, 3, 3)) and ``turn`` (3, 3) are scratch. An arm with
+    enough room is not touched, and ``out_rooms`` (5,) is the room that it has.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    moved, shift, swivel, way = False, np.zeros(3), 0.0, np.empty(3)
-    places, arcs = np.empty((PROBES, 3)), np.empty((PROBES, 3))
-    for sweep in range(SWEEPS):
-        for probe in range(PROBES):
-            probe_at(probe, shoulder, positions, places[probe])
-            arc_of(probe, shoulder, places[probe], positions, arcs[probe])
-        dx, dy, dz, dw = 0.0, 0.0, 0.0, 0.0
-        for probe in range(PROBES):
-            k, arc = FOLLOWS[probe], arcs[probe]
-            room = room_at(
-                places[probe, 0] + k * dx + dw * arc[0],
-                places[probe, 1] + k * dy + dw * arc[1],
-                places[probe, 2] + k * dz + dw * arc[2],
-                volume[3][probe],
-                capsules,
-                way,
-            )
-            out_rooms[probe] = room
-            if moved or again:
-                short = ramp(wanted[probe] - room, TOUCH)
-            else:
-                narrower = max(own[probe] - room, 0.0)
-                fade = LEAST_FADE + narrower * FADE / (narrower + FADE)
-                short = ramp(wanted[probe] + TOUCH - room, fade)
-            if short == 0.0:
-                continue
-            turn_way(own[probe], ways[probe], way)
-            lever = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
-            step = short / (k * k * shares[1] + lever * lever * shares[2] + 0.02)
-            wrist = step * k * shares[1]
-            dx, dy, dz = dx + wrist * way[0], dy + wrist * way[1], dz + wrist * way[2]
-            dw += step * lever / SWIVEL_COST * shares[2]
-        if dx == 0.0 and dy == 0.0 and dz == 0.0 and dw == 0.0:
+    moved, shift, swivel, step = False, np.zeros(3), 0.0, np.empty(4)
+    for _ in range(SWEEPS):
+        near = moved or again
+        if not sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, positions, out_rooms, step):
             break
         if not moved:
             saved[0][:], saved[1][:] = positions[shoulder : shoulder + 4], rotations[upper : upper + 3]
             moved = True
-        shift[0], shift[1], shift[2], swivel = shift[0] + dx, shift[1] + dy, shift[2] + dz, swivel + dw
+        for axis in range(3):
+            shift[axis] += step[axis]
+        swivel += step[3]
         move_arm(side, 1.0, shift, swivel, saved, turn, pose)
     if moved and shares[0] < 1.0:
         move_arm(side, shares[0], shift, swivel, saved, turn, pose)
     return moved
+
+
+@njit(cache=True, nogil=True)
+def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, positions, out_rooms, out_step):
+    """The step (4,) of wrist (metres) and swivel (radians) that gives every probe its room; False when none is needed.
+
+    Probe after probe takes the least step for itself, wrist and swivel counted by their cost, where the steps before
+    have brought it. The actor has the room ``own`` (5,) and the ways out ``ways`` (5, 3): the narrower it is beside
+    this body, the earlier a probe begins to give way, unless it is to be kept ``near`` its place.
+    """
+    place, arc, way = np.empty(3), np.empty(3), np.empty(3)
+    out_step[:] = 0.0
+    for probe in range(PROBES):
+        k = FOLLOWS[probe]
+        probe_at(probe, shoulder, positions, place)
+        arc_of(probe, shoulder, place, positions, arc)
+        for axis in range(3):
+            place[axis] += k * out_step[axis] + out_step[3] * arc[axis]
+        room = room_at(place[0], place[1], place[2], volume[3][probe], capsules, way)
+        out_rooms[probe] = room
+        if near:
+            short = ramp(wanted[probe] - room, TOUCH)
+        else:
+            narrower = max(own[probe] - room, 0.0)
+            fade = LEAST_FADE + narrower * FADE / (narrower + FADE)
+            short = ramp(wanted[probe] + TOUCH - room, fade)
+        if short == 0.0:
+            continue
+        turn_way(own[probe], ways[probe], way)
+        lever = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
+        step = short / (k * k * shares[1] + lever * lever * shares[2] + 0.02)
+        for axis in range(3):
+            out_step[axis] += step * k * shares[1] * way[axis]
+        out_step[3] += step * lever / SWIVEL_COST * shares[2]
+    return out_step[0] != 0.0 or out_step[1] != 0.0 or out_step[2] != 0.0 or out_step[3] != 0.0
 
 
 @njit(cache=True, nogil=True)
@@ -295,9 +301,7 @@ def clear_before(frame, clearance, work, pose):
             share = activations[q, frame] * arms[q, side]
             if share > 0.0:
                 free, asks = (share, clearance[5][q], 1.0), wanted[q, frame, side]
-                moved = clear_arm(
-                    side, False, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side]
-                )
+                moved = clear_arm(side, False, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side])
         if moved:
             measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
 

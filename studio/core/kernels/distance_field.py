@@ -78,8 +78,8 @@ def measure_near(corners, normals, origin, cell, band, out_distances, out_owners
         for axis in range(3):
             least = min(corners[t, 0, axis], corners[t, 1, axis], corners[t, 2, axis])
             most = max(corners[t, 0, axis], corners[t, 1, axis], corners[t, 2, axis])
-            low[axis] = max(int(math.floor((least - origin[axis]) / cell)) - band + 1, 0)
-            high[axis] = min(int(math.ceil((most - origin[axis]) / cell)) + band, out_distances.shape[axis])
+            low[axis] = max(math.floor((least - origin[axis]) / cell) - band + 1, 0)
+            high[axis] = min(math.ceil((most - origin[axis]) / cell) + band, out_distances.shape[axis])
         for i in range(low[0], high[0]):
             for j in range(low[1], high[1]):
                 for k in range(low[2], high[2]):
