@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from studio.app import casting, recovery
 from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.verbs import editing, files, playback, view
-from studio.app.verbs.constraining import add_box, adder
+from studio.app.verbs.constraining import add_box, adder, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
 
 Run = Callable[[Workbench], object]
@@ -135,6 +135,9 @@ CONSTRAINT = (
            tooltip="Keep the centre of mass where the motion has it", enabled=_picked),
     Action("add_area", "Constraint", "Add table (area) constraint", adder("area"),
            tooltip="A table under the picked joint, which it does not sink into", enabled=_picked),
+    Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
+           tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
+           enabled=lambda bench: selected_area(bench) is not None),
     Action("add_clear", "Constraint", "Keep clear of body", adder("clear"),
            tooltip="Keep both arms of the active body out of its trunk, head and thighs", enabled=_picked,
            ends_group=True),

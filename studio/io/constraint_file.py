@@ -27,7 +27,8 @@ from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.project import Prop
-from studio.io.entity_json import CONSTRAINT_KINDS, entity_of, entity_record
+from studio.io.entity_json import CONSTRAINT_KINDS, Members, entity_of, entity_record
+from studio.io.mesh_file import read_mesh
 from studio.io.value_json import Json, unknown_fields
 
 _MEMBERS = ("constraints", "contacts", "props")
@@ -57,7 +58,9 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
     if strange := sorted(record.keys() - set(_MEMBERS)):
         raise StudioError(f"{path}: '{strange[0]}' is not known here. Members are {', '.join(_MEMBERS)}.")
     constraints = [
-        constraint_of(item, motion_id, f"{path}, constraints[{place}]")
+        constraint_of(
+            _with_mesh(item, path, f"{path}, constraints[{place}]"), motion_id, f"{path}, constraints[{place}]"
+        )
         for place, item in enumerate(record.get("constraints", []))
     ]
     for place, constraint in enumerate(constraints):
@@ -84,8 +87,29 @@ def _parsed(path: Path) -> Json:
 
 def constraint_record(constraint: Constraint) -> Json:
     """A constraint as such a file has it: the opposite of ``constraint_of``."""
-    record = entity_record("constraints", "", constraint, {})
-    return {key: item for key, item in record.items() if key == "kind" or key not in _IDS}
+    members: Members = {}
+    record = entity_record("constraints", "", constraint, members)
+    return {key: _inline(item, members) for key, item in record.items() if key == "kind" or key not in _IDS}
+
+
+def _inline(item: Json, members: Members) -> Json:
+    """JSON with the numbers of large arrays in it, where a project names a member."""
+    if not isinstance(item, dict):
+        return item
+    if "member" in item:
+        return members[item["member"]].tolist()
+    return {key: _inline(inner, members) for key, inner in item.items()}
+
+
+def _with_mesh(record: Json, path: Path, where: str) -> Json:
+    """The record with the mesh itself where it names a file beside ``path``."""
+    if not isinstance(record, dict) or not isinstance(record.get("mesh"), str):
+        return record
+    try:
+        mesh = read_mesh(path.parent / record["mesh"]).mesh
+    except StudioError as error:
+        raise StudioError(f"{where}, mesh: {error}") from error
+    return {**record, "mesh": {"vertices": mesh.vertices.tolist(), "triangles": mesh.triangles.tolist()}}
 
 
 def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:

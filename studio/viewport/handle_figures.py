@@ -9,6 +9,7 @@ import numpy as np
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -19,6 +20,7 @@ from studio.engine.measures import measure_of
 from studio.engine.performance import Posed
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
+from studio.viewport.solid_figures import capsule_lines, mesh_lines
 
 REACHED = 0.003
 """Metres; nearer than this the point counts as on its target."""
@@ -43,12 +45,14 @@ class Figure:
     link_always: bool = False
     """Whether the link is drawn when nothing is missed too; where there is no link, the lines show a miss."""
     missed: bool = False
+    only_chosen: bool = False
+    """Whether it is drawn only while the constraint is selected: it would hide the body."""
 
     def placed(self, placement: Placement) -> "Figure":
         """The figure on the stage."""
         lines, faces = (tuple(placement.to_stage(each) for each in parts) for parts in (self.lines, self.faces))
         link = None if self.link is None else placement.to_stage(self.link)
-        return Figure(lines, faces, link, self.link_always, self.missed)
+        return replace(self, lines=lines, faces=faces, link=link)
 
 
 def figure_of(constraint: Constraint, pose: Posed, floor: float) -> Figure:
@@ -105,8 +109,16 @@ def _balance(constraint: BalanceConstraint, pose: Posed, floor: float) -> Figure
     return Figure((disc, asked + RING * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
 
 
+def _clear(constraint: ClearConstraint, pose: Posed, floor: float) -> Figure:
+    """The capsules that the arms are kept out of."""
+    return Figure(lines=tuple(capsule_lines(pose.motion, pose.row)), only_chosen=True)
+
+
 def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> Figure:
-    lines, faces = _SHAPES[constraint.shape](np.array(constraint.size))
+    if constraint.mesh is not None and constraint.shape is AreaShape.MESH:
+        lines, faces = mesh_lines(constraint.mesh)
+    else:
+        lines, faces = _SHAPES[constraint.shape](np.array(constraint.size))
     turn = Placement(heading=float(np.array(constraint.heading))).rotation
     if constraint.shape is AreaShape.HALF_SPACE:
         turn = np.eye(3)
@@ -167,6 +179,7 @@ _FIGURES: dict[type[Constraint], Callable[[Any, Posed, float], Figure]] = {
     DistanceConstraint: _distance,
     BalanceConstraint: _balance,
     AreaConstraint: _area,
+    ClearConstraint: _clear,
 }
 
 

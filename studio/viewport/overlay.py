@@ -111,7 +111,10 @@ class Overlay:
     def _figure(self, handle: Handle, chosen: bool) -> None:
         """Quiet lines: fainter on the bodies that are not worked on, and while the constraint is not active."""
         figure, colour = handle.figure, colours.kind_colour(handle.kind)
+        if figure.only_chosen and not (chosen and handle.main):
+            return
         strength = (0.95 if chosen else 0.6) if handle.main else 0.3
+        strength *= 0.4 if figure.only_chosen else 1.0
         strength *= 1.0 if handle.activation > 0 else 0.5
         for face in figure.faces:
             self._face(face, colour, 0.25 * strength)

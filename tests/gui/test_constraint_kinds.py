@@ -28,7 +28,7 @@ from tests.gui.test_viewport import drag, joint_pixel, settle
 from tests.viewport.standing import StandingLive
 
 LEFT = Qt.MouseButton.LeftButton
-KINDS = ("position", "orientation", "look_at", "distance", "balance", "area")
+KINDS = ("position", "orientation", "look_at", "distance", "balance", "area", "clear")
 
 
 @pytest.fixture
@@ -108,7 +108,7 @@ def test_each_kind_is_added_at_a_pick_as_one_step_is_selected_and_has_its_form(s
 def test_what_needs_a_joint_waits_for_one_and_the_others_take_the_active_body(studio, kind):
     viewport, document, _ = studio
     made = viewport.add_constraint_at_pick(kind)
-    assert (made is not None) == (kind in ("look_at", "balance"))
+    assert (made is not None) == (kind in ("look_at", "balance", "clear"))
     assert document.undo_stack.count() == (1 if made else 0)
 
 

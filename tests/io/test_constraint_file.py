@@ -8,7 +8,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import EaseShape
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
-from studio.io.constraint_file import read_constraints
+from studio.io.constraint_file import constraint_record, read_constraints
 from studio.io.entity_json import entity_record
 from tests.architecture.sources import ROOT
 from tests.builders import make_constraint
@@ -152,3 +152,15 @@ def test_contradictions_and_doubles_are_named_with_their_place_in_the_file(tmp_p
         len(read_constraints(written(tmp_path, {"constraints": [WRIST, {**other, "priority": 1}]}), "m").constraints)
         == 2
     )
+
+
+def test_a_mesh_may_be_a_file_beside_or_stand_in_the_record(tmp_path):
+    (tmp_path / "rock.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n")
+    asked = {**WRIST, "kind": "area", "shape": "mesh", "mesh": "rock.obj"}
+    del asked["target"]
+    [named] = read_constraints(written(tmp_path, {"constraints": [asked]}), "m").constraints
+    assert len(named.mesh.triangles) == 4
+    [inline] = read_constraints(written(tmp_path, {"constraints": [constraint_record(named)]}), "m").constraints
+    assert inline == named
+    with pytest.raises(StudioError, match=r"targets.json, constraints\[0\], mesh: .*sand.obj is not there"):
+        read_constraints(written(tmp_path, {"constraints": [{**asked, "mesh": "sand.obj"}]}), "m")

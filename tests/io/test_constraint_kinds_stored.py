@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from studio.core.canonical import BodyPart
@@ -11,6 +12,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
@@ -19,6 +21,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
 from studio.core.project import Prop
+from studio.core.triangle_mesh import TriangleMesh
 from studio.io.constraint_file import read_constraints
 from studio.io.entity_json import CONSTRAINT_KINDS, entity_record, project_json, project_of
 from studio.io.project_file import read_project, write_project
@@ -26,6 +29,7 @@ from tests.builders import make_project
 
 WRIST = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
 COMMON = (Chain(trunk=0.25), 2, ActivationCurve(0.0, 0.5, 1.0, 1.5))
+ROCK = TriangleMesh(np.random.default_rng(0).normal(size=(40, 3)), np.arange(36).reshape(-1, 3))
 CONSTRAINTS: tuple[Constraint, ...] = (
     PositionConstraint("motion", "Reach", WRIST, *COMMON, target=(0.1, 0.2, 0.3)),
     OrientationConstraint("motion", "Palm", BodyPoint(BodyPart.LEFT_HAND), *COMMON, target=(0.6, 0.0, 0.8, 0.0)),
@@ -36,6 +40,8 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     BalanceConstraint("motion", "Lean", BodyPoint(BodyPart.PELVIS), *COMMON, place=(0.1, -0.1)),
     AreaConstraint("motion", "Table", WRIST, *COMMON, centre=(0.4, 0.0, 0.7), size=(1.0, 1.5, 0.1), heading=0.3),
     AreaConstraint("motion", "Cage", WRIST, *COMMON, shape="sphere", inside=True),
+    AreaConstraint("motion", "Rock", WRIST, *COMMON, shape="mesh", mesh=ROCK, on_surface=True),
+    ClearConstraint("motion", "Clear", WRIST, *COMMON, arms="left", margin=0.02),
 )
 
 

@@ -2,12 +2,17 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
+from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
 from studio.core.project import Prop
+from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
 
 AHEAD = 0.6
 """Metres from a body's root to a new box."""
@@ -38,3 +43,32 @@ def add_box(bench: Workbench) -> None:
     name = next(name for k in range(len(taken) + 1) if (name := f"Box {k + 1}" if k else "Box") not in taken)
     prop = Prop(name, size, (x, y, floor + size[2] / 2), heading)
     document.selection.set(("props", document.add("props", prop, f"Add {name}")))
+
+
+def load_area_mesh(bench: Workbench) -> None:
+    """Ask for the file of a mesh, which becomes the shape of the selected area."""
+    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
+    ask_file(bench, "Load mesh for area", kinds, lambda path: put_area_mesh(bench, path))
+
+
+def put_area_mesh(bench: Workbench, path: Path) -> None:
+    """Read a mesh in the background, then give it to the area that is selected now; one undo step."""
+    area_id = selected_area(bench)
+    if area_id is None:
+        raise StudioError("Select an area constraint first: the mesh becomes its shape.")
+
+    def done(file: MeshFile) -> None:
+        area = bench.document.project.constraints.get(area_id)
+        if isinstance(area, AreaConstraint):
+            new = replace(area, shape=AreaShape.MESH, mesh=file.mesh)
+            bench.document.replace("constraints", area_id, new, f"Load {path.name} for {area.name}")
+            bench.said.emit(f"{path.name}: {file.guesses}.")
+
+    bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
+
+
+def selected_area(bench: Workbench) -> str | None:
+    """The selected constraint if it is an area."""
+    constraints = bench.document.project.constraints
+    selected = bench.document.selection.of("constraints")
+    return next((key for key in selected if isinstance(constraints.get(key), AreaConstraint)), None)

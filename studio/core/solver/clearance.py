@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 
 
 def rows_apart(constraints: Sequence[Constraint]) -> tuple[list[int], list[int]]:
-    """Rows of the constraints that the solver takes, and of the clear ones, lowest first: the last has the last word."""
+    """Rows of the constraints that the solver takes, and of the clear ones, of which the last has the last word."""
     clear = [row for row, each in enumerate(constraints) if isinstance(each, ClearConstraint)]
     others = [row for row in range(len(constraints)) if row not in clear]
     return others, sorted(clear, key=lambda row: -constraints[row].priority)

@@ -16,13 +16,16 @@ SHAPES = (
     (AreaShape.CYLINDER, "Cylinder"),
     (AreaShape.HALF_SPACE, "Half-space"),
 )
+MESH = (AreaShape.MESH, "Mesh")
+"""Offered where one is loaded: it comes from a file."""
 SIZES = {
     AreaShape.SPHERE: ("Diameter  m", (True, False, False)),
     AreaShape.CYLINDER: ("Width, height", (True, False, True)),
     AreaShape.HALF_SPACE: ("Normal", (True, True, True)),
+    AreaShape.MESH: ("", (False, False, False)),
 }
 """What the three numbers of a size mean, and which of them are used; the others are a box's edges."""
-TURNED = (AreaShape.TABLE, AreaShape.BOX)
+TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
 LEAST = 0.001
 UP, METRE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
@@ -35,8 +38,8 @@ class AreaEditor(ConstraintEditor):
         self._shape = Choice("Shape", SHAPES)
         self._shape.chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
-        self._side = Segments("Point stays", [(False, "Outside"), (True, "Inside")])
-        self._side.chosen.connect(lambda inside: self._set("Choose side of", inside=inside))
+        self._side = Segments("Point stays", [("outside", "Outside"), ("inside", "Inside"), ("on", "On it")])
+        self._side.chosen.connect(self._set_side)
         section.add_row("Stays", self._side)
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(self, section, "Centre", self._set_centre)
@@ -51,8 +54,10 @@ class AreaEditor(ConstraintEditor):
         area = self.entity
         if area is None:
             return
+        if area.mesh is not None and not self._shape.offers(AreaShape.MESH):
+            self._shape.add(*MESH)
         self._shape.show_value(area.shape)
-        self._side.show_value(area.inside)
+        self._side.show_value("on" if area.on_surface else "inside" if area.inside else "outside")
         words, used = SIZES.get(area.shape, ("Size  m", (True, True, True)))
         self._size.caption.setText(words)
         self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST)
@@ -76,6 +81,9 @@ class AreaEditor(ConstraintEditor):
 
     def _set(self, verb: str, **values: Any) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
+
+    def _set_side(self, side: str) -> None:
+        self._set("Choose side of", inside=side == "inside", on_surface=side == "on")
 
     def _set_size(self, size: tuple[float, ...]) -> None:
         self._set("Resize", size=size)

@@ -1,0 +1,61 @@
+"""Triangle meshes from OBJ, STL and PLY files, in metres, Z up and X forward."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from studio.core.errors import StudioError
+from studio.core.triangle_mesh import TriangleMesh
+
+SUFFIXES = (".obj", ".stl", ".ply")
+Y_UP = (".obj",)
+"""Formats whose programs mostly write Y up."""
+UNITS = ((12.0, 1.0, "metres"), (1500.0, 0.01, "centimetres"), (np.inf, 0.001, "millimetres"))
+"""Longest side up to which a number is taken for metres, centimetres, millimetres."""
+_TO_Z_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A mesh and, in words, what was guessed of it."""
+
+    mesh: TriangleMesh
+    guesses: str
+
+
+def read_mesh(path: Path) -> MeshFile:
+    """The triangles of a file. Unit and up axis are guessed by size and format; raises StudioError naming the file."""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise StudioError(f"{path}: a mesh is read from {', '.join(SUFFIXES)}, not from '{suffix}'.")
+    if not path.is_file():
+        raise StudioError(f"{path} is not there. Choose another file.")
+    points, triangles = _triangles_of(path)
+    side = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    factor, unit = next((factor, unit) for most, factor, unit in UNITS if not side > most)
+    up = "Y" if suffix in Y_UP else "Z"
+    try:
+        mesh = TriangleMesh(factor * (points @ _TO_Z_UP.T if up == "Y" else points), triangles)
+    except ValueError as error:
+        raise StudioError(f"{path}: {error}") from error
+    size = " x ".join(f"{edge:.2f}" for edge in np.ptp(mesh.vertices, axis=0))
+    return MeshFile(mesh, f"{len(mesh.triangles)} triangles, {size} m; read as {unit}, {up} up")
+
+
+def _triangles_of(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    import pyvista  # only when a mesh is read: it loads VTK
+    from vtkmodules.vtkCommonCore import vtkObject
+
+    told = vtkObject.GetGlobalWarningDisplay()
+    vtkObject.GlobalWarningDisplayOff()  # what VTK would print about a damaged file is said below
+    try:
+        read = pyvista.read(path)
+        surface = read.triangulate() if isinstance(read, pyvista.PolyData) and read.n_points else None
+    except Exception as error:  # the readers raise what they like over bytes that are no mesh
+        raise StudioError(f"{path} is not readable as a mesh: {error}.") from error
+    finally:
+        vtkObject.SetGlobalWarningDisplay(told)
+    if surface is None or not surface.n_cells:
+        raise StudioError(f"{path} holds no triangle. Export the mesh again.")
+    return np.asarray(surface.points, dtype=np.float64), np.asarray(surface.faces).reshape(-1, 4)[:, 1:]

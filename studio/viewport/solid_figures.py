@@ -1,0 +1,63 @@
+"""Lines by which solids are drawn: the capsules of a body, the edges of a mesh."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from studio.core.solver.request import AdaptedMotion
+from studio.core.triangle_mesh import TriangleMesh
+from studio.core.volume import BodyVolume, usual_volume
+from studio.viewport.camera import FloatArray
+
+MOST_EDGES = 240
+"""Edges that are drawn of a mesh, the sharpest first."""
+_TURN = np.linspace(0.0, 2 * np.pi, 25)
+_CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
+_HALF = np.linspace(0.0, np.pi, 9)
+
+
+def capsule_lines(motion: AdaptedMotion, row: int) -> list[FloatArray]:
+    """The capsules of a body in one of its poses, each as two rings and two outlines."""
+    volume = motion.volume or usual_volume(motion.morphology)
+    ends = capsule_ends(volume, motion, row)
+    return [line for pair, radii in zip(ends, volume.radii, strict=True) for line in _capsule(*pair, *radii)]
+
+
+def capsule_ends(volume: BodyVolume, motion: AdaptedMotion, row: int) -> FloatArray:
+    """(N, 2, 3) where the capsules begin and end, in the space of the motion."""
+    origins = motion.positions[row][list(motion.morphology.layout.proximal_points())][volume.segments]
+    turns = motion.rotations[row][volume.segments]
+    return np.asarray(origins + np.einsum("neij,nej->nei", turns, volume.places))
+
+
+def _capsule(begin: FloatArray, end: FloatArray, first: float, last: float) -> list[FloatArray]:
+    along = (end - begin) / max(float(np.linalg.norm(end - begin)), 1e-9)
+    side = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+    side /= np.linalg.norm(side)
+    across = np.stack([side, np.cross(along, side)])
+    rings = [centre + radius * _CIRCLE @ across for centre, radius in ((begin, first), (end, last))]
+    outlines = []
+    for way in across:
+        cap = np.cos(_HALF)[:, None] * way, np.sin(_HALF)[:, None] * along
+        top, bottom = end + last * (cap[0] + cap[1]), begin - first * (cap[0] + cap[1])
+        outlines.append(np.concatenate([top, bottom, top[:1]]))
+    return [*rings, *outlines]
+
+
+@lru_cache(maxsize=8)
+def mesh_lines(mesh: TriangleMesh) -> tuple[list[FloatArray], list[FloatArray]]:
+    """The sharpest edges of a mesh and its rim, (2, 3) each, and no faces: the body is to be seen behind it."""
+    corners = mesh.vertices[mesh.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    pairs = np.stack([mesh.triangles, np.roll(mesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+    edges, which, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+    total = np.zeros((len(edges), 3))
+    np.add.at(total, which.reshape(-1), np.repeat(normals, 3, axis=0))
+    # Two faces in one plane add up to 2; a rim has one face alone.
+    flat = np.where(count == 1, 0.0, np.linalg.norm(total, axis=1) / count)
+    lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
+    weight = (1.0 - flat) * lengths + 1e-9 * lengths
+    sharp = np.argsort(-weight, kind="stable")[:MOST_EDGES]
+    bent = sharp[flat[sharp] < 0.9999]
+    return list(mesh.vertices[edges[bent if len(bent) else sharp]]), []

@@ -1,0 +1,58 @@
+"""Meshes from files: as they are meant, or refused in a sentence."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.errors import StudioError
+from studio.io.mesh_file import read_mesh
+
+OBJ = "v 0 0 0\nv 100 0 0\nv 100 0 100\nv 0 0 100\nv 50 80 50\nf 1 2 3 4\nf 1 2 5\n"
+STL = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
+PLY = (
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n0 0 3\n3 0 1 2\n"
+)
+
+
+def written(folder: Path, name: str, content: str | bytes) -> Path:
+    path = folder / name
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def test_an_obj_of_centimetres_with_y_up_stands_upright_in_metres(tmp_path: Path) -> None:
+    read = read_mesh(written(tmp_path, "stool.obj", OBJ))
+    assert read.mesh.vertices.max(axis=0) == pytest.approx([1.0, 1.0, 0.8])
+    assert len(read.mesh.triangles) == 3
+    assert "centimetres, Y up" in read.guesses
+
+
+@pytest.mark.parametrize(("name", "content", "size"), [("a.stl", STL, [1, 1, 0]), ("a.PLY", PLY, [2, 0, 3])])
+def test_stl_and_ply_are_read_as_they_are(tmp_path: Path, name: str, content: str, size: list[float]) -> None:
+    assert np.ptp(read_mesh(written(tmp_path, name, content)).mesh.vertices, axis=0) == pytest.approx(size)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "sentence"),
+    [
+        ("a.obj", "nonsense", "no triangle"),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "no vertex"),
+        ("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
+        ("a.stl", b"\x00" * 80 + struct.pack("<I", 5) + b"\x01" * 20, "no triangle|readable"),
+        ("a.ply", "", "no triangle|readable"),
+        ("a.fbx", "", "not from '.fbx'"),
+    ],
+)
+def test_what_is_no_mesh_is_refused_by_name(tmp_path: Path, name: str, content: str | bytes, sentence: str) -> None:
+    path = written(tmp_path, name, content)
+    with pytest.raises(StudioError, match=sentence) as caught:
+        read_mesh(path)
+    assert name in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_said_so(tmp_path: Path) -> None:
+    with pytest.raises(StudioError, match="is not there"):
+        read_mesh(tmp_path / "a.obj")
