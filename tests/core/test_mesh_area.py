@@ -54,7 +54,7 @@ def test_places_are_those_of_the_ball(seed: int) -> None:
     random = np.random.default_rng(seed)
     way = random.normal(size=3)
     way /= np.linalg.norm(way)
-    away = random.uniform(0.12, 0.6)
+    away = random.uniform(0.12, 0.35)
     point, surface = centre + away * way, centre + 0.3 * way
     found = {
         side: nearest_place(area(BALL, centre=tuple(centre), heading=0.7, **more), point)
