@@ -32,8 +32,10 @@ def distance_field(mesh: TriangleMesh) -> FloatArray:
     corners, normals = np.ascontiguousarray(mesh.vertices[mesh.triangles]), _part_normals(mesh)
     distances, owners = np.full(counts, np.inf), np.zeros(counts, dtype=np.int64)
     kernel.measure_near(corners, normals, origin, cell, NEAR, distances, owners)
-    nearest = distance_transform_edt(np.isinf(distances), return_distances=False, return_indices=True)
-    kernel.measure_far(corners, normals, origin, cell, np.ascontiguousarray(owners[tuple(nearest)]), distances)
+    far = np.isinf(distances)
+    nearest = distance_transform_edt(far, return_distances=False, return_indices=True)
+    owners = np.ascontiguousarray(owners[tuple(nearest)])
+    kernel.measure_far(corners, normals, origin, cell, far, owners, distances)
     field = np.concatenate([origin, [cell], counts, spline_filter(distances, 3, mode="mirror").ravel()])
     field.setflags(write=False)
     return field

@@ -90,15 +90,31 @@ def measure_near(corners, normals, origin, cell, band, out_distances, out_owners
 
 
 @njit(cache=True, nogil=True)
-def measure_far(corners, normals, origin, cell, owners, out_distances):
-    """Signed distances of the nodes that have none yet, from the triangle that ``owners`` says (X, Y, Z)."""
+def measure_far(corners, normals, origin, cell, far, owners, distances):
+    """Signed distances of the nodes that are ``far`` (X, Y, Z) from all triangles, in place.
+
+    ``owners`` is a guess of the nearest triangle; in sweeps there and back each node tries those of its neighbours.
+    """
     p = np.empty(3)
-    for i in range(out_distances.shape[0]):
-        for j in range(out_distances.shape[1]):
-            for k in range(out_distances.shape[2]):
-                if out_distances[i, j, k] == np.inf:
-                    p[0], p[1], p[2] = origin[0] + i * cell, origin[1] + j * cell, origin[2] + k * cell
-                    out_distances[i, j, k] = signed_distance(p, owners[i, j, k], corners, normals)
+    x, y, z = distances.shape
+    for sweep in range(3):
+        for n in range(x * y * z):
+            m = n if sweep % 2 == 0 else x * y * z - 1 - n
+            i, j, k = m // (y * z), m // z % y, m % z
+            if not far[i, j, k]:
+                continue
+            p[0], p[1], p[2] = origin[0] + i * cell, origin[1] + j * cell, origin[2] + k * cell
+            if sweep == 0:
+                distances[i, j, k] = signed_distance(p, owners[i, j, k], corners, normals)
+                continue
+            for axis in range(3):
+                for way in (-1, 1):
+                    u, v, w = i + way * (axis == 0), j + way * (axis == 1), k + way * (axis == 2)
+                    if u < 0 or v < 0 or w < 0 or u >= x or v >= y or w >= z or owners[u, v, w] == owners[i, j, k]:
+                        continue
+                    found = signed_distance(p, owners[u, v, w], corners, normals)
+                    if abs(found) < abs(distances[i, j, k]):
+                        distances[i, j, k], owners[i, j, k] = found, owners[u, v, w]
 
 
 @njit(cache=True, nogil=True)
@@ -146,25 +162,49 @@ def distance_at(field, x, y, z, weights, out_slope):
 def surface_place(field, x, y, z, side):
     """The nearest place that is allowed: outside the mesh (``side`` 0), inside (1) or on its surface (2).
 
-    Newton's steps down the slope of the field, never further than the distance itself says.
+    From beyond the grid the way begins where the line to the answer enters it, found in turns.
     """
     weights, slope = np.empty((3, 2, 4)), np.empty(3)
-    px, py, pz = x, y, z
-    for step in range(STEPS):
+    inside = share_within(field, x, y, z, x, y, z) == 1.0
+    if side != 2:
+        out = not inside or distance_at(field, x, y, z, weights, slope) >= 0.0
+        if out == (side == 0):
+            return x, y, z
+    if inside:
+        return descend(field, x, y, z, weights, slope)
+    qx, qy, qz = held_within(field, 0, x), held_within(field, 1, y), held_within(field, 2, z)
+    qx, qy, qz = descend(field, qx, qy, qz, weights, slope)
+    for _ in range(3):
+        t = share_within(field, x, y, z, qx, qy, qz)
+        qx, qy, qz = descend(field, qx + t * (x - qx), qy + t * (y - qy), qz + t * (z - qz), weights, slope)
+    return qx, qy, qz
+
+
+@njit(cache=True, nogil=True)
+def held_within(field, axis, place):
+    """A coordinate held within the grid."""
+    return min(max(place, field[axis] + field[3]), field[axis] + field[3] * (field[4 + axis] - 2.0))
+
+
+@njit(cache=True, nogil=True)
+def share_within(field, x, y, z, fx, fy, fz):
+    """The part of the way from a place f within the grid towards (x, y, z) that lies within it, 1 for all of it."""
+    share = 1.0
+    for axis in range(3):
+        low, high = field[axis] + field[3], field[axis] + field[3] * (field[4 + axis] - 2.0)
+        place, begin = (x, y, z)[axis], (fx, fy, fz)[axis]
+        if place > high:
+            share = min(share, max(high - begin, 0.0) / max(place - begin, 1e-12))
+        elif place < low:
+            share = min(share, max(begin - low, 0.0) / max(begin - place, 1e-12))
+    return share
+
+
+@njit(cache=True, nogil=True)
+def descend(field, px, py, pz, weights, slope):
+    """Newton's steps down the slope of the field to the surface."""
+    for _ in range(STEPS):
         distance = distance_at(field, px, py, pz, weights, slope)
-        if step == 0:
-            beyond = False
-            for axis in range(3):
-                place = ((x, y, z)[axis] - field[axis]) / field[3]
-                beyond = beyond or place < 1.0 or place > field[4 + axis] - 2.001
-            outside = beyond or distance >= 0.0
-            if (side == 0 and outside) or (side == 1 and not outside):
-                return x, y, z
-            if beyond:
-                reach = (field[4] - 2.002, field[5] - 2.002, field[6] - 2.002)
-                px = field[0] + field[3] * min(max((x - field[0]) / field[3], 1.0), reach[0])
-                py = field[1] + field[3] * min(max((y - field[1]) / field[3], 1.0), reach[1])
-                pz = field[2] + field[3] * min(max((z - field[2]) / field[3], 1.0), reach[2])
         steep = slope[0] ** 2 + slope[1] ** 2 + slope[2] ** 2
         scale = distance / max(steep, 0.25)
         px, py, pz = px - scale * slope[0], py - scale * slope[1], pz - scale * slope[2]
