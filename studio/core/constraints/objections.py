@@ -59,7 +59,7 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
 
 def is_stuck(constraint: Constraint) -> bool:
     """Whether no free part of the chain carries the point, nor the other end where that is on the body too."""
-    if constraint.kind == "balance":
+    if constraint.kind in ("balance", "clear"):
         return False
     other = getattr(constraint, "other", None)
     ends = (constraint.point, other) if isinstance(other, BodyPoint) else (constraint.point,)
