@@ -54,15 +54,15 @@ def test_places_are_those_of_the_ball(seed: int) -> None:
     random = np.random.default_rng(seed)
     way = random.normal(size=3)
     way /= np.linalg.norm(way)
-    away = random.uniform(0.12, 0.6)
+    away = random.uniform(0.2, 0.6)
     point, surface = centre + away * way, centre + 0.3 * way
     found = {
         side: nearest_place(area(BALL, centre=tuple(centre), heading=0.7, **more), point)
         for side, more in (("out", {}), ("in", {"inside": True}), ("on", {"on_surface": True}))
     }
-    assert found["on"] == pytest.approx(surface, abs=4e-3)
-    assert np.array_equal(found["out"], point) if away > 0.305 else found["out"] == pytest.approx(surface, abs=4e-3)
-    assert np.array_equal(found["in"], point) if away < 0.293 else found["in"] == pytest.approx(surface, abs=4e-3)
+    assert found["on"] == pytest.approx(surface, abs=5e-3)
+    assert np.array_equal(found["out"], point) if away > 0.305 else found["out"] == pytest.approx(surface, abs=5e-3)
+    assert np.array_equal(found["in"], point) if away < 0.293 else found["in"] == pytest.approx(surface, abs=5e-3)
 
 
 @given(seed=seeds)
