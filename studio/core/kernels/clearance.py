@@ -307,10 +307,10 @@ def clear_before(frame, clearance, work, pose):
 
 
 @njit(cache=True, nogil=True)
-def clear_after(frame, acted, asked, shares, clearance, work, pose):
+def clear_after(frame, acted, asked, clearance, work, pose):
     """Clear arms again that constraints have brought nearer, where they ``acted``, and note how much room is missing.
 
-    A constraint that stands above holds what it is about by its activation in ``shares`` (C,): a wrist or hand still
+    A constraint of ``asked`` (C,) that stands above holds what it is about by its activation: a wrist or hand still
     lets the elbow swivel, a point further up holds the whole arm.
     """
     volume, wanted, activations, arms, misses = clearance[0], clearance[2], clearance[3], clearance[4], clearance[7]
@@ -322,7 +322,7 @@ def clear_after(frame, acted, asked, shares, clearance, work, pose):
         own, ways, moved = clearance[8][frame, side], clearance[9][frame, side], False
         for q in range(wanted.shape[0]):
             if acted and activations[q, frame] * arms[q, side] > 0.0:
-                hold_arm(side, asked, shares, clearance[6][q], pose[0].shape[0] - 23, held)
+                hold_arm(side, asked, clearance[6][q], pose[0].shape[0] - 23, held)
                 free = (1.0, clearance[5][q] * (1.0 - held[0]), 1.0 - held[1])
                 for probe in range(PROBES):
                     asks[probe] = min(wanted[q, frame, side, probe], before[side, probe] - TOUCH)
@@ -339,20 +339,21 @@ def clear_after(frame, acted, asked, shares, clearance, work, pose):
 
 
 @njit(cache=True, nogil=True)
-def hold_arm(side, asked, shares, above, spine_count, out_held):
+def hold_arm(side, asked, above, spine_count, out_held):
     """How far constraints above hold an arm's wrist and its swivel, (2,) from 0 to 1."""
-    kinds, ends, offsets = asked[0], asked[2], asked[3]
     out_held[0], out_held[1] = 0.0, 0.0
     upper, wrist = spine_count + 3 + 4 * side, spine_count + 6 + 5 * side
-    for c in range(kinds.shape[0]):
-        if not above[c] or shares[c] <= 0.0:
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if not above[c] or row.wanted == 0:
             continue
         for end in range(2):
-            if ends[c, end, 2] != side:
+            if row.ends[end, 2] != side:
                 continue
-            segment, at_wrist = ends[c, end, 1], ends[c, end, 0] == wrist and not offsets[c, end].any()
-            if segment == upper + 2 and kinds[c] == ORIENTATION:
+            segment, offset = row.ends[end, 1], row.offsets[end]
+            at_wrist = row.ends[end, 0] == wrist and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0
+            if segment == upper + 2 and row.kind == ORIENTATION:
                 continue
-            out_held[0] = max(out_held[0], shares[c])
-            if segment < upper + 2 and (kinds[c] == ORIENTATION or not at_wrist):
-                out_held[1] = max(out_held[1], shares[c])
+            out_held[0] = max(out_held[0], row.share)
+            if segment < upper + 2 and (row.kind == ORIENTATION or not at_wrist):
+                out_held[1] = max(out_held[1], row.share)

@@ -61,7 +61,7 @@ def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyL
     slots = np.full(layout.segment_count + 1, -1)
     slots[segments[free]] = np.arange(free.sum())
     return FreeJoints(
-        np.ascontiguousarray(np.array([*weights, *levels])[:, free]),
+        np.ascontiguousarray(np.reshape([*weights, *levels], (-1, len(segments)))[:, free]),
         joint_table(segments[free], k),
         slots,
         np.tan(0.5 * np.array(limits))[free],

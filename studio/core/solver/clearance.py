@@ -20,11 +20,10 @@ from studio.core.volume import PROBES, BodyVolume, usual_volume
 FloatArray = NDArray[np.float64]
 
 
-def rows_apart(constraints: Sequence[Constraint]) -> tuple[list[int], list[int]]:
-    """Rows of the constraints that the solver takes, and of the clear ones, of which the last has the last word."""
+def lowest_first(constraints: Sequence[Constraint]) -> list[int]:
+    """Rows of the clear constraints, the highest last: it has the last word."""
     clear = [row for row, each in enumerate(constraints) if isinstance(each, ClearConstraint)]
-    others = [row for row in range(len(constraints)) if row not in clear]
-    return others, sorted(clear, key=lambda row: -constraints[row].priority)
+    return sorted(clear, key=lambda row: -constraints[row].priority)
 
 
 def pack_clearance(
