@@ -25,7 +25,7 @@ from PySide6.QtCore import QTimer  # noqa: E402
 from PySide6.QtTest import QTest  # noqa: E402
 
 from studio.app import importing  # noqa: E402
-from studio.app.application import import_views, make_application, make_window, show_views  # noqa: E402
+from studio.app.application import import_views, make_application, make_window, settle, show_views  # noqa: E402
 from studio.app.sample import empty_project  # noqa: E402
 from studio.app.settings import Settings  # noqa: E402
 from studio.document.document import Document  # noqa: E402
@@ -90,6 +90,7 @@ def read_in_window(path: Path, folder: Path) -> None:
     window.bench.document.new(empty_project())
     import_views()
     show_views(window)
+    settle()
     QTest.qWait(2000)
     gaps = Gaps()
     captures = len(window.bench.document.project.captures)

@@ -23,7 +23,8 @@ from random import Random
 from studio.cli.process import prepare_process
 
 COUNT, COUNTS = 1_000_000, {".c3d": 50_000, ".fbx": 5_000}  # FBX takes a process for each
-SECONDS = 10.0
+SECONDS, START = 10.0, 600.0
+"""For a file; and more for the first, for which kernels may have to be compiled."""
 MEMORY = 500 << 20
 TIMES_SIZE = 20
 MOST_KEPT = 20
@@ -86,7 +87,7 @@ def watch(suffix: str, count: int, keep: Path) -> str:
 
 
 def _until_it_ends_or_hangs(process: "multiprocessing.process.BaseProcess", now: "Synchronized[int]") -> str:
-    seen, since = now.value, time.monotonic() + 60.0  # for its start
+    seen, since = now.value, time.monotonic() + START
     while process.is_alive():
         process.join(0.5)
         if now.value != seen:

@@ -1,11 +1,12 @@
 """The application: window first, then 3D and kernels, then the sample or the files that were named."""
 
+import gc
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtWidgets import QApplication
 
 from studio.app import recovery, sample
@@ -31,12 +32,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     journals = journal_folder()
     window = make_window(Settings(), Document(journal_folder=journals), warm_up)
     problems.told.connect(window.bench.said)
+    window.bench.views_changed.connect(settle, Qt.ConnectionType.SingleShotConnection)
     window.show()
     QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()
     problems.close()
     warm_up.join()
     return code
+
+
+def settle() -> None:
+    """What is loaded by now stays: the collector, which would stop the window for 0.1 s, need not look at it again."""
+    gc.collect()
+    gc.freeze()
 
 
 def make_application() -> QApplication:

@@ -21,6 +21,8 @@ from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 
 GROUND_ID = "ground"
+_SORTED = "_contacts_by_motion"
+"""What is kept from one project to the next while its contacts stay."""
 
 
 def new_id() -> str:
@@ -195,7 +197,10 @@ class Project:
                 ordered = list(entities.items())
                 ordered.insert(place, (entity_id, entity))
                 entities = dict(ordered)
-        return replace(self, **{collection: MappingProxyType(entities)})
+        changed = replace(self, **{collection: MappingProxyType(entities)})
+        if collection != "contacts" and _SORTED in self.__dict__:
+            changed.__dict__[_SORTED] = self.__dict__[_SORTED]
+        return changed
 
     def referring_to(self, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
         """(collection, id) of the entities that name this one."""
