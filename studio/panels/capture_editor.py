@@ -5,7 +5,7 @@ from html import escape
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtWidgets import QWidget
 
 from studio.core.capture import Capture, Guess
 from studio.document import colours
@@ -42,11 +42,12 @@ class CaptureEditor(Editor):
         self.column.addWidget(self._facts)
         self._add_options()
         self._markers = labelled("", "value")
-        open_markers = press_button("Open…", lambda: self.markers_wanted.emit(self.entity_id))
-        open_markers.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        self._markers.setWordWrap(True)
+        open_markers = press_button("Open…", lambda: self.markers_wanted.emit(self.entity_id), "link")
         open_markers.setAccessibleName("Open markers")
         self._marker_section = Section("Markers")
-        self._marker_section.add_row("Map", self._markers, open_markers)
+        self._marker_section.head.addWidget(open_markers)
+        self._marker_section.add_row("Map", self._markers)
         self.column.addWidget(self._marker_section)
         self._report: QWidget | None = None
         self._body_map = BodyMapSection(self)

@@ -187,3 +187,15 @@ def test_without_an_optical_capture_it_says_what_to_do(window) -> None:
 
     with pytest.raises(StudioError, match="Import a C3D file"):
         open_markers(window.bench)
+
+
+def test_a_body_is_read_otherwise_without_its_file(qtbot, window, dialog, tmp_path) -> None:
+    """The recording is in the project: an up axis said in the inspector needs nothing else."""
+    for role in LEGS:
+        put(dialog, role)
+    dialog.solve()
+    qtbot.waitUntil(lambda: capture_of(window, dialog).body_map is not None, timeout=PATIENCE)
+    (tmp_path / "walk.c3d").unlink()
+    window.inspector.reimport_wanted.emit(dialog._capture_id, {"floor": 0.25})
+    qtbot.waitUntil(lambda: capture_of(window, dialog).floor == 0.25, timeout=PATIENCE)
+    assert capture_of(window, dialog).markers.marker_map == dialog.assistant.marker_map
