@@ -8,7 +8,7 @@ from studio.core.markers.take import MarkerTake
 from studio.io.c3d import read_c3d
 from studio.io.importing import ImportOptions
 from studio.io.marker_capture import capture_of_take
-from studio.io.marker_maps import find_map, find_subject
+from studio.io.marker_maps import find_map, find_subject, unreadable_maps
 from studio.io.registry import Progress
 
 
@@ -19,7 +19,8 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     subject = find_subject(file.trial)
     marker_map = options.marker_map or find_map(file.trial, subject)
     take = MarkerTake(file.trial, marker_map, subject=subject)
-    capture = capture_of_take(take, options, file.repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
+    repairs = (*file.repairs, *unreadable_maps())
+    capture = capture_of_take(take, options, repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
     progress(1.0, f"Loaded {path.name}")
     return capture
 

@@ -53,16 +53,25 @@ def fitted(known: MarkerMap, labels: Iterable[str]) -> MarkerMap:
 
 
 def known_maps() -> tuple[MarkerMap, ...]:
-    """The user's maps, then the studio's; a file that cannot be read is left out (``read_map`` says why)."""
+    """The user's maps, then the studio's; those that cannot be read are told by ``unreadable_maps``."""
+    return _read_maps()[0]
+
+
+def unreadable_maps() -> tuple[str, ...]:
+    """For each map of the user's that cannot be read a sentence that says why."""
+    return _read_maps()[1]
+
+
+def _read_maps() -> tuple[tuple[MarkerMap, ...], tuple[str, ...]]:
     own = sorted(maps_folder().glob("*.json")) if maps_folder().is_dir() else []
     shipped = sorted((resources_folder() / "marker_maps").glob("*.json"))
-    found = []
+    found, failures = [], []
     for path in (*own, *shipped):
         try:
             found.append(read_map(path))
-        except StudioError:
-            continue
-    return tuple(found)
+        except StudioError as error:
+            failures.append(f"The marker map {path} was left out: {error}")
+    return tuple(found), tuple(failures)
 
 
 def maps_folder() -> Path:

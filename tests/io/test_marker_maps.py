@@ -7,6 +7,7 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.markers.marker_map import MarkerMap
 from studio.io.c3d import read_c3d
+from studio.io.importing import load_capture
 from studio.io.marker_maps import find_map, find_subject, known_maps, maps_folder, read_map, save_map
 from tests.core.markers.made import made_trial
 from tests.io.trials import make_trial
@@ -73,3 +74,15 @@ def test_a_map_knows_what_is_missing_in_words() -> None:
     lacking = MarkerMap("x", {"left_knee": ("A",)}).lacking()
     assert "right knee" in lacking
     assert "left knee" not in lacking
+
+
+def test_a_damaged_map_among_the_users_own_is_left_out_and_told(captures: Path) -> None:
+    maps_folder().mkdir(parents=True, exist_ok=True)
+    path = maps_folder() / "broken.json"
+    path.write_text("{")
+    try:
+        capture = load_capture(captures / "c3d" / "btk_PiG_LowerBody_walk.c3d")
+    finally:
+        path.unlink()
+    assert capture.markers.marker_map.name == "Plug-in-Gait"
+    assert "broken.json is not readable as JSON" in capture.repairs[-1]
