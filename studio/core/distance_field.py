@@ -32,10 +32,13 @@ def distance_field(mesh: TriangleMesh) -> FloatArray:
     corners, normals = np.ascontiguousarray(mesh.vertices[mesh.triangles]), _part_normals(mesh)
     distances, owners = np.full(counts, np.inf), np.zeros(counts, dtype=np.int64)
     kernel.measure_near(corners, normals, origin, cell, NEAR, distances, owners)
-    far = np.isinf(distances)
-    nearest = distance_transform_edt(far, return_distances=False, return_indices=True)
-    owners = np.ascontiguousarray(owners[tuple(nearest)])
-    kernel.measure_far(corners, normals, origin, cell, far, owners, distances)
+    # Further away a triangle that was found need not be the nearest, and the side of another one says nothing: the
+    # side is that of the nearest node that is sure.
+    far = np.abs(distances) > (NEAR - 1) * cell
+    nearest = tuple(distance_transform_edt(far, return_distances=False, return_indices=True))
+    sides = np.sign(distances[nearest])
+    kernel.measure_far(corners, normals, origin, cell, far, np.ascontiguousarray(owners[nearest]), distances)
+    distances[far] = np.abs(distances[far]) * sides[far]
     field = np.concatenate([origin, [cell], counts, spline_filter(distances, 3, mode="mirror").ravel()])
     field.setflags(write=False)
     return field
