@@ -73,11 +73,12 @@ def reachable_miss(constraints: Sequence[Constraint], task: Task, adapted: Adapt
     """Largest miss, in millimetres, of what can be reached.
 
     Where the highest wish is missed by more than ``REACHED``, the numerical optimum says how much of that is owed to
-    the body; it is asked at the worst frames.
+    the body; it is asked at frames from the least of these misses to the largest.
     """
     rows = [task.request.constraints.index(each) for each in constraints]
     missed = adapted.residuals[rows[-1]]
-    doubtful = [int(frame) for frame in np.argsort(missed)[-SAMPLES:] if missed[frame] > REACHED]
+    order = np.argsort(missed)[np.searchsorted(np.sort(missed), REACHED, side="right") :]
+    doubtful = order[np.unique(np.linspace(0, len(order) - 1, min(len(order), SAMPLES)).astype(int))].tolist()
     owed = excess(task, constraints, standing, adapted.residuals[rows], doubtful) if doubtful else np.zeros(1)
     return float(1e3 * max(missed[missed <= REACHED].max(initial=0.0), np.nanmax(owed)))
 
