@@ -58,7 +58,6 @@ def test_the_wrist_that_is_called_ten_centimetres_beyond_is_missed_by_so_much_by
     balance, wrist = task.request.constraints
     alone = adapt(replace(task.request, constraints=(replace(wrist, chain=LIMB, priority=0),))).residuals[0]
     assert np.allclose(alone, BEYOND, atol=2e-3)
-    assert np.median(adapt(task.request).residuals[1]) < 1e-3
     assert balance.priority < wrist.priority
 
 

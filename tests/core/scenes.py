@@ -27,6 +27,7 @@ HANDLED = tuple(
     )
 )  # fmt: skip
 KINDS = "position", "orientation", "look_at", "distance", "balance", "area"
+SHAPES = [shape for shape in AreaShape if shape is not AreaShape.MESH]
 FASTEST, WIDEST = 0.8, 0.25
 """Hertz and metres: how targets swing about where the body has its points."""
 
@@ -89,6 +90,4 @@ class Scene:
     def area(self, number: int) -> Constraint:
         fields = self.common(number, BodyPart(self.random.choice(["left_hand", "right_hand"])))
         centre = np.median(place_of(fields["point"], self.before), axis=0) + self.random.normal(size=3) * 0.2
-        return AreaConstraint(
-            **fields, shape=self.random.choice(list(AreaShape)), centre=tuple(centre), size=(0.6, 0.6, 0.6)
-        )
+        return AreaConstraint(**fields, shape=self.random.choice(SHAPES), centre=tuple(centre), size=(0.6, 0.6, 0.6))
