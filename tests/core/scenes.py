@@ -8,6 +8,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.look_at import EYES, LookAtConstraint
@@ -26,7 +27,7 @@ HANDLED = tuple(
         "head", "thorax", "left_clavicle", "right_clavicle",
     )
 )  # fmt: skip
-KINDS = "position", "orientation", "look_at", "distance", "balance", "area"
+KINDS = "position", "orientation", "look_at", "distance", "balance", "area", "clear"
 SHAPES = [shape for shape in AreaShape if shape is not AreaShape.MESH]
 FASTEST, WIDEST = 0.8, 0.25
 """Hertz and metres: how targets swing about where the body has its points."""
@@ -91,3 +92,6 @@ class Scene:
         fields = self.common(number, BodyPart(self.random.choice(["left_hand", "right_hand"])))
         centre = np.median(place_of(fields["point"], self.before), axis=0) + self.random.normal(size=3) * 0.2
         return AreaConstraint(**fields, shape=self.random.choice(SHAPES), centre=tuple(centre), size=(0.6, 0.6, 0.6))
+
+    def clear(self, number: int) -> Constraint:
+        return ClearConstraint(**self.common(number, BodyPart.PELVIS), margin=float(self.random.choice([0.0, 0.05])))

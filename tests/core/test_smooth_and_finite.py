@@ -15,6 +15,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -31,10 +32,10 @@ WALK, CONTACTS = walk(90)
 BEFORE = tuple(adapt(AdaptRequest(WALK, body, CONTACTS)) for body in BODIES)
 ALONE = {
     "position": (400.0, 3500.0), "orientation": (30.0, 60.0), "look_at": (25.0, 50.0), "distance": (60.0, 1000.0),
-    "balance": (25.0, 50.0), "area": (900.0, 8000.0),
+    "balance": (25.0, 50.0), "area": (900.0, 8000.0), "clear": (25.0, 50.0),
 }  # fmt: skip
 """Radians a second squared: the median and the worst peak of any joint of trunk and arms, one wish of a kind alone."""
-TOGETHER = (1200.0, 14_000.0)
+TOGETHER = (1500.0, 22_000.0)
 """The same for sets of one to five wishes."""
 LARGEST = 1e12
 """Metres: six times the way to the sun."""
@@ -94,6 +95,7 @@ anything = st.one_of(
     _wild(OrientationConstraint, target=st.tuples(numbers, numbers, numbers, numbers)),
     _wild(LookAtConstraint, target=places),
     _wild(DistanceConstraint, other=st.one_of(places, points), distance=sizes),
+    _wild(ClearConstraint, margin=st.sampled_from([0.0, 1e-12, 0.1, 0.5])),
     _wild(BalanceConstraint, place=st.one_of(st.none(), places.map(lambda place: place[:2]))),
     _wild(
         AreaConstraint,
