@@ -110,7 +110,8 @@ def peers(record: Record) -> str:
     notes = "; ".join(f"{name}: {note}" for name, note in record["peer_notes"].items() if name not in absent)
     told = f"{notes}. Each frame from its own pose, without limits of joints. " if notes else ""
     missing = f"Not installed when this was measured: {', '.join(absent)}. " if absent else ""
-    return f"{table(titles, rows)}\nOn {record['peer_clip']}. {told}{missing}\n"
+    words = f"On {record['peer_clip']}. {told}{missing}".rstrip()
+    return f"{table(titles, rows)}\n{words}\n"
 
 
 def start(record: Record) -> str:
