@@ -61,7 +61,7 @@ def priorities() -> QImage:
     axis = (end - shoulder) / np.linalg.norm(end - shoulder)
     turned = shoulder + Rotation.from_rotvec(np.radians(50.0) * axis).apply(elbow - shoulder)
     both = []
-    for place in (turned, turned + np.array([-0.15, -0.05, 0.30])):
+    for place in (turned, turned + np.array([-0.05, -0.40, 0.02])):
         wishes = balance, wrist, _position(BodyPart.RIGHT_UPPER_ARM, place, 1)
         balls = [(wrist_place, WRIST), (place, ELBOW)]
         both.append(Shown(woman, hold(standing, wishes, frame, frame), 0, balls))
