@@ -7,7 +7,17 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 KERNELS = ROOT / "studio" / "core" / "kernels"
 FOLDERS = ("studio", "resources", "examples", "benchmarks")
-COMPILED = {"njit", "jit", "vectorize", "guvectorize", "cfunc", "stencil"}
+COMPILED = {
+    "kernel",
+    "allocating_kernel",
+    "summing_kernel",
+    "njit",
+    "jit",
+    "vectorize",
+    "guvectorize",
+    "stencil",
+    "cfunc",
+}
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

@@ -143,6 +143,7 @@ def test_averages_stay_within_and_keep_what_is_still(values: np.ndarray, reach: 
 def test_corrections_hold_where_they_are_known_and_fade_away_from_it(seed: int) -> None:
     random = np.random.default_rng(seed)
     known = np.repeat(random.integers(0, 2, 12), random.integers(1, 40, 12)).astype(bool)
+    assume(known.any())
     corrections = np.where(known[:, None], random.normal(size=(len(known), 3)), 0.0)
     filled = eased(corrections, known, RATE)
     assert np.array_equal(filled[known], corrections[known])

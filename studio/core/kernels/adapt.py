@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from studio.core.kernels.areas import put_area
 from studio.core.kernels.balance import centre_of_mass, segment_centres
 from studio.core.kernels.body import move_all
 from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import place_leg
@@ -17,7 +17,7 @@ from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.vectors import copy_point, distance
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positions, rotations):
     """Lower the root by ``drops`` (F,) and put both legs on their ankles (2, F, 3), in place."""
     work = np.empty((3, 3, 3))
@@ -39,7 +39,7 @@ def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positi
             )
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def solve_frames(
     asked,
     areas,
@@ -92,7 +92,7 @@ def solve_frames(
                     out_residuals[c, frame] = miss_of(c, asked, areas, frame_body, work, pose)
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def make_work(constraint_count, joint_count, point_count):
     """Scratch, in the order that ``kernels.constraints`` names."""
     rows, segments = 8 * constraint_count + 2, point_count - 5
@@ -128,7 +128,7 @@ def make_work(constraint_count, joint_count, point_count):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def set_goals(frame, asked, areas, wishes, activations, body, work, pose):
     """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts."""
     places, turns, distances = wishes

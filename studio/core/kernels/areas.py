@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.distance_field import surface_place
 
 HALF_SPACE, BOX, SPHERE, CYLINDER, TABLE, MESH = 0, 1, 2, 3, 4, 5
@@ -19,15 +18,15 @@ EDGE = 0.1
 """Metres from a table's edge within which the push upwards fades, so that a hand coming from the side does not pop."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def put_area(area, centre, turn):
     """Move an area (10,) to ``centre`` (3,) and head it as ``turn`` (3, 3) does; a centre of NaN leaves it."""
     if not math.isnan(centre[0]):
-        area[2:5] = centre
+        area[2], area[3], area[4] = centre[0], centre[1], centre[2]
         area[8], area[9] = turn[0, 0], turn[1, 0]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearest_allowed(area, point, out_place):
     """Write the nearest place (3,) where the point may be; its distance from there, 0 when it may stay.
 
@@ -50,7 +49,7 @@ def nearest_allowed(area, point, out_place):
     return distance
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_of(area, x, y, z, inside):
     """Nearest place on the allowed side of a shape, in the area's own space."""
     shape = int(area[0])
@@ -63,7 +62,7 @@ def place_of(area, x, y, z, inside):
     return box(x, y, z, 0.5 * area[5], 0.5 * area[6], 0.5 * area[7], inside, shape == TABLE)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def half_space(area, x, y, z, inside):
     """Nearest place on the allowed side of the plane through 0 with normal ``area`` 5 to 7 (heading undone before)."""
     c, s = area[8], area[9]
@@ -77,7 +76,7 @@ def half_space(area, x, y, z, inside):
     return x, y, z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def round_place(x, y, z, radius, inside):
     """Nearest place within, or outside of, a sphere about 0; from its centre, upwards."""
     length = math.sqrt(x * x + y * y + z * z)
@@ -88,7 +87,7 @@ def round_place(x, y, z, radius, inside):
     return x, y, z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def upright(x, y, z, radius, half, inside):
     """Nearest place within, or outside of, an upright cylinder about 0."""
     length = math.sqrt(x * x + y * y)
@@ -103,7 +102,7 @@ def upright(x, y, z, radius, half, inside):
     return x, y, half if z >= 0.0 else -half
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def box(x, y, z, a, b, h, inside, upwards):
     """Nearest place within, or outside of, a box about 0; out of a table always upwards, fading at its edge."""
     if inside:

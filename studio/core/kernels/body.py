@@ -1,11 +1,10 @@
 """Moving parts of a posed body: everything distal to a segment is one contiguous range of points and segments."""
 
-from numba import njit
-
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.rotation import add_rotated
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distal_range(segment, spine_count):
     """(first segment, past last, first point, past last) that turn with ``segment`` about its proximal point."""
     if segment < spine_count:
@@ -20,7 +19,7 @@ def distal_range(segment, spine_count):
     return segment, segment + 4 - bone, first_point, first_point + 4 - bone
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_part(turn, segment, spine_count, pivot, positions, rotations):
     """Turn ``segment`` and all that hangs on it by ``turn`` (3, 3, world) about ``pivot`` (3,), in place."""
     first, past, first_point, past_point = distal_range(segment, spine_count)
@@ -36,7 +35,7 @@ def turn_part(turn, segment, spine_count, pivot, positions, rotations):
                 rotations[other, axis, column] = turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def move_all(x, y, z, positions):
     """Translate every point of a frame (P, 3), in place."""
     for point in range(positions.shape[0]):
@@ -45,7 +44,7 @@ def move_all(x, y, z, positions):
         positions[point, 2] += z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def body_point(point, segment, offset, positions, rotations, out_point):
     """Where a point fixed to a segment is: (3,) = positions[point] + rotations[segment] @ offset."""
     add_rotated(positions[point], rotations[segment], offset[0], offset[1], offset[2], out_point)

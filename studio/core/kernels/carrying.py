@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from studio.core.kernels import layout as at
 from studio.core.kernels.body import move_all, turn_part
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.rotation import (
     add_rotated,
@@ -26,7 +26,7 @@ LEAN = 0.6
 CLOSE_ENOUGH = 1e-7
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def settle_frames(roots, starts, ends, least, most, seats, centres, stiffness, moves):
     """Move and turn whole bodies, as little as possible, until what stands is in reach of what carries it.
 
@@ -78,7 +78,7 @@ def settle_frames(roots, starts, ends, least, most, seats, centres, stiffness, m
                 break
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_pull(arm, x, y, z, error, row, matrix):
     """Add to the normal equations (6, 7) that a point at ``arm`` from the root is to go ``error`` along a direction."""
     row[0], row[1], row[2] = x, y, z
@@ -91,7 +91,7 @@ def add_pull(arm, x, y, z, error, row, matrix):
         matrix[i, 6] += row[i] * error
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_in_place(matrix):
     """Solve a symmetric positive system (N, N + 1); the answer stands in its last column."""
     count = matrix.shape[0]
@@ -106,7 +106,7 @@ def solve_in_place(matrix):
         matrix[i, count] /= matrix[i, i]
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def move_bodies(moves, positions, rotations):
     """Turn every frame's body about its root and move it, in place; ``moves`` (F, 6) as in ``settle_frames``."""
     turn = np.empty((3, 3))
@@ -119,7 +119,7 @@ def move_bodies(moves, positions, rotations):
         move_all(move[0], move[1], move[2], positions[frame])
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def place_arms(channels, measures, wrists, hands, bends, firm, positions, rotations):
     """Arms of all frames on their wrists, in place, where ``firm`` (2, F); hands as given (METHOD 6, limb_to).
 
@@ -144,7 +144,7 @@ def place_arms(channels, measures, wrists, hands, bends, firm, positions, rotati
                 )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_arm(channels, measures, side, wrist, hand, bend, work, positions, rotations):
     """One arm of one frame: shoulder from the clavicle, wrist (3,) at its target, hand (3, 3) as given."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
@@ -186,7 +186,7 @@ def place_arm(channels, measures, side, wrist, hand, bend, work, positions, rota
     add_rotated(wrist_point, hand, measures[m], measures[m + 1], measures[m + 2], positions[shoulder + 3])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def arm_comfort(channels, side):
     """Part of its length to which an arm stretches freely: as far as the motion's own does, or nearly straight."""
     return min(max(1.0 - channels[at.LIMB_SLACK + side], 0.985), 1.0 - 1e-9)

@@ -10,9 +10,9 @@ is how far a probe's surface is from the body's, negative inside.
 import math
 
 import numpy as np
-from numba import njit
 
 from studio.core.kernels.body import turn_part
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.goals import ORIENTATION
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_to, longest_reach
@@ -38,7 +38,7 @@ FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
 """Part of the wrist's way that each probe goes along."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_capsules(volume, pose, proximal, out_capsules):
     """The capsules in the world, (N, 9); ``proximal`` (S,) is the point where each segment begins."""
     segments, places, radii = volume[0], volume[1], volume[2]
@@ -54,7 +54,7 @@ def place_capsules(volume, pose, proximal, out_capsules):
         capsule[7], capsule[8] = radii[n, 0], radii[n, 1] - radii[n, 0]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def room_at(x, y, z, girth, capsules, out_way):
     """Metres of room of a sphere, and the unit way out of the body (3,), shorter towards a capsule's axis.
 
@@ -90,13 +90,13 @@ def room_at(x, y, z, girth, capsules, out_way):
     return room
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def soft_clamp(t):
     """``t`` held between 0 and 1 with a tenth of rounding at either end."""
     return t + ramp(-t, 0.1) - ramp(t - 1.0, 0.1)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ramp(x, band):
     """max(x, 0) with its corner rounded over ``band`` on either side; never below it."""
     if x <= -band:
@@ -104,7 +104,7 @@ def ramp(x, band):
     return x if x >= band else (x + band) ** 2 / (4.0 * band)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def probe_at(probe, shoulder, positions, out_point):
     """The centre (3,) of a probe of the arm whose shoulder is the point of that index."""
     if probe < 3:
@@ -115,7 +115,7 @@ def probe_at(probe, shoulder, positions, out_point):
         out_point[axis] = positions[begin, axis] + share * (positions[end, axis] - positions[begin, axis])
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def measure_arm(side, volume, capsules, positions, out_rooms, out_ways):
     """The room of every probe of one arm, (5,) metres, and the way out (5, 3)."""
     shoulder, point = positions.shape[0] - 19 + 5 * side, np.empty(3)
@@ -125,7 +125,7 @@ def measure_arm(side, volume, capsules, positions, out_rooms, out_ways):
         out_rooms[probe] = room_at(point[0], point[1], point[2], girth, capsules, out_ways[probe])
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def room_frames(volume, proximal, positions, rotations, out_rooms, out_ways):
     """The room of every probe at every frame, (F, 2, 5) metres, and the way out (F, 2, 5, 3)."""
     capsules = np.empty((volume[0].shape[0], 9))
@@ -135,7 +135,7 @@ def room_frames(volume, proximal, positions, rotations, out_rooms, out_ways):
             measure_arm(side, volume, capsules, positions[frame], out_rooms[frame, side], out_ways[frame, side])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def wanted_rooms(actor_rooms, margin, out_wanted):
     """Room that probes are to have, any shape: ``margin`` more than y C / (|y| + C), where y is the actor's.
 
@@ -148,7 +148,7 @@ def wanted_rooms(actor_rooms, margin, out_wanted):
         wanted[i] = margin + own[i] * most / (abs(own[i]) + most)
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def clear_arm(side, again, wanted, own, ways, shares, volume, capsules, saved, turn, pose, out_rooms):
     """Bring one arm out of its body where its probes have less room than ``wanted`` (5,); True when it moved.
 
@@ -177,7 +177,7 @@ def clear_arm(side, again, wanted, own, ways, shares, volume, capsules, saved, t
     return moved
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, positions, out_rooms, out_step):
     """The step (4,) of wrist (metres) and swivel (radians) that gives every probe its room; False when none is needed.
 
@@ -212,7 +212,7 @@ def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, posit
     return out_step[0] != 0.0 or out_step[1] != 0.0 or out_step[2] != 0.0 or out_step[3] != 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_way(actor_room, actor_way, way):
     """Blend the way out (3,), in place, into the actor's near a capsule's axis, where the body itself has none.
 
@@ -225,7 +225,7 @@ def turn_way(actor_room, actor_way, way):
         way[axis] += take * actor_way[axis]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def arc_of(probe, shoulder, place, positions, out_arc):
     """Metres a radian by which a probe moves when the arm swivels about the line from shoulder to wrist, (3,)."""
     if probe > 1:
@@ -239,7 +239,7 @@ def arc_of(probe, shoulder, place, positions, out_arc):
     out_arc[0], out_arc[1], out_arc[2] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def move_arm(side, share, shift, swivel, saved, turn, pose):
     """The ``saved`` arm with its wrist moved by ``share`` of ``shift`` (3,) and turned about its axis by ``swivel``.
 
@@ -269,7 +269,7 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
     positions[shoulder + 3] = positions[shoulder + 2] + saved[0][3] - saved[0][2]
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def make_clear_work(clearance):
     """Scratch: capsules (N, 9), rooms now and before the constraints (2, 5), saved arm, a turn, two small ones."""
     return (
@@ -284,7 +284,7 @@ def make_clear_work(clearance):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def clear_before(frame, clearance, work, pose):
     """Clear the arms of one frame before its constraints.
 
@@ -306,7 +306,7 @@ def clear_before(frame, clearance, work, pose):
             measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def clear_after(frame, acted, asked, clearance, work, pose):
     """Clear arms again that constraints have brought nearer, where they ``acted``, and note how much room is missing.
 
@@ -338,7 +338,7 @@ def clear_after(frame, acted, asked, clearance, work, pose):
                     misses[q, frame] = max(misses[q, frame], short)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def hold_arm(side, asked, above, spine_count, out_held):
     """How far constraints above hold an arm's wrist and its swivel, (2,) from 0 to 1."""
     out_held[0], out_held[1] = 0.0, 0.0

@@ -16,9 +16,8 @@ that neighbouring frames take neighbouring ways.
 
 import math
 
-from numba import njit
-
 from studio.core.kernels.balance import centre_of_mass, segment_centres
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import set_brakes
 from studio.core.kernels.limb import soft_reach
@@ -42,7 +41,7 @@ KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     """Move one posed frame until its constraints hold as well as their chains and priorities allow."""
     spine_count = pose[0].shape[0] - 23
@@ -61,7 +60,7 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
         fresh = False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def wants_level(level, asked):
     """Whether any constraint of this level acts now."""
     acts = False
@@ -70,7 +69,7 @@ def wants_level(level, asked):
     return acts
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     """Newton's steps on one level with those above held; in the end those above get back what it cost them."""
     if chain[1].shape[0] == 0:
@@ -81,6 +80,8 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     turned = work[3]
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[1, joint])
+    for row in range(work[1][3].shape[0]):
+        work[1][3][row] = False
     place(level, fresh, asked, areas, chain, body, work, start, pose)
     for _ in range(TRIES):
         if not step(level, False, asked, chain, body, work, start, pose) > STILL:
@@ -107,7 +108,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def give_up(level, asked):
     """What cannot be had beside the levels above is not asked of limbs any more at this frame."""
     for c in range(asked.shape[0]):
@@ -115,7 +116,7 @@ def give_up(level, asked):
             asked[c].wanted = GIVEN_UP
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place(level, fresh, asked, areas, chain, body, work, start, pose):
     """The body where its joints carry it, and its limbs where they are to be; a fresh pose is carried already."""
     if not fresh:
@@ -125,7 +126,7 @@ def place(level, fresh, asked, areas, chain, body, work, start, pose):
     place_limbs(level, asked, areas, chain, body, work, start, pose)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_carried(carried):
     """Nothing has turned yet."""
     for segment in range(carried.shape[0]):
@@ -134,7 +135,7 @@ def note_carried(carried):
                 carried[segment, row, column] = 1.0 if row == column else 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def step(level, mending, asked, chain, body, work, start, pose):
     """One step of all joints for this level with those above held, or to mend those alone; how far it moves."""
     ask = work[0]
@@ -161,7 +162,7 @@ def step(level, mending, asked, chain, body, work, start, pose):
     return move_joints(part, chain, work[2], way, work[3][0])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def disturbance(level, asked, areas, body, work, pose):
     """By how much more than before those above this level are missed, in metres."""
     worst = 0.0
@@ -175,7 +176,7 @@ def disturbance(level, asked, areas, body, work, pose):
     return worst
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_kept(level, asked, areas, body, work, pose):
     """Note what the constraints above this level have got: it is theirs to keep."""
     spine_count = pose[0].shape[0] - 23
@@ -199,7 +200,7 @@ def note_kept(level, asked, areas, body, work, pose):
                     copy_point(pose[0][root], row.kept_roots[end])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_reaches(level, asked, grips, points, pose):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 

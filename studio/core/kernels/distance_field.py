@@ -8,14 +8,15 @@ moves smoothly over edges; it rounds them by a part of a cell.
 import math
 
 import numpy as np
-from numba import njit
+
+from studio.core.kernels.compiling import allocating_kernel, kernel
 
 HEAD = 7
 """Numbers before the coefficients."""
 STEPS = 12
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearest_on_triangle(p, a, b, c):
     """Barycentric v and w of the nearest place a + v (b - a) + w (c - a), and which part of the triangle it lies on.
 
@@ -49,7 +50,7 @@ def nearest_on_triangle(p, a, b, c):
     return at_b / total, at_c / total, 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def signed_distance(p, triangle, corners, normals):
     """Distance of a point (3,) from a triangle, below zero behind the normal of the part that it is nearest to.
 
@@ -66,7 +67,7 @@ def signed_distance(p, triangle, corners, normals):
     return away if x * normal[0] + y * normal[1] + z * normal[2] >= 0.0 else -away
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def measure_near(corners, normals, origin, cell, band, out_distances, out_owners):
     """Signed distances at the nodes of a grid (X, Y, Z) within ``band`` cells of each triangle, and whose they are.
 
@@ -89,7 +90,7 @@ def measure_near(corners, normals, origin, cell, band, out_distances, out_owners
                         out_distances[i, j, k], out_owners[i, j, k] = found, t
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def measure_far(corners, normals, origin, cell, far, owners, distances):
     """Signed distances of the nodes that are ``far`` (X, Y, Z) from all triangles, in place.
 
@@ -117,7 +118,7 @@ def measure_far(corners, normals, origin, cell, far, owners, distances):
                         distances[i, j, k], owners[i, j, k] = found, owners[u, v, w]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def weights_at(t, out_weights):
     """Cubic B-spline weights (4,) and their slopes (4,) at ``t`` from 0 to 1 between two nodes: (2, 4)."""
     s = 1.0 - t
@@ -129,7 +130,7 @@ def weights_at(t, out_weights):
     out_weights[1, 2] = -s * (1.5 * s - 2.0)
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def distance_at(field, x, y, z, weights, out_slope):
     """Signed distance at a place, and its slope (3,). Beyond the grid as at its edge; ``weights`` (3, 2, 4) scratch."""
     cell = field[3]
@@ -158,7 +159,7 @@ def distance_at(field, x, y, z, weights, out_slope):
     return distance
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def surface_place(field, x, y, z, side):
     """The nearest place that is allowed: outside the mesh (``side`` 0), inside (1) or on its surface (2).
 
@@ -180,13 +181,13 @@ def surface_place(field, x, y, z, side):
     return qx, qy, qz
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def held_within(field, axis, place):
     """A coordinate held within the grid."""
     return min(max(place, field[axis] + field[3]), field[axis] + field[3] * (field[4 + axis] - 2.0))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def share_within(field, x, y, z, fx, fy, fz):
     """The part of the way from a place f within the grid towards (x, y, z) that lies within it, 1 for all of it."""
     share = 1.0
@@ -200,7 +201,7 @@ def share_within(field, x, y, z, fx, fy, fz):
     return share
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def descend(field, px, py, pz, weights, slope):
     """Newton's steps down the slope of the field to the surface."""
     for _ in range(STEPS):

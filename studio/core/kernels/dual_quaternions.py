@@ -1,10 +1,11 @@
 """Skinning by dual quaternions: what twists keeps its girth."""
 
 import numpy as np
-from numba import njit
+
+from studio.core.kernels.compiling import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def skin(vertices, normals, segments, weights, motions, out_vertices, out_normals):
     """Deform (V, 3) vertices and normals in world space by one blended screw motion each.
 

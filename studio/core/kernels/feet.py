@@ -7,8 +7,8 @@ foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the
 import math
 
 import numpy as np
-from numba import njit
 
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, rotation_vector_to_matrix
 
 HEEL = 1
@@ -18,13 +18,13 @@ STEEP = -0.7
 """Vertical part of a foot's forward axis below which it stands on tucked toes."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def smoothstep(t):
     """Quintic ease 6t^5 - 15t^4 + 10t^3 of t in [0, 1]: level, without velocity or acceleration at both ends."""
     return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_gaps(values, known):
     """Values (F, 3) where not ``known`` (F,): eased from the known before to the known after, held at the ends."""
     count = known.shape[0]
@@ -43,7 +43,7 @@ def fill_gaps(values, known):
             values[gap, axis] = values[last, axis] if last >= 0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def level_soles(rotations, states, out_rotations):
     """Foot rotations (F, 3, 3), level and of one heading through each stretch of frames that stands flat.
 
@@ -75,7 +75,7 @@ def level_soles(rotations, states, out_rotations):
         multiply(turn, rotations[frame], out_rotations[frame])
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def keep_pitch_on_ground(soles, states, rotations):
     """Foot rotations (F, 3, 3), in place: no ball below the heel in a heel stand, none above it in a toe stand."""
     count = states.shape[0]
@@ -105,14 +105,14 @@ def keep_pitch_on_ground(soles, states, rotations):
         rotations[frame] = turned
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ball_above_heel(rotation, sole):
     """How much higher the ball's sole is than the heel's, in metres; 0 for a level foot."""
     ball = rotation[2, 0] * sole[0] + rotation[2, 1] * sole[1] + rotation[2, 2] * sole[2] - sole[2]
     return ball - sole[3] + rotation[2, 0] * sole[4] + rotation[2, 2] * sole[3]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def set_heading(matrix, along, across):
     """Write the level rotation (3, 3) whose x axis points (along, across) on the ground."""
     length = math.sqrt(along * along + across * across)
@@ -121,7 +121,7 @@ def set_heading(matrix, along, across):
     matrix[1, 0], matrix[1, 1] = s, c
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def level_toes(feet, toes, states, out_toes):
     """Toe rotations (F, 3, 3) lying level while the toe stands, heading as the foot; eased in between.
 
@@ -155,7 +155,7 @@ def level_toes(feet, toes, states, out_toes):
         multiply(feet[frame], local, out_toes[frame])
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def plant_ankles(ankles, feet, states, soles, ground, out_ankles):
     """Ankle targets (F, 3): anchored through every contact, displaced by an eased amount in between (METHOD 4).
 
@@ -185,7 +185,7 @@ def plant_ankles(ankles, feet, states, soles, ground, out_ankles):
             out_ankles[frame, axis] = ankles[frame, axis] + shift[frame, axis]
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
     """Ankle targets of one unbroken contact, frames begin to end (excluded), spread from its seed both ways."""
     first, last = longest_stretch(states, HEEL, begin, end)
@@ -215,7 +215,7 @@ def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
             frame += 1 if way == 0 else -1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def longest_stretch(states, bit, begin, end):
     """Frames (first, last excluded) of the longest run within [begin, end) whose states have ``bit``; equal if none."""
     best_first, best_last, first = begin, begin, begin
@@ -228,14 +228,14 @@ def longest_stretch(states, bit, begin, end):
     return best_first, best_last
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def to_toe(rotation, sole, out_offset):
     """Vector (3,) from ankle to toe joint in the world."""
     for axis in range(3):
         out_offset[axis] = rotation[axis, 0] * sole[0] + rotation[axis, 1] * sole[1] + rotation[axis, 2] * sole[2]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def stand(state, previous, pivots, offset):
     """Move the pivots (ankle, toe) (2, 2) of the neighbouring frame on to this one: what stands stays where it is."""
     if state & HEEL and previous & HEEL:
@@ -246,7 +246,7 @@ def stand(state, previous, pivots, offset):
             pivots[0, axis] = pivots[1, axis] - offset[axis]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def sole_height(rotation, toe_drop, sole):
     """Height of the ankle at which the lowest of heel and ball touches the ground.
 

@@ -1,14 +1,15 @@
 """Forward kinematics of a whole clip in one call."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from studio.core.kernels.compiling import allocating_kernel
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def joint_world(
     parents: IntArray,
     local_rotations: FloatArray,

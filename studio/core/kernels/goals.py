@@ -2,9 +2,8 @@
 
 import math
 
-from numba import njit
-
 from studio.core.kernels.body import body_point
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.vectors import copy_point
 
 POSITION = 0
@@ -16,20 +15,20 @@ AREA = 5
 """Kinds as the solver knows them."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def end_place(row, end, pose, out_point):
     """Where one end of a constraint (a record of ``kernels.asked``) is now, (3,)."""
     body_point(row.ends[end, 0], row.ends[end, 1], row.offsets[end], pose[0], pose[1], out_point)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ease_goal(start, target, share, out_goal):
     """Goal (3,) between where a point is and where it is to be (METHOD 5: interpolate the target)."""
     for axis in range(3):
         out_goal[axis] = start[axis] + share * (target[axis] - start[axis])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def part_to(first, second, distance, shares, out_goals):
     """Goals (2, 3) of two points that are to be ``distance`` apart, moved along their line by their shares.
 
@@ -50,7 +49,7 @@ def part_to(first, second, distance, shares, out_goals):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def second_place(row, pose, out_point):
     """Where the other point of a distance is now, (3,): on the body, or the place outside."""
     if row.ends[1, 0] >= 0:
@@ -59,7 +58,7 @@ def second_place(row, pose, out_point):
         copy_point(row.places[1], out_point)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def gaze_goal(start, target, eye, share, out_direction):
     """Unit direction (3,) that is ``share`` of the way from ``start`` to the line from ``eye`` to ``target``."""
     x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]

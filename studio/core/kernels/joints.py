@@ -13,9 +13,9 @@ that a limit is neared ever more slowly and nothing stops at once.
 import math
 
 import numpy as np
-from numba import njit
 
 from studio.core.kernels.body import distal_range
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.rotation import add_rotated, multiply
 from studio.core.kernels.vectors import copy_matrix
 
@@ -24,7 +24,7 @@ FREE_PART = 0.7
 """Part of its limit that a joint turns freely; beyond it turns ever less."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def pivot_point(segment, spine_count):
     """The point about which ``segment`` turns."""
     if segment < spine_count + 2:
@@ -33,7 +33,7 @@ def pivot_point(segment, spine_count):
     return spine_count + 3 + 5 * chain + bone
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def carrier_of(segment, spine_count):
     """The segment that carries ``segment``; past the last one for root, pelvis and thighs (legs hang on ankles)."""
     if segment <= 0:
@@ -46,7 +46,7 @@ def carrier_of(segment, spine_count):
     return spine_count - 1 if chain < 2 else spine_count + 18
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def joint_table(segments, spine_count):
     """``joints`` (N, 5) for the given segments (N,), ROOT for the root's translation."""
     table = np.empty((segments.shape[0], 5), np.int64)
@@ -60,7 +60,7 @@ def joint_table(segments, spine_count):
     return table
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_point_row(point, vx, vy, vz, carrier, joints, positions, row):
     """Add to ``row`` (N, 3) how joints move a point of segment ``carrier`` along a direction: (p - o) x v."""
     for joint in range(joints.shape[0]):
@@ -78,7 +78,7 @@ def add_point_row(point, vx, vy, vz, carrier, joints, positions, row):
             row[joint, 2] += x * vy - y * vx
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_turn_row(axis, arm, carrier, joints, row):
     """Add to ``row`` (N, 3) how joints turn segment ``carrier`` about a world axis, in ``arm`` metres a radian."""
     for joint in range(joints.shape[0]):
@@ -86,7 +86,7 @@ def add_turn_row(axis, arm, carrier, joints, row):
             row[joint, axis] += arm
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def set_brakes(turned, joints, limits, carried, out_brakes):
     """``brakes`` of all joints as they are turned."""
     for k in range(joints.shape[0]):
@@ -101,7 +101,7 @@ def set_brakes(turned, joints, limits, carried, out_brakes):
         out_brakes[k, 3] = max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def brake(part, axis, vector):
     """Shorten ``vector`` (3,) to ``part`` of itself along a unit ``axis`` (3,)."""
     along = (part - 1.0) * (axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2])
@@ -110,7 +110,7 @@ def brake(part, axis, vector):
     vector[2] += along * axis[2]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def carry(segment, parent, turned, slots, start, scratch, carried, pose):
     """Turn one segment by what carries it and by its own joint; ``carried`` (S + 1, 3, 3) the turns of all."""
     joint = slots[segment]
@@ -125,7 +125,7 @@ def carry(segment, parent, turned, slots, start, scratch, carried, pose):
     multiply(carried[segment], start[1][segment], pose[1][segment])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def gibbs_matrix(x, y, z, out_matrix):
     """Rotation (3, 3) of a Gibbs vector, axis times tan(angle / 2): no sine, no cosine."""
     k = 2.0 / (1.0 + x * x + y * y + z * z)
@@ -146,7 +146,7 @@ def gibbs_matrix(x, y, z, out_matrix):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def carry_point(point, origin, segment, start, carried, positions):
     """Put ``point`` where ``segment`` carries it from ``origin``, another point of that segment."""
     first = start[0]
@@ -160,7 +160,7 @@ def carry_point(point, origin, segment, start, carried, positions):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def carry_arm(side, turned, slots, start, scratch, carried, pose):
     """Put an arm back as the motion has it in its clavicle, turned about its shoulder if that is free."""
     spine_count = pose[0].shape[0] - 23
@@ -172,7 +172,7 @@ def carry_arm(side, turned, slots, start, scratch, carried, pose):
         carry_point(shoulder + bone + 1, shoulder, upper, start, carried, pose[0])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def carry_trunk(turned, slots, start, scratch, carried, pose):
     """Root, spine, neck, head, clavicles and hips in one pass from root to tips; limbs are put back after.
 

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from studio.core.kernels import layout as at
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.feet import smoothstep
 from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.realize import place_hip, place_toes
@@ -15,7 +15,7 @@ KNEE_GUARD = 0.0004
 """Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def hip_heights(channels, measures, rotations, ankles, comforts, states, out_drops):
     """How far the root must come down at each frame, (F,) metres, for standing feet to be in reach (K05 section 7).
 
@@ -39,7 +39,7 @@ def hip_heights(channels, measures, rotations, ankles, comforts, states, out_dro
             out_drops[frame] = max(out_drops[frame], drop)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positions, rotations):
     """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
 
@@ -89,7 +89,7 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positio
     place_toes(measures, side, point + 2, segment + 2, positions, rotations)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def swivel_knee(hip, ankle, upper, lower, distance, off_plane, frame):
     """Turn a leg's ``frame`` (3, 3) about its z axis until the knee faces its place, as firmly as it is held there.
 

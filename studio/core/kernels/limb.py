@@ -2,12 +2,11 @@
 
 import math
 
-from numba import njit
-
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.rotation import add_rotated, multiply, shortest_arc, turn_columns
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_limb(root, frame, distance, upper, lower, off_plane, bend, twist, scratch, out_points, out_upper, out_lower):
     """Middle joint and both segments of a limb from its frame and its length (K05 section 8; METHOD 3.4).
 
@@ -31,7 +30,7 @@ def place_limb(root, frame, distance, upper, lower, off_plane, bend, twist, scra
     turn_columns(out_lower, twist[1])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def soft_reach(needed, comfort):
     """Part of its length to which a limb stretches when ``needed`` is asked: all of it up to ``comfort``, then
     a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 6).

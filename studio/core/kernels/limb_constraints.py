@@ -6,9 +6,8 @@ limb's end segment, -1 for none; ``turns`` (4, 3, 3) and ``points`` (8, 3) are s
 
 import math
 
-from numba import njit
-
 from studio.core.kernels.body import body_point, turn_part
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, ORIENTATION, end_place
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_range, bend_to, swivel_to
@@ -21,7 +20,7 @@ LIMB_COMFORT = 0.985
 """Part of its reach from which on a limb that nothing helps stretches ever less (``soft_reach``)."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def limb_indices(limb, spine_count):
     """(root point, upper segment) of a limb: shoulder and upper arm, hip and thigh."""
     side = limb % 2
@@ -30,7 +29,7 @@ def limb_indices(limb, spine_count):
     return spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_grips(level, asked, spine_count, out_grips):
     """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,), -1 for none."""
     for limb in range(4):
@@ -44,7 +43,7 @@ def note_grips(level, asked, spine_count, out_grips):
             out_grips[limb] = c
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def range_of(limb, segment, holds_end, point, pose):
     """(least, greatest) distance in metres of ``point`` from the root of its limb; of the end joint if that is held."""
     positions, rotations = pose
@@ -60,7 +59,7 @@ def range_of(limb, segment, holds_end, point, pose):
     return math.sqrt(max(0.0, c0 - 2.0 * c1)), math.sqrt(max(0.0, c0 + 2.0 * c1))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_limb(limb, level, asked, grips, turns, points, pose):
     """All constraints of one limb down to ``level``, in order."""
     positions, rotations = pose
@@ -105,7 +104,7 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
             solved += 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def reach_with_limb(row, end, holds_end, turns, points, pose):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
@@ -143,7 +142,7 @@ def reach_with_limb(row, end, holds_end, turns, points, pose):
                 positions[tip + 1 + other, axis] = positions[tip, axis] + points[5 + other, axis]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def comfortable(row, end, span):
     """How far a limb stretches for a place ``span`` metres from its root: as far as agreed, or softly if alone."""
     if row.helped:
@@ -152,7 +151,7 @@ def comfortable(row, end, span):
     return longest * soft_reach(span / longest, row.comforts[end]) if longest > 0.0 else span
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def aim_end(weight, target, point, joint, end, turn, goal, pose):
     """Turn hand or foot about its joint so that its point faces the target, ``weight`` times the whole way."""
     if distance(point, target) < CLOSE_ENOUGH:

@@ -5,11 +5,10 @@
 
 import math
 
-from numba import njit
-
 from studio.core.kernels.areas import nearest_allowed
 from studio.core.kernels.balance import centre_of_mass, segment_centres
 from studio.core.kernels.body import turn_part
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import (
     AREA,
     BALANCE,
@@ -34,7 +33,7 @@ AGAIN = 3
 """Times that limbs are placed once more because a point entered an area or a distance was not shared well."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def carry_body(chain, body, work, start, pose):
     """The whole body where the joints' state carries it: trunk in one pass, arms in their clavicles, legs on ankles."""
     carry_trunk(work[3][0], chain[2], start, work[7][3], work[2], pose)
@@ -42,7 +41,7 @@ def carry_body(chain, body, work, start, pose):
         put_back(limb, chain, body, work, start, pose)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def put_back(limb, chain, body, work, start, pose):
     """One limb as the unsolved pose has it: arms in their clavicles, legs on their ankles."""
     slots, turned, turn = chain[2], work[3][0], work[7][3]
@@ -69,7 +68,7 @@ def put_back(limb, chain, body, work, start, pose):
         turn_part(turn, thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def copy_leg(side, start, pose):
     """One leg as the motion has it, where nothing moves its hip."""
     spine_count = pose[0].shape[0] - 23
@@ -81,7 +80,7 @@ def copy_leg(side, start, pose):
         copy_matrix(start[1][segment], pose[1][segment])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_limbs(level, asked, areas, chain, body, work, start, pose):
     """Every limb with a constraint down to ``level``, solved from where the body carries it.
 
@@ -112,7 +111,7 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
             return
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def follow(level, asked, areas, work, pose):
     """Goals that depend on where things are now: both ends of distances, areas, the line of sight (METHOD 5)."""
     points, turn = work[5], work[7][0]
@@ -135,7 +134,7 @@ def follow(level, asked, areas, work, pose):
             engage_one(c, asked, areas, points, pose)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def falls_short(level, asked, areas, body, work, pose):
     """Whether a distance is missed because one of its limbs could not do its share: then the other does more."""
     short = False
@@ -146,7 +145,7 @@ def falls_short(level, asked, areas, body, work, pose):
     return short
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def engage(level, asked, areas, points, pose):
     """Areas whose points are where they may not be after all else was solved; True when there are new ones."""
     found = False
@@ -157,7 +156,7 @@ def engage(level, asked, areas, points, pose):
     return found
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def engage_one(c, asked, areas, points, pose):
     """Engage one area if its point is where it may not be: the goal is the nearest place where it may."""
     row = asked[c]
@@ -169,7 +168,7 @@ def engage_one(c, asked, areas, points, pose):
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def miss_of(c, asked, areas, body, work, pose):
     """By how much a constraint is missed now: metres, or radians for an orientation or a look."""
     row, point, other = asked[c], work[5][0], work[5][1]
@@ -192,7 +191,7 @@ def miss_of(c, asked, areas, body, work, pose):
     return distance(point, row.places[0])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_error(wanted, now, turn, out_vector):
     """Rotation vector (3,) in radians that turns ``now`` to ``wanted`` (3, 3); ``turn`` (3, 3) is scratch."""
     multiply_by_transposed(wanted, now, turn)

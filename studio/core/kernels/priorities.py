@@ -13,8 +13,7 @@ Some held rows are bounds, as what planted feet allow the root: they let go as l
 
 import math
 
-from numba import njit
-
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import ROOT, brake
 from studio.core.kernels.pulls import BOUND, bent_away
 from studio.core.kernels.stance import keep_feet_in_reach
@@ -28,11 +27,15 @@ SINGULAR = 3e-3
 """Part of itself that must be left of the pivot of a held row, or it is taken to be spoken for by others."""
 SPOKEN_FOR = 0.2
 """The same of a row that asks."""
+NEAR = 2e-3
+"""Metres before its end within which a bound that held the last step is taken to hold this one."""
+ROUNDS = 4
+"""Times a step is sought, with the bounds that the one before would break and without those that push."""
 FEW = 6
 """Rows that ask, up to which the second derivatives of every pair are looked at, and not of each alone."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_step(held, count, ask, chain, carried, turned, solving, body, start, positions):
     """How all joints are to turn and the root to move towards what the rows ask: the way (N, 3) in ``solving``.
 
@@ -50,22 +53,16 @@ def find_step(held, count, ask, chain, carried, turned, solving, body, start, po
         for j in range(count):
             matrix[j, i] = weighted_product(rows[j], rows[i], weights)
         active[i] = roles[i] != BOUND
-    solve_rows(held, count, ask, chain, solving, positions)
-    first = catch_bounds(held, count, errors, rooms, solving)
-    if first >= 0:
+    for _ in range(ROUNDS):
         solve_rows(held, count, ask, chain, solving, positions)
-        second = catch_bounds(held, count, errors, rooms, solving)
-        if second >= 0:
-            solve_rows(held, count, ask, chain, solving, positions)
-            if solving[4][first] < 0.0:
-                active[first] = False
-                solve_rows(held, count, ask, chain, solving, positions)
+        if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
+            break
     root = slots[slots.shape[0] - 1]
     if root >= 0:
         keep_feet_in_reach(body, start, carried, turned[root], way[root])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def stiffen_rows(count, rows, brakes):
     """A joint near its limit answers less: the root of what its brake leaves goes into the rows, the root again into
     the step.
@@ -77,7 +74,7 @@ def stiffen_rows(count, rows, brakes):
                 brake(part, brakes[k], rows[row, k])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_rows(held, count, ask, chain, solving, positions):
     """The step of all joints with the active rows, along their ways."""
     rows, errors, owners, _, brakes, _, _ = ask
@@ -106,7 +103,7 @@ def solve_rows(held, count, ask, chain, solving, positions):
             brake(math.sqrt(brakes[k, 3]), brakes[k], step[k])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_held(held, count, errors, solving):
     """What keeps the active held rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the rows a that ask; how many."""
     matrix, system, _, active, _, _, _ = solving
@@ -132,7 +129,7 @@ def solve_held(held, count, errors, solving):
     return kept
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def eliminate(system, count, columns):
     """Solve ``system`` (n, columns + 1) in place by elimination in order for all of its right sides.
 
@@ -155,7 +152,7 @@ def eliminate(system, count, columns):
             system[i, column] = value * system[i, i]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
     """Along which (N, 3) a row that asks moves the joints: its own levers less what held rows take back."""
     system, active = solving[1], solving[3]
@@ -173,7 +170,7 @@ def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
             brake(math.sqrt(brakes[k, 3]), brakes[k], out_way[k])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_own(held, count, kept, ask, joints, solving, positions):
     """Newton's step among the ways of the rows that ask, into ``answer``."""
     errors = ask[1]
@@ -204,12 +201,12 @@ def solve_own(held, count, kept, ask, joints, solving, positions):
     solve_positive(newton, own, matrix, answer, held)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_curvature(held, count, kept, ask, joints, solving, positions):
     """Add H to the normal equations: what pulls, and what bounds push back with, times how each way bends from it.
 
-    A bound pushes with mu = -M_hh^-1 M_ha e (the multiplier of its Lagrangian). What would bend towards its goal is left
-    out, so that the equations stay positive.
+    A bound pushes with mu = -M_hh^-1 M_ha e (the multiplier of its Lagrangian). What would bend towards its goal is
+    left out, so that the equations stay positive.
     """
     errors, roles, pulls = ask[1], ask[3], ask[5]
     system, newton, active, ways = solving[1], solving[2], solving[3], solving[5]
@@ -229,7 +226,7 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
             bend(push, pulls[q], count - held, ways[held:], joints, newton, system[-1], positions)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bend(push, pull, own, ways, joints, newton, alone, positions):
     """Add the second derivatives of one pull along every way, and for few rows every pair; ``alone`` is scratch."""
     both = ways[ways.shape[0] - 2]
@@ -256,7 +253,7 @@ def bend(push, pull, own, ways, joints, newton, alone, positions):
             newton[j, i] += pair
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve_positive(newton, count, matrix, answer, first):
     """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``.
 
@@ -278,9 +275,22 @@ def solve_positive(newton, count, matrix, answer, first):
         answer[first + i] = value / newton[i, i]
 
 
-@njit(cache=True, nogil=True)
-def catch_bounds(held, count, errors, rooms, solving):
-    """Make the bound active that the step would break most; its row, -1 for none.
+@kernel
+def let_go(held, roles, solving):
+    """Make the bound inactive that pushes the step to where it ends the most; whether there is one."""
+    active, answer = solving[3], solving[4]
+    loosest, least = -1, -1e-9
+    for i in range(held):
+        if active[i] and roles[i] == BOUND and answer[i] < least:
+            loosest, least = i, answer[i]
+    if loosest >= 0:
+        active[loosest] = False
+    return loosest >= 0
+
+
+@kernel
+def catch_bound(held, count, errors, rooms, solving):
+    """Make the bound active that the step would break most; whether there is one.
 
     A bound with room is soft: it brakes over that room, so that nothing stops from one frame to the next.
     """
@@ -298,10 +308,10 @@ def catch_bounds(held, count, errors, rooms, solving):
         active[caught] = True
         if braking > 0.0:
             errors[caught] += braking * math.exp(-most / braking)
-    return caught
+    return caught >= 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def move_joints(part, chain, carried, way, turned):
     """Add a part of the step to the state of every joint, less where that is too long; the longest way in metres."""
     _, joints, _, limits = chain
@@ -321,7 +331,7 @@ def move_joints(part, chain, carried, way, turned):
     return scale * longest
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_further(x, y, z, carrier, limit, turned):
     """Compose a small turn in world axes with a joint's Gibbs vector: g' = (t + g + t x g) / (1 - t . g), limited."""
     tx = 0.5 * (carrier[0, 0] * x + carrier[1, 0] * y + carrier[2, 0] * z)

@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import ROOT
 
 ASK, HOLD, BOUND = 0, 1, 2
@@ -12,7 +11,7 @@ DRIFT = 2e-3
 """Metres by which a step may bend away what is held, before that is mended."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_pull(pull, x, y, z, span, point, carrier):
     """Note an error (x, y, z) of a ``point`` (3,) of segment ``carrier``, or of a limb of length ``span`` from there.
 
@@ -22,7 +21,7 @@ def note_pull(pull, x, y, z, span, point, carrier):
     pull[4], pull[5], pull[6], pull[7] = point[0], point[1], point[2], carrier
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bent_away(pull, rates, joints, positions):
     """(e . v, e . H(x, x), (J x)^2, |a|) of an error e while joints turn at ``rates`` x (N, 3).
 
@@ -54,7 +53,7 @@ def bent_away(pull, rates, joints, positions):
     return gets_nearer, bent, squared, math.sqrt(ax * ax + ay * ay + az * az)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def part_of_step(held, count, roles, pulls, way, joints, positions):
     """The part of a step after which its own errors are least to the second order, and what is held stays in place.
 

@@ -6,16 +6,15 @@ root to the point depends on the bend alone, the direction on the aim alone. Bot
 
 import math
 
-from numba import njit
-
 from studio.core.kernels.body import turn_part
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.rotation import rotation_vector_to_matrix, shortest_arc
 
 SWIVEL_LEVER = 0.08 * 0.08
 """Square metres of lever (point times target, from the axis) above which a swivel is not faded."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bend_range(root, middle, hinge, point):
     """How the distance root-point depends on the bend: (c0, c1, angle now), d^2 = c0 - 2 c1 cos(angle).
 
@@ -35,14 +34,14 @@ def bend_range(root, middle, hinge, point):
     return c0, c1, math.atan2(cross, px * sx + py * sy + pz * sz)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def longest_reach(root, middle, hinge, point):
     """The greatest distance root-point that bending allows, in metres."""
     c0, c1, _ = bend_range(root, middle, hinge, point)
     return math.sqrt(max(0.0, c0 + 2.0 * c1))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bend_to(distance, upper, spine_count, point_index, point, turn, positions, rotations):
     """Turn the lower segments about the hinge until ``point`` lies ``distance`` from the limb's root, or nearest.
 
@@ -63,7 +62,7 @@ def bend_to(distance, upper, spine_count, point_index, point, turn, positions, r
     turn_part(turn, upper + 1, spine_count, middle, positions, rotations)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def aim_at(target, point, segment, spine_count, pivot, turn, positions, rotations):
     """Turn ``segment`` about ``pivot`` so that ``point`` lies in the direction of ``target`` (all (3,))."""
     ax, ay, az = point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2]
@@ -75,7 +74,7 @@ def aim_at(target, point, segment, spine_count, pivot, turn, positions, rotation
     turn_part(turn, segment, spine_count, pivot, positions, rotations)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def swivel_to(target, point, held, segment, spine_count, pivot, turn, positions, rotations):
     """Turn a limb about the axis from its root through the ``held`` point so that ``point`` nears ``target``.
 

@@ -3,14 +3,14 @@
 import math
 
 import numpy as np
-from numba import njit
 
 from studio.core.kernels import layout as at
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limb import place_limb
 from studio.core.kernels.rotation import add_rotated, frame_along, multiply, quaternion_to_matrix
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def realize_frames(channels, measures, spine_from, spine_share, play, out_positions, out_rotations):
     """Pose a body at every frame (METHOD 3; eq. 2 of K05).
 
@@ -40,7 +40,7 @@ def realize_frames(channels, measures, spine_from, spine_share, play, out_positi
             )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, carriers, out_positions, out_rotations):
     """Root, spine, neck, head and clavicles of one frame (METHOD 3.1 to 3.3).
 
@@ -83,7 +83,7 @@ def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, ca
         add_rotated(out_positions[point], clavicle, 0.0, 0.0, along, out_positions[point + 1])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_root(channels, measures, scratch, out_positions, out_rotations):
     """Rotation and place of the pelvis of one frame: the middle of the hips stands where the channels say."""
     leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
@@ -102,13 +102,13 @@ def place_root(channels, measures, scratch, out_positions, out_rotations):
     out_positions[0, 2] += 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_offset(measures, m, origin, rotation, out_point):
     """Point (3,) at the measures ``m`` to ``m + 2`` from ``origin``, in the axes of ``rotation`` (3, 3)."""
     add_rotated(origin, rotation, measures[m], measures[m + 1], measures[m + 2], out_point)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_from_rest(channels, q, measures, m, thorax, scratch, out_carrier, out_rotation):
     """Neck or clavicle: the thorax carried along (3, 3), and the segment that lies in it along its rest (3, 3)."""
     quaternion_to_matrix(channels[q : q + 4], scratch)
@@ -117,7 +117,7 @@ def turn_from_rest(channels, q, measures, m, thorax, scratch, out_carrier, out_r
     multiply(out_carrier, scratch, out_rotation)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def spine_rotation(channels, index, share, out_matrix):
     """Orientation of a spine segment relative to the pelvis: normalised blend of two neighbours' quaternions."""
     a = at.SPINE + 4 * (index - 1)
@@ -139,7 +139,7 @@ def spine_rotation(channels, index, share, out_matrix):
     quaternion_to_matrix((ax * scale, ay * scale, az * scale, aw * scale), out_matrix)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def realize_limb(channels, measures, limb, play, carrier, scratch, work, out_positions, out_rotations):
     """One arm (limb 0, 1) or leg (2, 3) of one frame with its hand or foot (METHOD 3.3 to 3.5)."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
@@ -187,7 +187,7 @@ def realize_limb(channels, measures, limb, play, carrier, scratch, work, out_pos
         )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_hip(channels, measures, side, play, root, pelvis, out_hip):
     """Hip joint (3,): its place in the pelvis and, for the actor, its stray from there."""
     leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
@@ -202,7 +202,7 @@ def place_hip(channels, measures, side, play, root, pelvis, out_hip):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_toes(measures, side, ankle, foot, out_positions, out_rotations):
     """Toe joint and toe end from the ankle and the rotations of foot and toe, written into one frame's arrays."""
     m = at.M_FOOT + 3 * side

@@ -2,10 +2,10 @@
 
 import math
 
-from numba import njit
+from studio.core.kernels.compiling import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def quaternion_to_matrix(quaternion, out_matrix):
     """Rotation matrix (3, 3) of a unit quaternion (4,)."""
     x, y, z, w = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
@@ -17,7 +17,7 @@ def quaternion_to_matrix(quaternion, out_matrix):
     out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = xz - wy, yz + wx, 1.0 - xx - yy
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def multiply(first, second, out_matrix):
     """Matrix product first @ second (3, 3); ``out_matrix`` is neither of them."""
     for row in range(3):
@@ -29,7 +29,7 @@ def multiply(first, second, out_matrix):
             )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def multiply_transposed(first, second, out_matrix):
     """Matrix product first^T @ second (3, 3); ``out_matrix`` is neither of them."""
     for row in range(3):
@@ -41,7 +41,7 @@ def multiply_transposed(first, second, out_matrix):
             )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def multiply_by_transposed(first, second, out_matrix):
     """Matrix product first @ second^T (3, 3): the turn from second to first; ``out_matrix`` is neither of them."""
     for row in range(3):
@@ -53,14 +53,14 @@ def multiply_by_transposed(first, second, out_matrix):
             )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_rotated(origin, matrix, x, y, z, out_point):
     """Point origin + matrix @ (x, y, z), all (3,)."""
     for axis in range(3):
         out_point[axis] = origin[axis] + matrix[axis, 0] * x + matrix[axis, 1] * y + matrix[axis, 2] * z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def shortest_arc(ax, ay, az, bx, by, bz, out_matrix):
     """Rotation (3, 3) turning unit a to unit b by the shortest way (METHOD 0); half a turn when they oppose."""
     cosine = ax * bx + ay * by + az * bz
@@ -86,7 +86,7 @@ def shortest_arc(ax, ay, az, bx, by, bz, out_matrix):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def half_turn(ax, ay, az, out_matrix):
     """Half a turn (3, 3) about some fixed axis perpendicular to unit a: 2 p p^T - I."""
     if abs(az) < 0.9:
@@ -100,7 +100,7 @@ def half_turn(ax, ay, az, out_matrix):
     out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = 2.0 * px * pz, 2.0 * py * pz, 2.0 * pz * pz - 1.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def turn_columns(matrix, angle):
     """Turn a rotation (3, 3) in place about its own z axis: matrix @ Rz(angle)."""
     c, s = math.cos(angle), math.sin(angle)
@@ -109,7 +109,7 @@ def turn_columns(matrix, angle):
         matrix[row, 0], matrix[row, 1] = c * x + s * y, c * y - s * x
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def rotation_vector_to_matrix(wx, wy, wz, out_matrix):
     """Rotation matrix (3, 3) of a rotation vector in radians (Rodrigues, by its half-angle quaternion)."""
     angle = math.sqrt(wx * wx + wy * wy + wz * wz)
@@ -132,7 +132,7 @@ def rotation_vector_to_matrix(wx, wy, wz, out_matrix):
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def orthonormalize(matrix):
     """Make a nearly orthonormal (3, 3) exact in place: z kept in direction, x made orthogonal to it, y = z x x."""
     for pair in range(2):
@@ -149,7 +149,7 @@ def orthonormalize(matrix):
     matrix[2, 1] = matrix[0, 2] * matrix[1, 0] - matrix[1, 2] * matrix[0, 0]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def matrix_to_rotation_vector(matrix, out_vector):
     """Rotation vector (3,) in radians of a rotation matrix (3, 3), by its quaternion (stable up to half a turn)."""
     trace = matrix[0, 0] + matrix[1, 1] + matrix[2, 2]
@@ -178,7 +178,7 @@ def matrix_to_rotation_vector(matrix, out_vector):
     out_vector[0], out_vector[1], out_vector[2] = scale * x, scale * y, scale * z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def frame_along(zx, zy, zz, out_matrix):
     """Rotation (3, 3) whose z axis is unit z and whose x axis is as near to world X as that allows."""
     x, y, w = 1.0 - zx * zx, -zx * zy, -zx * zz

@@ -5,9 +5,8 @@
 
 import math
 
-from numba import njit
-
-from studio.core.kernels.balance import add_balance_row, centre_of_mass, segment_centres
+from studio.core.kernels.balance import centre_of_mass, segment_centres, set_balance_rows
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
@@ -23,7 +22,7 @@ MISSED = 2e-3
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_feet_rows(owner, count, chain, body, ask, start, positions):
     """Bounds of both legs: their hips go no further from the ankles than the leash. The new number of rows."""
     ankles = body[3][2]
@@ -44,7 +43,7 @@ def add_feet_rows(owner, count, chain, body, ask, start, positions):
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
     """Rows of one constraint, towards its goal or, when held, towards what it has; the new number of rows."""
     ask, grips, points = work[0], work[4], work[5]
@@ -77,7 +76,7 @@ def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def begin_row(ask, count, owner, error):
     """Start an empty row that asks."""
     rows, errors, owners, roles, _, pulls, rooms = ask
@@ -87,7 +86,7 @@ def begin_row(ask, count, owner, error):
     errors[count], owners[count], roles[count], rooms[count] = error, owner, ASK, 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
     """Three rows that turn a segment of the trunk; a limb's own segments are turned in closed form."""
     if row.ends[0, 2] >= 0:
@@ -101,7 +100,7 @@ def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_balance_rows(row, owner, is_held, count, ask, chain, body, centres, point, positions):
     """Two rows that move the centre of mass over the ground, or three."""
     segment_centres(body[1], positions, centres)
@@ -109,12 +108,12 @@ def add_balance_rows(row, owner, is_held, count, ask, chain, body, centres, poin
     for axis in range(row.axes):
         wanted = row.kept_places[0, axis] if is_held else row.places[0, axis]
         begin_row(ask, count, owner, wanted - point[axis])
-        add_balance_row(axis, body[1], centres, chain[1], positions, ask[0][count])
         count += 1
+    set_balance_rows(row.axes, body[1], centres, chain[1], positions, ask[0][count - row.axes : count])
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
     """Three rows that bring a point of the trunk, or of a limb that is not free, to its place."""
     point = points[0]
@@ -128,7 +127,7 @@ def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_point_rows(point, segment, x, y, z, owner, count, ask, chain, positions):
     """Three rows that move a point by (x, y, z)."""
     for axis in range(3):
@@ -140,7 +139,7 @@ def add_point_rows(point, segment, x, y, z, owner, count, ask, chain, positions)
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def aim_limb(row, end, is_held, holds_end, points, pose):
     """Where the limb itself must bring what it bends: the goal, or the wrist's or ankle's part of it, as (x, y, z).
 
@@ -157,7 +156,7 @@ def aim_limb(row, end, is_held, holds_end, points, pose):
     return x, y, z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, pose):
     """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6).
 

@@ -1,10 +1,11 @@
 """Skinning: vertices carried by the segments they are bound to."""
 
 import numpy as np
-from numba import njit
+
+from studio.core.kernels.compiling import allocating_kernel, kernel
 
 
-@njit(cache=True, nogil=True)
+@allocating_kernel
 def segment_motions(rest_rotations, rest_origins, rotations, origins, out_motions):
     """Each segment's motion from rest as (S, 16): matrix (9), translation (3), quaternion x, y, z, w (4).
 
@@ -40,7 +41,7 @@ def segment_motions(rest_rotations, rest_origins, rotations, origins, out_motion
             out_motions[s, 12 + i] = q[i] / norm
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def skin(vertices, normals, centres, segments, weights, motions, out_vertices, out_normals):
     """Deform (V, 3) vertices and normals in world space by the motions (S, 16) of up to four segments each.
 

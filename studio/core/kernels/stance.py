@@ -2,9 +2,8 @@
 
 import math
 
-from numba import njit
-
 from studio.core.kernels import layout as at
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.vectors import distance
 
 SWEEPS = 6
@@ -13,7 +12,7 @@ BRAKING = 0.03
 """Part of a leg's length over which the root is braked before the leg's leash ends."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def leash_of(side, body, start):
     """(length, braking room) in metres of one leg's leash; no room beyond where the motion itself has the hip."""
     measures, leashes, legs = body[0], body[2], body[3]
@@ -23,7 +22,7 @@ def leash_of(side, body, start):
     return leash, min(max(leash - distance(hip, legs[2][side]), 0.0), BRAKING * length)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def keep_feet_in_reach(body, start, carried, moved, way):
     """Shorten the ``way`` (3,) of a root that has ``moved`` (3,) to what both leashes allow, in turns (METHOD 7)."""
     ankles = body[3][2]

@@ -2,10 +2,10 @@
 
 import math
 
-from numba import njit
+from studio.core.kernels.compiling import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def highest_triangles(xy, corners, starts, members, origin, cell, out_heights, out_slopes, out_found):
     """Height (N,) and slope (N, 2) of the highest triangle over each place (N, 2), by a vertical ray.
 

@@ -2,22 +2,22 @@
 
 import math
 
-from numba import njit
+from studio.core.kernels.compiling import kernel, summing_kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distance(a, b):
     """Metres between two points (3,)."""
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def copy_point(a, out_point):
     """``out_point`` becomes ``a``, both (3,)."""
     out_point[0], out_point[1], out_point[2] = a[0], a[1], a[2]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def copy_matrix(a, out_matrix):
     """``out_matrix`` becomes ``a``, both (3, 3)."""
     for row in range(3):
@@ -25,7 +25,7 @@ def copy_matrix(a, out_matrix):
             out_matrix[row, column] = a[row, column]
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@summing_kernel
 def weighted_product(a, b, weights):
     """Sum of weights[k] a[k] . b[k] over joints k; ``a`` and ``b`` (N, 3), ``weights`` (N,)."""
     total = 0.0
