@@ -1,6 +1,6 @@
 """The centre of mass of a posed body, and how joints move it."""
 
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.joints import ROOT, pivot_point
 
 LEGS_FOLLOW = 0.854
@@ -19,7 +19,7 @@ def segment_centres(masses, positions, out_centres):
             out_centres[segment, axis] = begin + place * (positions[point + 1, axis] - begin)
 
 
-@kernel
+@allocating_kernel
 def centre_of_mass(masses, centres, out_point):
     """Centre of mass (3,) from the segments' ``centres`` (S, 3)."""
     out_point[:] = 0.0

@@ -54,7 +54,7 @@ def place_capsules(volume, pose, proximal, out_capsules):
         capsule[7], capsule[8] = radii[n, 0], radii[n, 1] - radii[n, 0]
 
 
-@kernel
+@allocating_kernel
 def room_at(x, y, z, girth, capsules, out_way):
     """Metres of room of a sphere, and the unit way out of the body (3,), shorter towards a capsule's axis.
 
@@ -225,7 +225,7 @@ def turn_way(actor_room, actor_way, way):
         way[axis] += take * actor_way[axis]
 
 
-@kernel
+@allocating_kernel
 def arc_of(probe, shoulder, place, positions, out_arc):
     """Metres a radian by which a probe moves when the arm swivels about the line from shoulder to wrist, (3,)."""
     if probe > 1:
@@ -239,7 +239,7 @@ def arc_of(probe, shoulder, place, positions, out_arc):
     out_arc[0], out_arc[1], out_arc[2] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
 
 
-@kernel
+@allocating_kernel
 def move_arm(side, share, shift, swivel, saved, turn, pose):
     """The ``saved`` arm with its wrist moved by ``share`` of ``shift`` (3,) and turned about its axis by ``swivel``.
 
@@ -306,7 +306,7 @@ def clear_before(frame, clearance, work, pose):
             measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
 
 
-@kernel
+@allocating_kernel
 def clear_after(frame, acted, asked, clearance, work, pose):
     """Clear arms again that constraints have brought nearer, where they ``acted``, and note how much room is missing.
 

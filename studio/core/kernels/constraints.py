@@ -3,7 +3,7 @@
 What goes through the functions here, for C constraints on a body of S segments and P points:
 ``asked`` (C,) records of ``kernels.asked`` in order of rank; ``areas`` (C, n) as in ``kernels.areas``.
 ``chain`` the tuple (mobilities (C + L, N), joints (N, 5), slots (S + 1,), limits (N,)) of ``kernels.joints``: how
-  freely each constraint moves each joint, and after the C constraints each of the L levels any of its own.
+  freely each constraint moves each joint, and after the C constraints each of the L levels any down to it.
 ``body`` (measures, masses (S, 2), leashes (2,), legs): leashes are the parts of their lengths to which the root may
   stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet, toes and scratch.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (2, N, 3) state and the one before, grips (4,), points (8, 3),

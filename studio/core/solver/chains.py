@@ -23,7 +23,7 @@ PELVIS_LIMIT, VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.5, 0.35, 0.7
 @dataclass(frozen=True, eq=False)
 class FreeJoints:
     """The joints that any of some chains frees, as ``kernels.joints`` takes them: ``mobilities`` (C + L, N) what each
-    chain makes of them and each level any of its own, ``joints`` (N, 5), ``slots`` (S + 1,), ``limits`` (N,) the
+    chain makes of them and each level any down to it, ``joints`` (N, 5), ``slots`` (S + 1,), ``limits`` (N,) the
     tan of half the angle that each may turn in all.
     """
 
@@ -57,7 +57,7 @@ def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyL
         row[k + 3] = max(chain.limb, chain.end_segment)
         row[k + 4] = ROOT_MOBILITY * chain.root
     free = weights.any(axis=0)
-    levels = [weights[ranks == level].max(axis=0) for level in range(ranks.max(initial=-1) + 1)]
+    levels = [weights[ranks <= level].max(axis=0) for level in range(ranks.max(initial=-1) + 1)]
     slots = np.full(layout.segment_count + 1, -1)
     slots[segments[free]] = np.arange(free.sum())
     return FreeJoints(
