@@ -28,7 +28,7 @@ def centre_of_mass(masses, centres, out_point):
             out_point[axis] += masses[segment, 0] * centres[segment, axis]
 
 
-@kernel
+@allocating_kernel
 def set_balance_rows(axes, masses, centres, joints, positions, rows):
     """How joints move the centre of mass along ``axes`` (2 or 3) world axes, m (c - o) x v, into ``rows`` (axes, N, 3).
 

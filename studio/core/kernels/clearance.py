@@ -135,7 +135,7 @@ def room_frames(volume, proximal, positions, rotations, out_rooms, out_ways):
             measure_arm(side, volume, capsules, positions[frame], out_rooms[frame, side], out_ways[frame, side])
 
 
-@kernel
+@allocating_kernel
 def wanted_rooms(actor_rooms, margin, out_wanted):
     """Room that probes are to have, any shape: ``margin`` more than y C / (|y| + C), where y is the actor's.
 

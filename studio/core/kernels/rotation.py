@@ -64,8 +64,8 @@ def add_rotated(origin, matrix, x, y, z, out_point):
 def shortest_arc(ax, ay, az, bx, by, bz, out_matrix):
     """Rotation (3, 3) turning unit a to unit b by the shortest way (METHOD 0); half a turn when they oppose."""
     cosine = ax * bx + ay * by + az * bz
-    if cosine < -1.0 + 1e-12:
-        half_turn(ax, ay, az, out_matrix)
+    if cosine < -0.9:
+        long_arc(ax, ay, az, bx, by, bz, out_matrix)
         return
     vx, vy, vz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
     k = 1.0 / (1.0 + cosine)
@@ -84,6 +84,25 @@ def shortest_arc(ax, ay, az, bx, by, bz, out_matrix):
         k * vy * vz + vx,
         cosine + k * vz * vz,
     )
+
+
+@kernel
+def long_arc(ax, ay, az, bx, by, bz, out_matrix):
+    """The same where a and b nearly oppose, as two half turns: about a, then about the middle h of both.
+
+    4 (h . a) h a^T - 2 h h^T - 2 a a^T + I is a rotation however badly h is known; the usual form divides by 1 + a . b.
+    """
+    hx, hy, hz = ax + bx, ay + by, az + bz
+    length = math.sqrt(hx * hx + hy * hy + hz * hz)
+    if length < 1e-6:
+        half_turn(ax, ay, az, out_matrix)
+        return
+    h, a = (hx / length, hy / length, hz / length), (ax, ay, az)
+    k = 4.0 * (h[0] * ax + h[1] * ay + h[2] * az)
+    for row in range(3):
+        for column in range(3):
+            one = 1.0 if row == column else 0.0
+            out_matrix[row, column] = k * h[row] * a[column] - 2.0 * (h[row] * h[column] + a[row] * a[column]) + one
 
 
 @kernel

@@ -67,7 +67,13 @@ def level_toes(feet: np.ndarray, toes: np.ndarray, states: np.ndarray) -> np.nda
     standing = (states & TOE) != 0
     corrections = np.zeros((len(states), 3))
     for frame in np.flatnonzero(standing):
-        corrections[frame] = to_vector(feet[frame].T @ level(feet[frame]) @ toes[frame].T)
+        lies = np.clip(1.0 + 2.0 * feet[frame, 2, 2], 0.0, 1.0)
+        x, z = feet[frame][:2, 0], feet[frame][:2, 2]
+        heads = x if feet[frame, 2, 0] > -0.7 else feet[frame, 2, 2] * x - feet[frame, 2, 0] * z
+        turn = to_vector(
+            feet[frame].T @ from_vector(np.array([0.0, 0.0, np.arctan2(heads[1], heads[0])])) @ toes[frame].T
+        )
+        corrections[frame] = lies**3 * (lies * (6.0 * lies - 15.0) + 10.0) * turn
     turns = np.array([from_vector(each) for each in fill_gaps(corrections, standing)])
     return feet @ turns @ toes
 
