@@ -4,6 +4,7 @@ import atexit
 import os
 import sys
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,11 @@ if sys.platform.startswith("linux") and not has_display():
 # Time on a busy machine says nothing; where nobody looks at the examples, the same ones are tried every time.
 settings.register_profile("studio", deadline=None, derandomize="CI" in os.environ)
 settings.load_profile("studio")
+
+
+def pytest_sessionstart() -> None:
+    """Compile what most tests call, before any of them can be timed out for it."""
+    import_module("studio.engine.first_run").run()
 
 
 @pytest.fixture(scope="session")

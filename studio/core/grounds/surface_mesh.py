@@ -60,7 +60,7 @@ class SurfaceMesh(Ground):
         heights, slopes = np.zeros(len(places)), np.zeros((len(places), 2))
         if len(self.triangles):
             found = np.zeros(len(places), dtype=np.bool_)
-            highest_triangles(places, *self._index, heights, slopes, found)  # type: ignore[call-arg]
+            highest_triangles(places, *self._index, heights, slopes, found)
         return heights.reshape(xy.shape[:-1]), slopes.reshape(xy.shape)
 
     @cached_property

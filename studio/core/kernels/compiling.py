@@ -1,12 +1,17 @@
 """How kernels are compiled: once a machine, without Python's lock."""
 
+from typing import Any
+
 from numba import njit
 
-kernel = njit(cache=True, nogil=True, _nrt=False)
+_COUNTED: dict[str, Any] = {"cache": True, "nogil": True, "_nrt": True}
+_UNCOUNTED: dict[str, Any] = {**_COUNTED, "_nrt": False}
+
+kernel = njit(**_UNCOUNTED)
 """A kernel over arrays that its caller owns. It counts no references to them, which makes kernels that call each other
 three times as fast; so it can neither make arrays nor assign slices.
 """
-allocating_kernel = njit(cache=True, nogil=True, _nrt=True)
+allocating_kernel = njit(**_COUNTED)
 """A kernel that makes arrays of its own."""
-summing_kernel = njit(cache=True, nogil=True, _nrt=False, fastmath={"reassoc", "contract"})
+summing_kernel = njit(**_UNCOUNTED, fastmath={"reassoc", "contract"})
 """A kernel whose sums may be taken in any order, several terms at once; NaN stays NaN."""
