@@ -4,8 +4,8 @@ For all frames: ``kind`` (``kernels.goals``); ``rank``, its priority level; ``en
 none) of each of its points, point -1 for one that is not; ``offsets`` (2, 3) from those points; ``freedoms`` (2, 2) of
 limb and end segment; ``weight`` among its equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when balance
 counts heights too.
-For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it has been given up; ``engaged`` whether
-an area is entered;
+For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it has been given up; ``second`` whether
+another wish stands before it on its limb; ``engaged`` whether an area is entered;
 ``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be; ``helped`` whether joints beside
 its limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that
 which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest.
@@ -29,6 +29,7 @@ ASKED = np.dtype(
         ("axes", _FLAG),
         ("share", _REAL),
         ("wanted", _FLAG),
+        ("second", _FLAG),
         ("engaged", _FLAG),
         ("places", _REAL, (2, 3)),
         ("turn", _REAL, (3, 3)),

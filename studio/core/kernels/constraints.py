@@ -21,7 +21,14 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import set_brakes
 from studio.core.kernels.limb import soft_reach
-from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, LIMB_COMFORT, limb_indices, note_grips, range_of
+from studio.core.kernels.limb_constraints import (
+    CLOSE_ENOUGH,
+    LIMB_COMFORT,
+    limb_indices,
+    note_grips,
+    note_seconds,
+    range_of,
+)
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.priorities import find_step, move_joints
 from studio.core.kernels.pulls import BOUND, part_of_step
@@ -48,6 +55,7 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     turned = work[3]
     for joint in range(turned.shape[1]):
         turned[0, joint, 0] = turned[0, joint, 1] = turned[0, joint, 2] = 0.0
+    note_seconds(asked)
     fresh = True
     for level in range(level_count):
         if not wants_level(level, asked):

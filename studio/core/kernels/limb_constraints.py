@@ -8,7 +8,7 @@ import math
 
 from studio.core.kernels.body import body_point, turn_part
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.goals import AREA, ORIENTATION, end_place
+from studio.core.kernels.goals import AREA, ORIENTATION, POSITION, end_place
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_range, bend_to, swivel_to
 from studio.core.kernels.rotation import multiply_by_transposed
@@ -41,6 +41,21 @@ def note_grips(level, asked, spine_count, out_grips):
             continue
         if row.ends[0, 1] == limb_indices(limb, spine_count)[1] + 2:
             out_grips[limb] = c
+
+
+@kernel
+def note_seconds(asked):
+    """Which places are wanted of a limb that has to bring another point to its place first.
+
+    They take what swivel that leaves (K05 figures 11 and 13); nothing else moves for them.
+    """
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        row.second = 0
+        for before in range(c):
+            other = asked[before]
+            if row.kind == POSITION and other.kind == POSITION and other.wanted == 1 and row.ends[0, 2] >= 0:
+                row.second |= other.ends[0, 2] == row.ends[0, 2] and other.freedoms[0, 0] > 0.0
 
 
 @kernel

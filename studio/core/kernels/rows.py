@@ -49,7 +49,7 @@ def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
     ask, grips, points = work[0], work[4], work[5]
     row = asked[c]
     first = count
-    if row.kind == AREA and not row.engaged:
+    if (row.kind == AREA and not row.engaged) or (row.second and not is_held):
         return count
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
         count = add_turn_rows(row, owner, is_held, count, ask, chain, work[7][0], points[0], pose)
