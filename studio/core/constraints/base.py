@@ -1,7 +1,7 @@
 """What every kind of constraint has: the paper's C = {point, type, chain, priority, activation}."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 from studio.core.canonical import BodyPart
@@ -27,23 +27,59 @@ class BodyPoint:
         object.__setattr__(self, "offset", finite_vector(self.offset, "A point's offset"))
 
 
+LINKS = ("limb", "end_segment", "clavicle", "trunk", "root")
+"""The weights of a chain that stand for several segments at once."""
+TRUNK = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX)
+CLAVICLES = (BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE)
+SINGLE = (*TRUNK, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD)
+"""Segments that may have a weight of their own."""
+
+
 @dataclass(frozen=True)
 class Chain:
-    """Which parts may move for a constraint, as weights: 0 is locked, 1 moves freely, between is stiffer."""
+    """Which parts may move for a constraint, as weights: 0 is locked, 1 moves freely, between is stiffer.
+
+    ``segments`` gives single segments a weight of their own in place of that of their group; the abdomen stands for
+    all inner vertebrae. The segments of arms and legs have none: a limb is bent in closed form, as one.
+    """
 
     limb: float = 1.0
     end_segment: float = 0.0
     clavicle: float = 1.0
     trunk: float = 0.0
     root: float = 0.0
+    segments: tuple[tuple[BodyPart, float], ...] = ()
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            weight = getattr(self, field.name)
+        own = tuple((BodyPart(part), weight) for part, weight in self.segments)
+        object.__setattr__(self, "segments", own)
+        for name, weight in [*((link, getattr(self, link)) for link in LINKS), *own]:
             if not (math.isfinite(weight) and 0.0 <= weight <= 1.0):
-                raise ValueError(f"A chain's weight lies between 0 and 1: {field.name} is {weight}.")
-        if not any(getattr(self, field.name) for field in fields(self)):
+                raise ValueError(f"A chain's weight lies between 0 and 1: {name} is {weight}.")
+        parts = [part for part, _ in own]
+        for part in parts:
+            if part not in SINGLE:
+                raise ValueError(f"The {part.label.lower()} has no weight of its own: use limb or end_segment.")
+            if parts.count(part) > 1:
+                raise ValueError(f"A chain gives the {part.label.lower()} two weights. Keep one of them.")
+        if not any(getattr(self, link) for link in LINKS) and not any(weight for _, weight in own):
             raise ValueError("A chain without any free part cannot move its point.")
+
+    def weight(self, part: BodyPart) -> float:
+        """How freely a segment beside the limbs moves: its own weight, or that of its group.
+
+        The pelvis turns only with a weight of its own; neck and head are the limb of the head.
+        """
+        match part:
+            case BodyPart.PELVIS:
+                usual = 0.0
+            case BodyPart.NECK:
+                usual = max(self.limb, self.clavicle)
+            case BodyPart.HEAD:
+                usual = max(self.limb, self.end_segment)
+            case _:
+                usual = self.clavicle if part in CLAVICLES else self.trunk
+        return dict(self.segments).get(part, usual)
 
 
 @dataclass(frozen=True)
@@ -60,10 +96,14 @@ class Constraint:
     priority: int
     activation: ActivationCurve
     enabled: bool = True
+    weight: float = field(default=1.0, kw_only=True)
+    """How much it counts among constraints of its priority that cannot all be met; only the ratio to theirs matters."""
 
     def __post_init__(self) -> None:
         if self.priority < 0:
             raise ValueError(f"'{self.name}': a priority is 0 (highest) or more, got {self.priority}.")
+        if not (math.isfinite(self.weight) and self.weight > 0.0):
+            raise ValueError(f"'{self.name}': a weight is a finite number above 0, got {self.weight}.")
 
 
 def finite_vector(values: object, what: str) -> Vector:

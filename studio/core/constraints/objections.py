@@ -3,22 +3,12 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 
-from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import TRUNK, BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowBody
 
 _EVERYWHERE = {"motion_id", "name", "chain", "priority", "activation", "enabled", "weight"}
 """Values that say nothing about what is asked."""
-_ARM, _LEG = ("limb", "clavicle", "trunk", "root"), ("limb", "end_segment", "root")
-_CARRIERS = {
-    **dict.fromkeys(("upper_arm", "forearm"), _ARM),
-    "hand": (*_ARM, "end_segment"),
-    "clavicle": ("clavicle", "trunk", "root"),
-    **dict.fromkeys(("neck", "head"), (*_ARM, "end_segment")),
-    **dict.fromkeys(("thorax", "abdomen"), ("trunk", "root")),
-    "pelvis": ("trunk", "root"),
-    **dict.fromkeys(("thigh", "shank", "foot", "toe"), _LEG),
-}
-"""The links of a chain that can move what is fixed to a part of the body."""
 _MANY = {"area", "clear"}
 """Kinds of which a point may have several at once."""
 
@@ -63,8 +53,27 @@ def is_stuck(constraint: Constraint) -> bool:
         return False
     other = getattr(constraint, "other", None)
     ends = (constraint.point, other) if isinstance(other, BodyPoint) else (constraint.point,)
-    links = {link for point in ends for link in _CARRIERS[point.part.value.partition("_")[2] or point.part.value]}
-    return not any(getattr(constraint.chain, link) > 0.0 for link in links)
+    return not any(_moves(constraint.chain, point.part) for point in ends)
+
+
+def _moves(chain: Chain, part: BodyPart) -> bool:
+    """Whether any free part of the chain carries what is fixed to a part of the body."""
+    side, _, bone = part.value.partition("_")
+    links, carriers = ["root"], [*TRUNK]
+    match bone or part:
+        case BodyPart.PELVIS | BodyPart.ABDOMEN:
+            carriers = [*TRUNK[: 1 + TRUNK.index(part)]]
+        case BodyPart.NECK:
+            carriers += [BodyPart.NECK]
+        case BodyPart.HEAD:
+            carriers += [BodyPart.NECK, BodyPart.HEAD]
+        case "thigh" | "shank" | "foot" | "toe":
+            links += ["limb", "end_segment"]
+            carriers = [BodyPart.PELVIS]
+        case "clavicle" | "upper_arm" | "forearm" | "hand":
+            links += ["limb"] * (bone != "clavicle") + ["end_segment"] * (bone == "hand")
+            carriers += [BodyPart(f"{side}_clavicle")]
+    return any(getattr(chain, link) > 0.0 for link in links) or any(chain.weight(each) > 0.0 for each in carriers)
 
 
 def objections(constraints: Sequence[Constraint]) -> list[str]:

@@ -25,7 +25,7 @@ from studio.core.solver.clearance import lowest_first, pack_clearance
 from studio.core.solver.following import next_guess, point_track
 from studio.core.solver.footing import Footing, find_footing, leashes
 from studio.core.solver.holding import held_points, place_above, release_hands
-from studio.core.solver.packing import in_order, is_pair, limb_of, pack, point_indices
+from studio.core.solver.packing import in_order, is_pair, limb_of, pack, point_indices, share_by_weight
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.settling import Arms, settle
 from studio.core.solver.support import mass_path, standing_points, support_path
@@ -186,6 +186,7 @@ def _solve(
         place_above(rows, held, window)
         stands = np.array([each.standing[window] for each in held])
         activations = np.concatenate([stands & (given > 0.0).any(axis=0), activations])
+    share_by_weight(rows)
     joints = free_joints([constraint.chain for constraint in everything], rows.asked["rank"], body.layout)
     clearance = pack_clearance(
         [constraints[c] for c in clear_rows], everything, len(held), given[clear_rows],

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout
-from studio.core.constraints.base import Chain
+from studio.core.constraints.base import CLAVICLES, Chain
 from studio.core.kernels.joints import ROOT, joint_table
 
 FloatArray = NDArray[np.float64]
@@ -49,14 +49,11 @@ def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyL
     k = layout.spine_count
     segments = np.array([*range(k), k + 2, k + 6, k, k + 1, ROOT])
     limits = [PELVIS_LIMIT, *[VERTEBRA_LIMIT] * (k - 1), *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2, np.pi / 2]
-    weights = np.zeros((len(chains), len(segments)))
-    for row, chain in zip(weights, chains, strict=True):
-        row[1:k] = chain.trunk
-        row[k : k + 2] = CLAVICLE_MOBILITY * chain.clavicle
-        row[k + 2] = max(chain.limb, chain.clavicle)
-        row[k + 3] = max(chain.limb, chain.end_segment)
-        row[k + 4] = ROOT_MOBILITY * chain.root
+    parts = [layout.part(segment) for segment in segments[:-1]]
+    usual = np.array([CLAVICLE_MOBILITY if part in CLAVICLES else 1.0 for part in parts] + [ROOT_MOBILITY])
+    weights = np.array([[*map(chain.weight, parts), chain.root] for chain in chains]).reshape(-1, len(segments)) * usual
     free = weights.any(axis=0)
+    free[-1] |= free[0]  # a pelvis that turns must not pull the feet away: the root, freed by nobody, follows them
     levels = [weights[ranks <= level].max(axis=0) for level in range(ranks.max(initial=-1) + 1)]
     slots = np.full(layout.segment_count + 1, -1)
     slots[segments[free]] = np.arange(free.sum())

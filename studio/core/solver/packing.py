@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
-from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Constraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
@@ -23,6 +23,10 @@ from studio.core.solver.areas import area_row
 from studio.core.solver.tracks import Targets
 
 FloatArray = NDArray[np.float64]
+
+LEAST_WEIGHT = 0.25
+"""Part of the heaviest weight of a level that every constraint counts at least: the search measures its steps by plain
+metres, so that beyond this the heavier one would gain nothing."""
 
 
 @dataclass(eq=False)
@@ -47,7 +51,8 @@ class Rows:
         row["offsets"][end] = point.offset
         row["freedoms"][end] = chain.limb, chain.end_segment
         if limb >= 0:
-            row["helped"] |= chain.trunk + chain.root > 0.0 or (limb < 2 and chain.clavicle > 0.0)
+            carriers = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK
+            row["helped"] |= chain.root > 0.0 or any(chain.weight(part) > 0.0 for part in carriers)
 
     @property
     def wishes(self) -> tuple[FloatArray, ...]:
@@ -82,7 +87,8 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
         turns=np.zeros((count, frames, 3, 3)),
         distances=np.zeros((count, frames)),
     )
-    rows.asked["ends"], rows.asked["weight"], rows.asked["axes"] = -1, 1.0, 2
+    rows.asked["ends"], rows.asked["axes"] = -1, 2
+    rows.asked["weight"] = [constraint.weight for constraint in constraints]
     rows.asked["rank"] = np.unique([constraint.priority for constraint in constraints], return_inverse=True)[1]
     for c, constraint in enumerate(constraints):
         write = _WRITERS.get(type(constraint))
@@ -90,6 +96,14 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
         write(rows, c, constraint)
     return rows
+
+
+def share_by_weight(rows: Rows) -> None:
+    """Weights as parts of the heaviest of their level, so that one alone is asked as without any weight."""
+    weights, ranks = rows.asked["weight"], rows.asked["rank"]
+    heaviest = np.zeros(ranks.max(initial=-1) + 1)
+    np.maximum.at(heaviest, ranks, weights)
+    rows.asked["weight"] = np.maximum(weights / heaviest[ranks], LEAST_WEIGHT)
 
 
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:

@@ -1,18 +1,17 @@
 """Which parts may move for a constraint: a figure to click, and a weight for each part."""
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 
-from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from studio.core.canonical import BodyPart
-from studio.core.constraints.base import Chain
+from studio.core.constraints.base import LINKS
 from studio.panels.constraint_editors.body_figure import BodyFigure
+from studio.panels.constraint_editors.segment_weights import SegmentWeights, weight_field
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled
 
-LINKS = tuple(field.name for field in fields(Chain))
 TRUNK = (BodyPart.ABDOMEN, BodyPart.THORAX)
 
 
@@ -62,6 +61,8 @@ class ChainSection(Section):
         line.addWidget(self._figure)
         line.addLayout(self._make_weights(), 1)
         self.add_wide(row)
+        self._segments = SegmentWeights(editor)
+        self.add_wide(self._segments)
 
     def _make_weights(self) -> QGridLayout:
         grid = QGridLayout()
@@ -69,9 +70,7 @@ class ChainSection(Section):
         grid.setVerticalSpacing(2)
         for place, link in enumerate(LINKS):
             name = labelled("", "second")
-            field = NumberField("Weight", "", 0.0, 1.0, 0.05, 2)
-            field.setFixedWidth(56)
-            field.setAlignment(Qt.AlignmentFlag.AlignRight)
+            field = weight_field("Weight")
             self._editor.bind(field, self._setter(link))
             grid.addWidget(name, place, 0)
             grid.addWidget(field, place, 1)
@@ -91,7 +90,11 @@ class ChainSection(Section):
             self._weights[link].setAccessibleName(f"Weight of {words}")
             self._weights[link].show_value(getattr(chain, link))
         weights = {segment: getattr(chain, link) for link, many in parts.items() for segment in many}
-        self._figure.show_weights(weights, constraint.point)
+        own = {segment: weight for segment, weight in chain.segments if segment != BodyPart.PELVIS}
+        self._figure.show_weights(
+            {segment: own.get(segment, weight) for segment, weight in weights.items()}, constraint.point
+        )
+        self._segments.refresh()
 
     def _setter(self, link: str) -> Callable[[float], None]:
         return lambda weight: self._set(link, weight)
@@ -105,6 +108,10 @@ class ChainSection(Section):
         )
 
     def _toggle(self, part: BodyPart) -> None:
+        own = dict(self._editor.entity.chain.segments)
+        if part in own and part != BodyPart.PELVIS:  # the figure's pelvis is the root
+            self._segments.put(part, 0.0 if own[part] > 0.0 else 1.0)
+            return
         links = link_parts(self._editor.entity.point.part)
         link = next(link for link, parts in links.items() if part in parts)
         self._set(link, 0.0 if getattr(self._editor.entity.chain, link) > 0.0 else 1.0)

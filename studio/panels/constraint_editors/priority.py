@@ -1,13 +1,15 @@
-"""Priorities as an order: the list of the motion's constraints, to be dragged."""
+"""Priorities as an order: the list of the motion's constraints, to be dragged; some may share a place by weight."""
 
 from dataclasses import replace
+from itertools import accumulate, pairwise
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QListWidget, QListWidgetItem
+from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QListWidget, QListWidgetItem
 
+from studio.core.errors import StudioError
 from studio.panels.editor import Editor
-from studio.panels.fields import Section
+from studio.panels.fields import NumberField, Section
 
 ROW = 30
 ID = Qt.ItemDataRole.UserRole
@@ -46,16 +48,32 @@ class PrioritySection(Section):
         self._list.setUniformItemSizes(True)
         self._list.model().rowsMoved.connect(lambda *_: self._put_order())
         self.add_wide(self._list)
+        self._tied = QCheckBox("Shares its place with the one above")
+        self._tied.setToolTip("Neither goes before the other: where both cannot be had, they share by weight.")
+        self._tied.toggled.connect(self._tie)
+        self.add_wide(self._tied)
+        self._weight = editor.bind(NumberField("Weight among equals", "", 0.1, 10.0, 0.1, 2), self._set_weight)
+        self._weight_name = self.add_row("Weight", self._weight)
 
     def refresh(self) -> None:
         """Fetch the order."""
         constraints = self._editor.document.project.constraints_of(self._editor.entity.motion_id)
         with QSignalBlocker(self._list), QSignalBlocker(self._list.model()):
-            rows = [(key, f"{place}   {each.name}") for place, (key, each) in enumerate(constraints.items(), 1)]
+            levels = sorted({each.priority for each in constraints.values()})
+            rows = [(key, f"{levels.index(each.priority) + 1}   {each.name}") for key, each in constraints.items()]
             shown = [(self._list.item(k).data(ID), self._list.item(k).text()) for k in range(self._list.count())]
             if rows != shown:
                 self._fill(rows)
         self._list.setFixedHeight(ROW * len(rows))
+        order = list(constraints)
+        place = order.index(self._editor.entity_id)
+        ties = self._ties(order)
+        with QSignalBlocker(self._tied):
+            self._tied.setChecked(ties[place])
+        self._tied.setEnabled(place > 0)
+        for widget in (self._weight_name, self._weight):
+            widget.setVisible(any(ties[place : place + 2]))
+        self._weight.show_value(self._editor.entity.weight)
 
     def _fill(self, rows: list[tuple[str, str]]) -> None:
         self._list.clear()
@@ -70,9 +88,32 @@ class PrioritySection(Section):
         self._list.setCurrentRow([key for key, _ in rows].index(self._editor.entity_id))
 
     def _put_order(self) -> None:
-        document = self._editor.document
         order = [self._list.item(place).data(ID) for place in range(self._list.count())]
-        with document.group(f"Reorder priority of {self._editor.entity.name}"):
-            for priority, key in enumerate(order):
-                constraint = document.project.constraints[key]
-                document.replace("constraints", key, replace(constraint, priority=priority), "Reorder")
+        self._put_places(order, self._ties(order), f"Reorder priority of {self._editor.entity.name}")
+
+    def _tie(self, tied: bool) -> None:
+        order = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
+        ties = self._ties(order)
+        ties[order.index(self._editor.entity_id)] = tied
+        self._put_places(order, ties, f"{'Tie' if tied else 'Untie'} priority of {self._editor.entity.name}")
+
+    def _ties(self, order: list[str]) -> list[bool]:
+        """Which of the constraints have the priority of the one above them."""
+        constraints = self._editor.document.project.constraints
+        priorities = [constraints[key].priority for key in order]
+        return [False, *(above == below for above, below in pairwise(priorities))]
+
+    def _put_places(self, order: list[str], ties: list[bool], text: str) -> None:
+        document = self._editor.document
+        priorities = accumulate(int(not tied) for tied in ties)
+        try:
+            with document.group(text):
+                for key, priority in zip(order, priorities, strict=True):
+                    constraint = document.project.constraints[key]
+                    document.replace("constraints", key, replace(constraint, priority=priority - 1), text)
+        except StudioError as error:
+            document.problem.emit(f"{error}")
+            self.refresh()
+
+    def _set_weight(self, weight: float) -> None:
+        self._editor.change(f"Set weight of {self._editor.entity.name}", weight=weight)

@@ -1,0 +1,87 @@
+"""Weights of single segments, which stand in place of those of their group: a list to add to and to take from."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import SINGLE, Chain
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, NumberField, labelled, press_button
+
+
+def weight_field(name: str) -> NumberField:
+    """A number from 0, locked, to 1, free."""
+    field = NumberField(name, "", 0.0, 1.0, 0.05, 2)
+    field.setFixedWidth(56)
+    field.setAlignment(Qt.AlignmentFlag.AlignRight)
+    return field
+
+
+class SegmentWeights(QWidget):
+    """A row for each segment with a weight of its own, and a list of those that may get one."""
+
+    def __init__(self, editor: Editor) -> None:
+        super().__init__()
+        self._editor = editor
+        self._rows: dict[BodyPart, tuple[QLabel, NumberField, QPushButton]] = {}
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 4, 0, 0)
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(2)
+        grid.setColumnStretch(0, 1)
+        for place, part in enumerate(SINGLE):
+            field = self._editor.bind(weight_field(f"Own weight of {part.label}"), partial(self.put, part))
+            remove = press_button("−", partial(self._remove, part))
+            remove.setAccessibleName(f"Remove own weight of {part.label}")
+            remove.setToolTip("It moves as its group again.")
+            remove.setFixedWidth(26)
+            self._rows[part] = labelled(part.label, "second"), field, remove
+            for column, widget in enumerate(self._rows[part]):
+                grid.addWidget(widget, place, column)
+        self._add = Choice("Segment to weigh", ())
+        self._add.setPlaceholderText("Weigh one segment …")
+        self._add.setToolTip("Give one segment a weight of its own. The abdomen is all of the spine below the thorax.")
+        self._add.chosen.connect(self._give)
+        grid.addWidget(self._add, len(SINGLE), 0, 1, 3)
+
+    def refresh(self) -> None:
+        """Fetch the weights."""
+        own = dict(self._editor.entity.chain.segments)
+        for part, row in self._rows.items():
+            for widget in row:
+                widget.setVisible(part in own)
+            row[1].show_value(own.get(part, 0.0))
+        self._add.offer([(part, part.label) for part in SINGLE if part not in own])
+        self._add.show_value(None)
+        self._add.setVisible(len(own) < len(SINGLE))
+
+    def put(self, part: BodyPart, weight: float) -> None:
+        """Give a segment a weight of its own, as one step or a part of the gesture's."""
+        self._change(
+            lambda chain: ((part, weight) if each == part else (each, old) for each, old in chain.segments),
+            f"Set weight of {part.label.lower()}",
+        )
+
+    def _give(self, part: BodyPart) -> None:
+        self._change(
+            lambda chain: (*chain.segments, (part, chain.weight(part))), f"Give {part.label.lower()} its own weight"
+        )
+
+    def _remove(self, part: BodyPart) -> None:
+        self._change(
+            lambda chain: (pair for pair in chain.segments if pair[0] != part),
+            f"Remove own weight of {part.label.lower()}",
+        )
+
+    def _change(self, segments: Callable[[Chain], object], text: str) -> None:
+        editor = self._editor
+
+        def made() -> object:
+            chain = editor.entity.chain
+            return replace(editor.entity, chain=replace(chain, segments=tuple(segments(chain))))  # type: ignore[arg-type]
+
+        editor.put(made, f"{text} for {editor.entity.name}")
