@@ -92,6 +92,13 @@ def test_points_that_follow_each_other_in_a_circle_are_refused() -> None:
         ("left_forearm", True, Chain(limb=0.0, end_segment=1.0, clavicle=0.0), True),
         ("left_hand", True, Chain(limb=0.0, end_segment=1.0, clavicle=0.0), False),
         ("head", False, Chain(limb=0.0, clavicle=0.0, trunk=0.1), False),
+        ("thorax", True, Chain(trunk=1.0, segments=(("abdomen", 0.0), ("thorax", 0.0))), True),
+        ("thorax", True, Chain(trunk=1.0, segments=(("abdomen", 0.0),)), False),
+        ("abdomen", True, Chain(segments=(("thorax", 0.5),)), True),
+        ("left_shank", True, Chain(limb=0.0, trunk=1.0, segments=(("pelvis", 0.5),)), False),
+        ("left_forearm", True, Chain(limb=0.0, clavicle=0.0, segments=(("right_clavicle", 1.0),)), True),
+        ("left_forearm", True, Chain(limb=0.0, clavicle=0.0, segments=(("left_clavicle", 1.0),)), False),
+        ("head", True, Chain(0.0, 0.0, 0.0, 0.0, 0.0, (("neck", 1.0),)), False),
     ],
 )
 def test_a_chain_that_does_not_carry_its_point_is_refused(part: str, at_end: bool, chain: Chain, stuck: bool) -> None:

@@ -87,6 +87,10 @@ def test_the_example_in_the_guide_is_read(tmp_path):
         ),
         ({"constraints": [{**WRIST, "chain": {"arm": 1}}]}, r"'Right wrist'\): 'chain.arm' is not known"),
         ({"constraints": [{**WRIST, "chain": {"limb": 7}}]}, r"'Right wrist'\), chain: .*limb is 7"),
+        ({"constraints": [{**WRIST, "chain": {"segments": [["thorax", 7]]}}]}, "chain: .*thorax is 7"),
+        ({"constraints": [{**WRIST, "chain": {"segments": [["left_hand", 0]]}}]}, "left hand has no weight of its own"),
+        ({"constraints": [{**WRIST, "chain": {"segments": [["tail", 0]]}}]}, "chain: segments: one of pelvis"),
+        ({"constraints": [{**WRIST, "weight": 0}]}, r"'Right wrist'\), a weight is a finite number above 0, got 0"),
         (
             {"constraints": [{**WRIST, "point": {"part": "tail"}}]},
             "'Right wrist'.*point: part: one of pelvis.* expected, not 'tail'",

@@ -22,13 +22,14 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
 from studio.core.project import Prop
 from studio.core.triangle_mesh import TriangleMesh
-from studio.io.constraint_file import read_constraints
+from studio.io.constraint_file import constraint_of, constraint_record, read_constraints
 from studio.io.entity_json import CONSTRAINT_KINDS, entity_record, project_json, project_of
 from studio.io.project_file import read_project, write_project
 from tests.builders import make_project
 
 WRIST = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
 COMMON = (Chain(trunk=0.25), 2, ActivationCurve(0.0, 0.5, 1.0, 1.5))
+STIFF = Chain(trunk=0.5, segments=((BodyPart.ABDOMEN, 0.1), (BodyPart.PELVIS, 1.0)))
 ROCK = TriangleMesh(np.random.default_rng(0).normal(size=(40, 3)), np.arange(36).reshape(-1, 3))
 CONSTRAINTS: tuple[Constraint, ...] = (
     PositionConstraint("motion", "Reach", WRIST, *COMMON, target=(0.1, 0.2, 0.3)),
@@ -42,6 +43,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     AreaConstraint("motion", "Cage", WRIST, *COMMON, shape="sphere", inside=True),
     AreaConstraint("motion", "Rock", WRIST, *COMMON, shape="mesh", mesh=ROCK, on_surface=True),
     ClearConstraint("motion", "Clear", WRIST, *COMMON, arms="left", margin=0.02),
+    PositionConstraint("motion", "Heavy", WRIST, STIFF, *COMMON[1:], weight=2.5, target=(0.1, 0.2, 0.3)),
 )
 
 
@@ -56,6 +58,12 @@ def test_a_constraint_comes_back_as_it_went_in(constraint: Constraint, tmp_path:
     opened = read_project(path)
     assert opened.problems == ()
     assert opened.project.constraints["asked"] == constraint
+
+
+@pytest.mark.parametrize("constraint", CONSTRAINTS, ids=lambda constraint: constraint.name)
+def test_a_record_of_a_constraint_file_or_of_s4d_describes_the_same_constraint(constraint: Constraint) -> None:
+    record = json.loads(json.dumps(constraint_record(constraint)))
+    assert constraint_of(record, "motion", "asked.json") == constraint
 
 
 KEYED = KeyedPlace((0.1, 0.5), ((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)))

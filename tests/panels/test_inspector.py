@@ -1,12 +1,15 @@
 """The inspector's forms, driven by mouse and keys over a real document."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QObject, QPoint, Qt, Signal
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QComboBox, QLineEdit, QListWidget, QSlider
+from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QCheckBox, QComboBox, QLineEdit, QListWidget, QSlider
 
 from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
@@ -158,6 +161,56 @@ def test_the_order_of_priorities_can_be_changed_by_keys_as_one_step(inspector, d
     assert list(document.project.constraints_of("motion")) == ["constraint 0", "constraint 2", "constraint 1"]
     assert document.history == ("Reorder priority of Target 2",)
     assert [order.item(k).text().split()[-1] for k in range(3)] == ["0", "2", "1"]
+
+
+def test_a_tied_constraint_shares_the_place_of_the_one_above_and_has_a_weight_among_equals(inspector, document):
+    constraint = document.project.constraints["constraint 1"]
+    document.replace("constraints", "constraint 1", replace(constraint, point=BodyPoint(BodyPart.LEFT_HAND)), "Other")
+    document.selection.set(("constraints", "constraint 1"))
+    weight, tie = named(inspector, NumberField, "Weight among equals"), inspector.findChild(QCheckBox, "tie")
+    assert not weight.isVisible()
+    QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
+    constraints = document.project.constraints_of("motion")
+    assert [each.priority for each in constraints.values()] == [0, 0, 1]
+    assert [inspector.findChild(OrderList).item(k).text().split()[0] for k in range(3)] == ["1", "1", "2"]
+    weight.setValue(3.0)
+    assert document.project.constraints["constraint 1"].weight == 3.0
+    QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
+    assert [each.priority for each in document.project.constraints_of("motion").values()] == [0, 1, 2]
+    assert not weight.isVisible()
+    assert len(document.history) == 4
+    document.undo_stack.setIndex(1)
+    assert document.project.constraints["constraint 1"].weight == 1.0
+
+
+def test_a_tie_that_would_double_a_constraint_is_refused_in_a_sentence(inspector, document, qtbot):
+    document.selection.set(("constraints", "constraint 1"))
+    tie = inspector.findChild(QCheckBox, "tie")
+    with qtbot.waitSignal(document.problem) as told:
+        QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
+    assert "asks the same as 'Target 0'" in told.args[0]
+    assert not tie.isChecked()
+    assert document.history == ()
+
+
+def test_a_segment_gets_a_weight_of_its_own_and_loses_it_again(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))
+    segments = lambda: document.project.constraints["constraint 0"].chain.segments  # noqa: E731
+    add = named(inspector, QComboBox, "Segment to weigh")
+    place = add.findText("Right clavicle")
+    add.setCurrentIndex(place)
+    add.activated.emit(place)
+    assert segments() == ((BodyPart.RIGHT_CLAVICLE, 1.0),)
+    assert add.findText("Right clavicle") == -1
+    named(inspector, NumberField, "Own weight of Right clavicle").setValue(0.25)
+    assert segments() == ((BodyPart.RIGHT_CLAVICLE, 0.25),)
+    QTest.mouseClick(inspector.findChild(BodyFigure), LEFT, pos=segment_place(BodyPart.RIGHT_CLAVICLE))
+    assert segments() == ((BodyPart.RIGHT_CLAVICLE, 0.0),)
+    assert document.project.constraints["constraint 0"].chain.clavicle == 1.0
+    QTest.mouseClick(named(inspector, QAbstractButton, "Remove own weight of Right clavicle"), LEFT)
+    assert segments() == ()
+    document.undo_stack.undo()
+    assert segments() == ((BodyPart.RIGHT_CLAVICLE, 0.0),)
 
 
 def test_an_ease_never_crosses_the_other_one(inspector, document):

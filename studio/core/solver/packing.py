@@ -24,7 +24,7 @@ from studio.core.solver.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 
-LEAST_WEIGHT = 0.25
+LEAST_WEIGHT = 1 / 3
 """Part of the heaviest weight of a level that every constraint counts at least: the search measures its steps by plain
 metres, so that beyond this the heavier one would gain nothing."""
 

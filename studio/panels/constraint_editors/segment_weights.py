@@ -38,7 +38,7 @@ class SegmentWeights(QWidget):
             remove = press_button("−", partial(self._remove, part))
             remove.setAccessibleName(f"Remove own weight of {part.label}")
             remove.setToolTip("It moves as its group again.")
-            remove.setFixedWidth(26)
+            remove.setFixedWidth(30)
             self._rows[part] = labelled(part.label, "second"), field, remove
             for column, widget in enumerate(self._rows[part]):
                 grid.addWidget(widget, place, column)
