@@ -220,6 +220,12 @@ class Project:
         own = {key: item for key, item in self.constraints.items() if item.motion_id == motion_id}
         return dict(sorted(own.items(), key=lambda pair: pair[1].priority))
 
+    def places_of(self, motion_id: str) -> dict[str, int]:
+        """The place of each of the motion's constraints by id, 1 the highest; equals share one."""
+        own = self.constraints_of(motion_id)
+        levels = sorted({each.priority for each in own.values()})
+        return {key: levels.index(each.priority) + 1 for key, each in own.items()}
+
     def contacts_of(self, motion_id: str) -> dict[str, ContactInterval]:
         """The motion's contacts by id, in time."""
         return dict(self._contacts_by_motion.get(motion_id, ()))

@@ -70,15 +70,16 @@ def _bodies(project: Project) -> list[Row]:
 def _constraints(project: Project, motion_id: str | None) -> list[Row]:
     if motion_id is None:
         return []
+    places = project.places_of(motion_id)
     return [
         Row(
-            f"{place} · {constraint.name}",
+            f"{places[key]} · {constraint.name}",
             _point(constraint) if constraint.enabled else "off",
             ("constraints", key),
             colours.kind_colour(constraint.kind),
             round_mark=False,
         )
-        for place, (key, constraint) in enumerate(project.constraints_of(motion_id).items(), 1)
+        for key, constraint in project.constraints_of(motion_id).items()
     ]
 
 

@@ -58,10 +58,11 @@ class PrioritySection(Section):
 
     def refresh(self) -> None:
         """Fetch the order."""
-        constraints = self._editor.document.project.constraints_of(self._editor.entity.motion_id)
+        project = self._editor.document.project
+        constraints = project.constraints_of(self._editor.entity.motion_id)
+        places = project.places_of(self._editor.entity.motion_id)
         with QSignalBlocker(self._list), QSignalBlocker(self._list.model()):
-            levels = sorted({each.priority for each in constraints.values()})
-            rows = [(key, f"{levels.index(each.priority) + 1}   {each.name}") for key, each in constraints.items()]
+            rows = [(key, f"{places[key]}   {each.name}") for key, each in constraints.items()]
             shown = [(self._list.item(k).data(ID), self._list.item(k).text()) for k in range(self._list.count())]
             if rows != shown:
                 self._fill(rows)

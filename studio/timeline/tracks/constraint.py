@@ -70,7 +70,7 @@ def _paint_key(painter: QPainter, place: QPointF, colour: str) -> None:
 def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
     """Priority and name, and who misses it most."""
     constraint = shown.project.constraints[constraint_id]
-    order = list(shown.project.constraints_of(constraint.motion_id)).index(constraint_id) + 1
+    order = shown.project.places_of(constraint.motion_id)[constraint_id]
     area = label_area(row)
     top = QRect(area.left(), area.top() + ABOVE - 2, area.width(), 20)
     name_colour = colours.TEXT if constraint.enabled else colours.TEXT_THIRD
