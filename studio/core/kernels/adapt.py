@@ -22,21 +22,27 @@ def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positi
     """Lower the root by ``drops`` (F,) and put both legs on their ankles (2, F, 3), in place."""
     work = np.empty((3, 3, 3))
     for frame in range(channels.shape[0]):
-        row = measures[frame if measures.shape[0] > 1 else 0]
         move_all(0.0, 0.0, -drops[frame], positions[frame])
+        row = frame if measures.shape[0] > 1 else 0
         for side in range(2):
-            place_leg(
-                channels[frame],
-                row,
-                side,
-                comforts[side, frame],
-                ankles[side, frame],
-                feet[side, frame],
-                toes[side, frame],
-                work,
-                positions[frame],
-                rotations[frame],
-            )
+            place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, work, positions, rotations)
+
+
+@kernel
+def place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, work, positions, rotations):
+    """One leg of one frame of ``place_frames`` with the measures of ``row``; ``work`` (3, 3, 3) is scratch."""
+    place_leg(
+        channels[frame],
+        measures[row],
+        side,
+        comforts[side, frame],
+        ankles[side, frame],
+        feet[side, frame],
+        toes[side, frame],
+        work,
+        positions[frame],
+        rotations[frame],
+    )
 
 
 @allocating_kernel
@@ -66,30 +72,52 @@ def solve_frames(
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
     constraint_count, frame_count = activations.shape
-    channels, comforts, ankles, feet, toes = stance
     work = make_work(constraint_count, chain[1].shape[0], positions.shape[1])
-    scratch = np.empty((3, 3, 3))
     clear_work, clears = make_clear_work(clearance), clearance[2].shape[0] > 0
-    level_count = chain[0].shape[0] - constraint_count
+    legs = (*stance, np.empty((3, 3, 3)))
+    motion = (start_positions, start_rotations, positions, rotations)
     for frame in range(frame_count):
-        row = body[0][frame if body[0].shape[0] > 1 else 0]
-        legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame], scratch)
-        frame_body = (row, body[1], leashes[:, frame], legs)
-        start, pose = (start_positions[frame], start_rotations[frame]), (positions[frame], rotations[frame])
-        for c in range(constraint_count):
-            out_residuals[c, frame] = math.nan
         if clears:
-            clear_before(frame, clearance, clear_work, start)
+            clear_before(frame, clearance, clear_work, (start_positions[frame], start_rotations[frame]))
             positions[frame], rotations[frame] = start_positions[frame], start_rotations[frame]
-        acts = set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose)
-        if acts:
-            solve_frame(level_count, asked, areas, chain, frame_body, work, start, pose)
+        acts = solve_one(
+            frame, asked, areas, chain, wishes, activations, leashes, legs, body, work, motion, out_residuals
+        )
         if clears:
-            clear_after(frame, acts, asked, clearance, clear_work, pose)
-        if acts:
-            for c in range(constraint_count):
-                if asked[c].wanted:
-                    out_residuals[c, frame] = miss_of(c, asked, areas, frame_body, work, pose)
+            clear_after(frame, acts, asked, clearance, clear_work, (positions[frame], rotations[frame]))
+            note_misses(frame, asked, areas, leashes, legs, body, work, motion, out_residuals)
+
+
+@kernel
+def solve_one(frame, asked, areas, chain, wishes, activations, leashes, legs, body, work, motion, out_residuals):
+    """One frame of ``solve_frames``; whether anything acts. ``motion`` is what was, and what is being solved."""
+    start, pose = (motion[0][frame], motion[1][frame]), (motion[2][frame], motion[3][frame])
+    frame_body = body_at(frame, leashes, legs, body)
+    acts = set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose)
+    if acts:
+        solve_frame(chain[0].shape[0] - asked.shape[0], asked, areas, chain, frame_body, work, start, pose)
+    note_misses(frame, asked, areas, leashes, legs, body, work, motion, out_residuals)
+    return acts
+
+
+@kernel
+def body_at(frame, leashes, legs, body):
+    """The ``body`` of ``kernels.constraints`` at one frame."""
+    channels, comforts, ankles, feet, toes, scratch = legs
+    row = body[0][frame if body[0].shape[0] > 1 else 0]
+    stance = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame], scratch)
+    return row, body[1], leashes[:, frame], stance
+
+
+@kernel
+def note_misses(frame, asked, areas, leashes, legs, body, work, motion, out_residuals):
+    """By how much each constraint is missed at one frame."""
+    pose = (motion[2][frame], motion[3][frame])
+    frame_body = body_at(frame, leashes, legs, body)
+    for c in range(asked.shape[0]):
+        out_residuals[c, frame] = math.nan
+        if asked[c].wanted:
+            out_residuals[c, frame] = miss_of(c, asked, areas, frame_body, work, pose)
 
 
 @allocating_kernel

@@ -18,26 +18,21 @@ def realize_frames(channels, measures, spine_from, spine_share, play, out_positi
     (K,) say between which of the motion's spine segments each segment of the body lies; ``play`` 1 keeps the
     actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
     """
-    scratch = out_rotations[0, 0].copy()
-    work, carriers = scratch.copy(), np.empty((2, 3, 3))
+    work = np.empty((4, 3, 3))
     for frame in range(channels.shape[0]):
-        row = measures[frame if measures.shape[0] > 1 else 0]
-        realize_trunk(
-            channels[frame],
-            row,
-            spine_from,
-            spine_share,
-            play,
-            scratch,
-            carriers,
-            out_positions[frame],
-            out_rotations[frame],
-        )
-        for limb in range(4):
-            carrier = carriers[limb] if limb < 2 else out_rotations[frame, 0]
-            realize_limb(
-                channels[frame], row, limb, play, carrier, scratch, work, out_positions[frame], out_rotations[frame]
-            )
+        row = frame if measures.shape[0] > 1 else 0
+        realize_frame(frame, row, channels, measures, spine_from, spine_share, play, work, out_positions, out_rotations)
+
+
+@kernel
+def realize_frame(frame, row, channels, measures, spine_from, spine_share, play, work, out_positions, out_rotations):
+    """One frame of ``realize_frames`` with the measures of ``row``; ``work`` (4, 3, 3) is scratch."""
+    channel, measure, points, turns = channels[frame], measures[row], out_positions[frame], out_rotations[frame]
+    scratch, carriers = work[0], work[2:4]
+    realize_trunk(channel, measure, spine_from, spine_share, play, scratch, carriers, points, turns)
+    for limb in range(4):
+        carrier = carriers[limb] if limb < 2 else turns[0]
+        realize_limb(channel, measure, limb, play, carrier, scratch, work[1], points, turns)
 
 
 @kernel
