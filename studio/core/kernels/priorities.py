@@ -8,7 +8,8 @@ squared errors is taken: (A^T A + H) y = A^T e with A_qr = J_q . x_r and H_qr = 
 derivatives of what is pulled (``rows.bent_away``). Gauss' step, without H, swings where nothing gets nearer; and one
 damping for all ways is too much for some of them and too little for others (METHOD 10).
 
-Some held rows are bounds, as what planted feet allow the root: they let go as long as the step keeps them.
+Some held rows are bounds, as what planted feet allow the root: they let go as long as the step keeps them. The one
+that it would break most holds first; should it push the step to where a second one ends, it lets go again.
 """
 
 import math
@@ -27,10 +28,6 @@ SINGULAR = 3e-3
 """Part of itself that must be left of the pivot of a held row, or it is taken to be spoken for by others."""
 SPOKEN_FOR = 0.2
 """The same of a row that asks."""
-NEAR = 2e-3
-"""Metres before its end within which a bound that held the last step is taken to hold this one."""
-ROUNDS = 4
-"""Times a step is sought, with the bounds that the one before would break and without those that push."""
 FEW = 6
 """Rows that ask, up to which the second derivatives of every pair are looked at, and not of each alone."""
 
@@ -53,10 +50,15 @@ def find_step(held, count, ask, chain, carried, turned, solving, body, start, po
         for j in range(count):
             matrix[j, i] = weighted_product(rows[j], rows[i], weights)
         active[i] = roles[i] != BOUND
-    for _ in range(ROUNDS):
+    solve_rows(held, count, ask, chain, solving, positions)
+    first = catch_bound(held, count, errors, rooms, solving)
+    if first >= 0:
         solve_rows(held, count, ask, chain, solving, positions)
-        if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
-            break
+        if catch_bound(held, count, errors, rooms, solving) >= 0:
+            solve_rows(held, count, ask, chain, solving, positions)
+            if solving[4][first] < 0.0:
+                active[first] = False
+                solve_rows(held, count, ask, chain, solving, positions)
     root = slots[slots.shape[0] - 1]
     if root >= 0:
         keep_feet_in_reach(body, start, carried, turned[root], way[root])
@@ -212,7 +214,7 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
     system, newton, active, ways = solving[1], solving[2], solving[3], solving[5]
     place = 0
     for q in range(count):
-        push = 1.4
+        push = 1.0
         if q < held:
             if not active[q]:
                 continue
@@ -276,21 +278,8 @@ def solve_positive(newton, count, matrix, answer, first):
 
 
 @kernel
-def let_go(held, roles, solving):
-    """Make the bound inactive that pushes the step to where it ends the most; whether there is one."""
-    active, answer = solving[3], solving[4]
-    loosest, least = -1, -1e-9
-    for i in range(held):
-        if active[i] and roles[i] == BOUND and answer[i] < least:
-            loosest, least = i, answer[i]
-    if loosest >= 0:
-        active[loosest] = False
-    return loosest >= 0
-
-
-@kernel
 def catch_bound(held, count, errors, rooms, solving):
-    """Make the bound active that the step would break most; whether there is one.
+    """Make the bound active that the step would break most; its row, -1 for none.
 
     A bound with room is soft: it brakes over that room, so that nothing stops from one frame to the next.
     """
@@ -308,7 +297,7 @@ def catch_bound(held, count, errors, rooms, solving):
         active[caught] = True
         if braking > 0.0:
             errors[caught] += braking * math.exp(-most / braking)
-    return caught >= 0
+    return caught
 
 
 @kernel
