@@ -9,8 +9,8 @@ Each constraint is the record that a project holds for it (``entity_json``), wit
                       "activation": {"start": 0.5, "full": 0.8, "full_end": 1.2, "end": 1.5, "shape": "quintic"}}],
      "contacts": {"left_heel": [[0, 41]], "left_toe": [], "right_heel": [[12, 60]], "right_toe": []}}
 
-``priority``, ``weight`` and ``chain`` may be left out, and so may ``contacts``, which are then detected. A target may follow one
-of the file's ``props``, ``{"box": {"position": [0.4, 0, 0.8]}}``, by its id.
+``priority``, ``weight`` and ``chain`` may be left out, and so may ``contacts``, which are then detected. A target may
+follow one of the file's ``props``, ``{"box": {"position": [0.4, 0, 0.8]}}``, by its id.
 """
 
 import json

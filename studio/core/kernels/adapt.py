@@ -130,7 +130,7 @@ def make_work(constraint_count, joint_count, point_count):
         np.empty(rows, np.int64),
         np.empty(rows, np.int64),
         np.ones((joint_count, 4)),
-        np.empty((rows, 8)),
+        np.empty((rows, 9)),
         np.empty(rows),
     )
     solving = (

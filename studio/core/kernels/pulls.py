@@ -50,7 +50,8 @@ def bent_away(pull, rates, joints, positions):
         along = gets_nearer * gets_nearer / (size * size)
         bent += size / span * (squared - along)
         squared = along
-    return gets_nearer, bent, squared, math.sqrt(ax * ax + ay * ay + az * az)
+    w = pull[8]
+    return w * gets_nearer, w * bent, w * squared, math.sqrt(ax * ax + ay * ay + az * az)
 
 
 @kernel

@@ -70,6 +70,7 @@ def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
         scale = math.sqrt(row.weight)
         for other in range(first, count):
             ask[1][other] *= scale
+            ask[5][other, 8] = row.weight
             for joint in range(ask[0].shape[1]):
                 for axis in range(3):
                     ask[0][other, joint, axis] *= scale
@@ -81,6 +82,7 @@ def begin_row(ask, count, owner, error):
     """Start an empty row that asks."""
     rows, errors, owners, roles, _, pulls, rooms = ask
     pulls[count, 7] = -1.0
+    pulls[count, 8] = 1.0
     for joint in range(rows.shape[1]):
         rows[count, joint, 0] = rows[count, joint, 1] = rows[count, joint, 2] = 0.0
     errors[count], owners[count], roles[count], rooms[count] = error, owner, ASK, 0.0
