@@ -67,3 +67,9 @@ def test_constraints_are_values() -> None:
     assert constraint == make_constraint()
     assert len({constraint, make_constraint(), replace(constraint, priority=3)}) == 2
     assert PositionConstraint.kind == "position"
+
+
+@pytest.mark.parametrize("number", [1e16, 1e160, np.inf, np.nan])
+def test_a_place_that_is_nowhere_is_refused(number: float) -> None:
+    with pytest.raises(ValueError, match="A place is three finite numbers in metres"):
+        finite_vector((0.0, number, 0.0), "A place")

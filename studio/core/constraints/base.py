@@ -9,6 +9,9 @@ from studio.core.constraints.activation import ActivationCurve
 
 Vector = tuple[float, float, float]
 
+FARTHEST = 1e15
+"""Metres beyond which nothing is taken for a place: squares of such numbers end in infinity."""
+
 
 @dataclass(frozen=True)
 class BodyPoint:
@@ -107,8 +110,8 @@ class Constraint:
 
 
 def finite_vector(values: object, what: str) -> Vector:
-    """Three finite floats from any sequence; ValueError beginning with ``what`` otherwise."""
+    """Three finite floats from any sequence, none beyond ``FARTHEST``; ValueError beginning with ``what`` otherwise."""
     numbers = tuple(float(value) for value in values)  # type: ignore[attr-defined]
-    if len(numbers) != 3 or not all(math.isfinite(number) for number in numbers):
+    if len(numbers) != 3 or not all(abs(number) <= FARTHEST for number in numbers):
         raise ValueError(f"{what} is three finite numbers in metres, got {values}.")
     return numbers
