@@ -91,7 +91,9 @@ def from_matrix(matrices: FloatArray) -> FloatArray:
     scaled[rows, 2], scaled[rows, 3] = m[:, 1, 0] - m[:, 0, 1], 1.0 + trace[rows]
     squares = np.einsum("ni,ni->n", scaled, scaled)
     quaternions = scaled / np.sqrt(np.where(squares > 0.0, squares, 1.0))[:, None]
-    other = ~(np.abs(squares - 4.0 * scaled[np.arange(len(flat)), largest]) < _SIX_DIGITS)  # NaN is one as well
+    # Sheared or mirrored; NaN is one as well.
+    upright = np.abs(np.swapaxes(flat, 1, 2) @ flat - np.eye(3)).max(axis=(1, 2)) < _SIX_DIGITS
+    other = ~(upright & (np.abs(squares - 4.0 * scaled[np.arange(len(flat)), largest]) < _SIX_DIGITS))
     if other.any():
         quaternions[other] = Rotation.from_matrix(flat[other]).as_quat()
     return quaternions.reshape(*np.shape(matrices)[:-2], 4)

@@ -88,8 +88,6 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     turned = work[3]
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[1, joint])
-    for row in range(work[1][3].shape[0]):
-        work[1][3][row] = False
     place(level, fresh, asked, areas, chain, body, work, start, pose)
     for _ in range(TRIES):
         if not step(level, False, asked, chain, body, work, start, pose) > STILL:

@@ -6,7 +6,7 @@ segment -1 is the root's translation. ``slots`` (S + 1,) is the joint of each se
 
 The state of a search is ``turned`` (N, 3): for each joint the Gibbs vector (axis times tan(angle / 2)) of its turn away
 from the motion, in the axes of the segment that carries it; for the root metres. ``brakes`` (N, 4) is the world axis
-of each joint's turn and the part of its mobility that is left about it: 1 until half of the limit, 0 at the limit, so
+of each joint's turn and the part of its mobility that is left about it: 1 until ``FREE_PART`` of the limit, 0 at it, so
 that a limit is neared ever more slowly and nothing stops at once.
 """
 

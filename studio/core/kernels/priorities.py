@@ -37,7 +37,7 @@ def find_step(held, count, ask, chain, carried, turned, solving, body, start, po
     """How all joints are to turn and the root to move towards what the rows ask: the way (N, 3) in ``solving``.
 
     ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
-    (R, 8), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
+    (R, 9), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
     slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
     newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3) of which the last is the step, levers (R, R)).
     """
