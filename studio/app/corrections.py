@@ -15,7 +15,7 @@ from studio.io.registry import Progress
 Options = dict[str, Any]
 """Fields of ImportOptions with their values, as JSON has them."""
 _LASTING_REFERENCES = ("zero", "0")
-"""Reference poses that mean the same in every file of a kind; other frames are this file's own."""
+"""Reference poses that are found in every file of a kind; of other frames, which are this file's own, the pose is kept."""
 _SUBJECTS = {"unit": "unit", "up_axis": "up axis", "frame_rate": "frame rate", "floor": "floor", "body_map": "body map"}
 
 
@@ -35,7 +35,11 @@ class ReadAs:
             for option, value in values_of(capture).items()
             if _SUBJECTS[option] not in guessed and value != self.given[option]
         }
-        return said | ({"reference": self.options.reference} if self.options.reference in _LASTING_REFERENCES else {})
+        reference = self.options.reference
+        if reference is None or "reference pose" in guessed:
+            return said
+        pose = dict(zip(capture.skeleton.names, capture.reference_rotations.tolist(), strict=True))
+        return said | {"reference": reference if reference in _LASTING_REFERENCES else pose}
 
 
 def kind_of(capture: Capture) -> str:

@@ -1,5 +1,7 @@
 """What every reader of captures has to find out when the file does not say it: the body, the ground, who stands how."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,7 +10,7 @@ from studio.core.errors import StudioError
 from studio.core.humanoid import BodyMap
 from studio.core.pose import PoseSequence
 from studio.core.reference_pose import ReferencePose, find_reference_pose, stand_up
-from studio.core.rotations import IDENTITY
+from studio.core.rotations import IDENTITY, normalized
 from studio.core.skeleton import Skeleton
 from studio.io.body_maps import FoundBody, similar_joints
 from studio.io.guessing import guess_floor
@@ -58,10 +60,10 @@ def reference_of(
 
     Raises StudioError for a choice that there is not.
     """
-    zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
     if options.reference is not None:
-        return _chosen_reference(skeleton, poses, body_map, options.reference, zero)
+        return chosen_reference(skeleton, poses, body_map, options.reference)
     if body_map is None:
+        zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
         reference = ReferencePose(zero, "zero pose", "Without a human body no other pose is known to be upright.")
     else:
         reference = find_reference_pose(skeleton, poses, body_map)
@@ -69,9 +71,13 @@ def reference_of(
     return reference.rotations
 
 
-def _chosen_reference(
-    skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str, zero: FloatArray
+def chosen_reference(
+    skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str | Mapping[str, Sequence[float]]
 ) -> FloatArray:
+    """(J, 4) local rotations of the pose that ``ImportOptions.reference`` names; StudioError where there is none."""
+    zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    if not isinstance(chosen, str):
+        return _pose_by_joint(skeleton, chosen, zero)
     if chosen == "zero":
         stood = stand_up(skeleton, zero, body_map) if body_map else None
         return zero if stood is None else stood
@@ -81,3 +87,14 @@ def _chosen_reference(
         )
     rotations: FloatArray = poses.local_rotations[int(chosen)]
     return rotations
+
+
+def _pose_by_joint(skeleton: Skeleton, turns: Mapping[str, Sequence[float]], zero: FloatArray) -> FloatArray:
+    pose = zero.copy()
+    for name, turn in turns.items():
+        if name not in skeleton.names:
+            raise StudioError(f"The reference pose turns a joint '{name}' that the file has not.")
+        if len(turn) != 4 or not 0.5 < float(np.linalg.norm(turn)) < 2.0:
+            raise StudioError(f"The reference pose turns '{name}' by no quaternion (x, y, z, w).")
+        pose[skeleton.names.index(name)] = normalized(np.array(turn, dtype=np.float64))
+    return pose

@@ -1,6 +1,6 @@
 """From a file to a capture or a character, whatever its format, with what the user knows better."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,8 +24,8 @@ class ImportOptions:
     """Height of the ground in metres."""
     body_map: Mapping[str, str] | None = None
     """Joints by part, as ``BodyMap.to_json`` gives them; parts left out are still guessed."""
-    reference: str | None = None
-    """``zero`` or the number of a frame."""
+    reference: str | Mapping[str, Sequence[float]] | None = None
+    """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
     marker_map: MarkerMap | None = None
     """Which markers of an optical capture lie at which places of the body."""
 

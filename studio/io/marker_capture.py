@@ -16,6 +16,7 @@ from studio.core.markers.trial import MARKER, METRES, VIRTUAL, bare_label, subje
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
+from studio.io.capture_guesses import chosen_reference
 from studio.io.guessing import AXES, guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
@@ -79,7 +80,7 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
         poses=solved.poses,
         frame_rate=rate,
         body_map=solved.body_map,
-        reference_rotations=_reference(solved.skeleton, solved.poses, options),
+        reference_rotations=_reference(solved, options),
         floor=floor,
         unit=trial.unit,
         up_axis=up_axis,
@@ -159,15 +160,9 @@ def _floor(solved: SolvedBody, positions: FloatArray, options: ImportOptions) ->
     return float(guess.value.split()[0]), [guess]
 
 
-def _reference(skeleton: Skeleton, poses: PoseSequence, options: ImportOptions) -> FloatArray:
+def _reference(solved: SolvedBody, options: ImportOptions) -> FloatArray:
     """The zero pose: the body was made to stand in a T-pose there."""
-    if options.reference in (None, "zero"):
-        return np.tile(IDENTITY, (skeleton.joint_count, 1))
-    if not (options.reference.isdecimal() and int(options.reference) < poses.frame_count):
-        raise StudioError(
-            f"'{options.reference}' is no reference pose. Choose 'zero' or a frame from 0 to {poses.frame_count - 1}."
-        )
-    return np.asarray(poses.local_rotations[int(options.reference)])
+    return chosen_reference(solved.skeleton, solved.poses, solved.body_map, options.reference or "zero")
 
 
 def _body_guesses(
