@@ -15,7 +15,7 @@ from studio.io.registry import Progress
 Options = dict[str, Any]
 """Fields of ImportOptions with their values, as JSON has them."""
 _LASTING_REFERENCES = ("zero", "0")
-"""Reference poses that are found in every file of a kind; of other frames, which are this file's own, the pose is kept."""
+"""Reference poses that every file of a kind has; of other frames, which are this file's own, the pose is kept."""
 _SUBJECTS = {"unit": "unit", "up_axis": "up axis", "frame_rate": "frame rate", "floor": "floor", "body_map": "body map"}
 
 

@@ -25,6 +25,8 @@ Progress = Callable[[float, str], None]
 _LARGEST_FILE = 1 << 30
 _LONGEST_HIERARCHY = 1 << 24
 _MOST_NUMBERS = 1 << 28
+_WITHOUT_COLON = re.compile(rb"^\s*(frames|frame\s*time)(?=\s+[\d.])", re.IGNORECASE)
+_SCALE_NOISE = 1e-3
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
 
 
@@ -67,7 +69,9 @@ class BvhFile:
             added = self.moved_from_offsets and joint != travelling
             order, columns = "", []
             for channel in channels:
-                if channel.endswith("position"):
+                if channel.endswith("scale"):
+                    pass  # told among the repairs
+                elif channel.endswith("position"):
                     axis = "XYZ".index(channel[0])
                     start = self.skeleton.offsets[joint, axis] if added else 0.0
                     translations[:, joint, axis] = start + numbers[:, column]
@@ -101,6 +105,7 @@ def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
     frame_time, digit = _frame_time(path.name, header, repairs)
     offsets = np.array(hierarchy.offsets)
     moved = _moved_from_offsets(path.name, hierarchy.channels, offsets, frames, repairs)
+    repairs += _scaled_joints(path.name, hierarchy, frames)
     report(1.0, f"Read {path.name}")
     skeleton = Skeleton(
         tuple(hierarchy.names),
@@ -135,6 +140,17 @@ def _moved_from_offsets(
         return False
     repairs.append(f"{name}: the positions of its joints count from their offsets; they were added to them.")
     return True
+
+
+def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[str]:
+    """A sentence where scale channels hold anything but 1: bones of a body do not grow."""
+    channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
+    columns = [column for column, (_, each) in enumerate(channels) if each.endswith("scale")]
+    grows = [column for column in columns if np.abs(frames[:, column] - 1.0).max() > _SCALE_NOISE]
+    if not grows:
+        return []
+    joint = hierarchy.names[channels[grows[0]][0]]
+    return [f"{name}: joints are scaled ('{joint}' the first of them); their scales were not applied."]
 
 
 def _content(path: Path) -> bytes:
@@ -197,7 +213,7 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
     """``Frames:`` and ``Frame Time:`` in any order, either may be missing; and where the rows begin."""
     header = _Header(line=motion_line)
     for at, line in enumerate(body):
-        words = line.decode("utf-8", "replace").replace(":", " : ").split()
+        words = _WITHOUT_COLON.sub(rb"\1:", line).decode("utf-8", "replace").replace(":", " : ").split()
         key = " ".join(words[: words.index(":")]).lower() if ":" in words else ""
         if not words:
             continue

@@ -6,7 +6,8 @@ from studio.core.errors import StudioError
 from studio.io.numbers import number
 
 _MOST_JOINTS = 4096
-_CHANNELS = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
+_CHANNELS = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation", "scale")}
+_CHANNELS |= {f"{axis}scaling".lower(): f"{axis}scale" for axis in "XYZ"}
 _KEYWORDS = {"ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "MOTION", "{", "}"}
 
 
@@ -57,9 +58,11 @@ class _Words:
         return number(self.take(expected), where)
 
     def take_name(self) -> str:
-        """All words up to the brace: names may hold spaces, and the first word may be any but a brace."""
-        words = [] if self.peek() in ("{", "}", "") else [self.take("a name")]
-        while self and self.peek().upper() not in _KEYWORDS:
+        """All words up to the brace: names may hold spaces, and on their own line any word but a brace."""
+        words, line = [], self._words[self._next - 1][1]
+        while self and self.peek() not in ("{", "}"):
+            if self._words[self._next][1] > line and words and self.peek().upper() in _KEYWORDS:
+                break
             words.append(self.take("a name"))
         return " ".join(words)
 
@@ -143,8 +146,8 @@ def _read_offset(hierarchy: Hierarchy, words: _Words, joint: int) -> None:
 def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) -> None:
     name = hierarchy.names[joint]
     count = words.take_number("the number of channels")
-    if count not in range(7):
-        raise StudioError(f"{where}: joint '{name}' declares {count:g} channels; a joint has 0 to 6. Correct it.")
+    if count not in range(10):
+        raise StudioError(f"{where}: joint '{name}' declares {count:g} channels; a joint has 0 to 9. Correct it.")
     channels: list[str] = []
     for _ in range(int(count)):
         at, word = words.where, words.take("a channel")

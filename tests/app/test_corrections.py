@@ -18,10 +18,10 @@ def silent(_share: float, _text: str) -> None:
     pass
 
 
-def corrected(path: Path, **options: str) -> dict[str, dict[str, object]]:
+def corrected(path: Path, reference: str) -> dict[str, dict[str, object]]:
     """What is kept, as JSON has it, when the user reads a file otherwise."""
     read_as = read_as_corrected(path, GUESS_ALL, {}, silent)[1]
-    said = ImportOptions(**options)
+    said = ImportOptions(reference=reference)
     kept = {read_as.kind: replace(read_as, options=said).corrections(load_capture(path, said))}
     return json.loads(json.dumps(kept))
 

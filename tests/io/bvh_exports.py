@@ -35,6 +35,10 @@ class Exporter:
     above: str = ""
     """A joint above the hips that never moves."""
     channels_above: bool = True
+    travels: bool = True
+    """Whether the first joint has positions."""
+    scales: str = ""
+    """How each joint's channels of scale are called."""
     rotations_first: bool = False
     ends: bool = True
     number: str = "{:.8f}"
@@ -117,19 +121,25 @@ def _rotations(order: str) -> str:
     return " ".join(f"{axis}rotation" for axis in order)
 
 
+def _has_positions(joint: int, program: Exporter) -> bool:
+    return program.all_positions or (joint == 0 and program.travels)
+
+
 def _channels(joint: int, program: Exporter) -> str:
     words = [_rotations(program.order)]
-    if joint == 0 or program.all_positions:
+    if _has_positions(joint, program):
         words.insert(1 if program.rotations_first else 0, _positions())
+    words += [" ".join(f"{axis}{program.scales}" for axis in "XYZ")] if program.scales else []
     return f"CHANNELS {3 * len(words)} {' '.join(words)}"
 
 
 def _columns(joint: int, poses: PoseSequence, skeleton: Skeleton, program: Exporter, turn: np.ndarray) -> np.ndarray:
     rotations = turn @ Rotation.from_quat(poses.local_rotations[:, joint]).as_matrix() @ turn.T
     blocks = [Rotation.from_matrix(rotations).as_euler(program.order, degrees=True)]
-    if joint == 0 or program.all_positions:
+    if _has_positions(joint, program):
         places = poses.local_translations[:, joint]
         if program.from_offsets and joint:
             places = places - skeleton.offsets[joint]
         blocks.insert(1 if program.rotations_first else 0, places @ turn.T / program.unit)
+    blocks += [np.ones_like(blocks[0])] if program.scales else []
     return np.concatenate(blocks, axis=1)

@@ -101,6 +101,18 @@ REFUSED = {
         bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 700000000")),
         "line 9: joint 'Spine' declares 7e\\+08 channels",
     ),
+    "ten channels": (
+        bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 10")),
+        "line 9: joint 'Spine' declares 10 channels; a joint has 0 to 9",
+    ),
+    "scale twice": (
+        bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 5 Xscale Xscaling")),
+        "line 9: joint 'Spine' declares Xscale twice",
+    ),
+    "a name that is never opened, of words of the format": (
+        bvh_text(hierarchy=HIERARCHY.replace("JOINT Spine\n  {", "JOINT Spine End\n")),
+        "line 8: '{' is missing after joint 'Spine End'",
+    ),
     "half a channel": (
         bvh_text(hierarchy=HIERARCHY.replace("CHANNELS 3", "CHANNELS 2.5")),
         "declares 2.5 channels",
@@ -223,6 +235,16 @@ REPAIRED = {
         bvh_text([ROW[:19] + "0 0.1 0 " + ROW[19:]] * 3, HIERARCHY.replace("CHANNELS 3 ", f"CHANNELS 6 {POSITIONS} ")),
         3,
         "take.bvh: the positions of its joints count from their offsets; they were added to them.",
+    ),
+    "scaled joints": (
+        bvh_text(
+            [f"{ROW} 1 1.5 1"] * 3,
+            HIERARCHY.replace("CHANNELS 3 ", "CHANNELS 6 ").replace(
+                "Zrotation Xrotation\n    End", "Zrotation Xrotation Xscale Yscale Zscale\n    End"
+            ),
+        ),
+        3,
+        "take.bvh: joints are scaled ('Spine' the first of them); their scales were not applied.",
     ),
     "decimal commas throughout": (
         bvh_text([ROW.replace(".", ",")] * 3, header="Frames: 3\nFrame Time: 0,0333\n"),

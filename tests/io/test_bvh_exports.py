@@ -111,6 +111,37 @@ PROGRAMS = {
         order="XZY",
         up="Z",
     ),
+    "nine channels a joint": Exporter(sided(HUMANIK), order="XYZ", all_positions=True, scales="scale"),
+    "scaling": Exporter(sided(HUMANIK), scales="Scaling", changes={"Scaling": "SCALING"}),
+    "words of the format in names": Exporter(sided(HUMANIK, "{Side} {word} Joint")),
+    "no colons": Exporter(sided(HUMANIK), changes={"Frames:": "Frames", "Frame Time:": "Frame Time"}),
+    "a mark before the first letter": Exporter(sided(HUMANIK), line="\r\n", changes={"HIERARCHY": "\ufeffHIERARCHY"}),
+    "whispered": Exporter(
+        sided(HUMANIK),
+        changes={word: word.lower() for word in ("HIERARCHY", "ROOT", "JOINT", "OFFSET", "CHANNELS", "MOTION", "Frame")}
+        | {"End Site": "end site", "rotation": "rotation", "position": "position", "Time": "time"},
+    ),
+    "Reallusion": Exporter(
+        sided(
+            "Clavicle Upperarm Forearm Hand Thigh Calf Foot ToeBase",
+            "CC_Base_{S}_{word}",
+            "CC_Base_Hip CC_Base_Waist CC_Base_Spine01 CC_Base_NeckTwist01 CC_Base_Head",
+        )
+    ),
+    "SMPL": Exporter(
+        sided(
+            "Collar Shoulder Elbow Wrist Hip Knee Ankle Foot",
+            "m_avg_{S}_{word}",
+            "m_avg_Pelvis m_avg_Spine1 m_avg_Spine2 m_avg_Neck m_avg_Head",
+        )
+    ),
+    "3ds Max Biped": Exporter(
+        sided(
+            "Clavicle UpperArm Forearm Hand Thigh Calf Foot Toe0",
+            "Bip01 {S} {word}",
+            "Bip01 Bip01_Spine Bip01_Spine1 Bip01_Neck Bip01_Head",
+        )
+    ),
     "decimal commas and tabs": Exporter(sided(HUMANIK), changes={".": ",", " ": "\t"}),
     "comments and the end of DOS": Exporter(
         sided(HUMANIK), changes={"MOTION": "# exported on Tuesday\nMOTION\n// rows follow"}, end="\x1a"
@@ -155,6 +186,26 @@ def test_fingers_eyes_twists_and_props_travel_through_to_the_file_that_is_writte
         turned = capture.poses.local_rotations[:, joint]
         assert np.abs(back.poses.local_rotations[:, joint] - turned).max() < 1e-6
         assert np.array_equal(np.abs(restored.local_rotations[:, joint]).round(9), np.abs(turned).round(9))
+
+
+def test_a_body_whose_root_has_no_positions_stands_at_its_offset(tmp_path: Path) -> None:
+    capture = opened(tmp_path, Exporter(sided(HUMANIK), travels=False))
+    travelling = opened(tmp_path, Exporter(sided(HUMANIK)))
+    assert capture.body_map is not None
+    assert np.abs(capture.poses.local_translations - capture.skeleton.offsets).max() < 1e-12
+    own, expected = (joint_world(each.skeleton, each.poses)[0] for each in (capture, travelling))
+    assert np.abs((own - own[:, :1]) - (expected - expected[:, :1])).max() < 1e-6
+
+
+@pytest.mark.parametrize(("spelled", "rate"), [
+    ("0.0083333", 120), ("0.00833", 120), ("0.008333333", 120), (".0333", 30), ("0.0333333", 30), ("0.0417", 24),
+    ("0.041708", 1 / 0.041708), ("0.016683", 1 / 0.016683), ("8.333333e-03", 120), ("0.01", 100), ("0.0041667", 240),
+])  # fmt: skip
+def test_a_rounded_frame_time_is_a_whole_rate_where_its_digits_allow_it(
+    tmp_path: Path, spelled: str, rate: float
+) -> None:
+    capture = opened(tmp_path, Exporter(sided(HUMANIK), changes={f"{1 / 60:.8f}": spelled}))
+    assert capture.frame_rate == rate
 
 
 def test_of_two_bodies_in_a_file_the_first_is_the_actor_and_both_are_kept(tmp_path: Path) -> None:
