@@ -12,7 +12,7 @@ from studio.app import exporting, filming
 from studio.app.file_dialogs import ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.io.export_options import REST_POSES, ExportOptions
+from studio.io.export_options import CARRYING, REST_POSES, ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
 from studio.panels.fields import Choice, Section
@@ -82,6 +82,10 @@ class ExportDialog(QDialog):
         self.kind = Choice("As", ())
         self.names = Choice("Names of joints", [(key, each.name) for key, each in joint_namings().items()])
         self.rest = Choice("Rest pose", list(REST_POSES.items()))
+        self._carried = self._carriable()
+        first, more = self._carried[:1], len(self._carried) - 1
+        words = f"Carry along: {', '.join(first)}{f' and {more} more' if more > 0 else ''}"
+        self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
         self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in SIZES])
         self.rate = Choice("Frames a second", [(rate, f"{rate:g} Hz") for rate in RATES])
         self.hint = QLabel()
@@ -90,7 +94,7 @@ class ExportDialog(QDialog):
         self._rows = Section("Export")
         self._labels = {
             choice: self._rows.add_row(choice.accessibleName(), choice)
-            for choice in (self.what, self.kind, self.names, self.rest, self.picture_size, self.rate)
+            for choice in (self.what, self.kind, self.names, self.rest, self.others, self.picture_size, self.rate)
         }
         self._rows.add_wide(self.hint)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
@@ -121,7 +125,11 @@ class ExportDialog(QDialog):
         chosen = self.kind.value
         assert isinstance(chosen, Kind)
         names, rest = str(self.names.value), str(self.rest.value)
-        return ExportOptions(names if self._names_matter(chosen) else "", rest if chosen.suffix == ".bvh" else "")
+        return ExportOptions(
+            names if self._names_matter(chosen) else "",
+            rest if chosen.suffix == ".bvh" else "",
+            body_only=self.others.value == "leave",
+        )
 
     def _said(self, what: What) -> str:
         """What would go out, with whose."""
@@ -137,10 +145,17 @@ class ExportDialog(QDialog):
             if self.what.offers(what) and [what.name, suffix] == last.get("kind"):
                 self.choose(what, suffix)
         size = last.get("size")
-        usual = {self.names: "humanik", self.rest: "t", self.picture_size: SIZES[0], self.rate: 30.0}
+        usual = {
+            self.names: "humanik",
+            self.rest: "t",
+            self.others: "carry",
+            self.picture_size: SIZES[0],
+            self.rate: 30.0,
+        }
         for choice, value in (
             (self.names, last.get("names")),
             (self.rest, last.get("rest")),
+            (self.others, last.get("others")),
             (self.picture_size, tuple(size) if isinstance(size, list) else None),
             (self.rate, last.get("rate")),
         ):
@@ -151,6 +166,7 @@ class ExportDialog(QDialog):
             "kind": [kind.what.name, kind.suffix],
             "names": self.names.value,
             "rest": self.rest.value,
+            "others": self.others.value,
             "size": self.picture_size.value,
             "rate": self.rate.value,
         }
@@ -166,6 +182,13 @@ class ExportDialog(QDialog):
         }
         return [what for what in What if there[what]]
 
+    def _carriable(self) -> tuple[str, ...]:
+        """What a capture has beside the body, of the capture that has most of it."""
+        project = self._bench.document.project
+        clips = [project.performers[key].clips[0] for key in exporting.chosen_performers(self._bench)]
+        captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in clips]
+        return max((exporting.other_joints(capture) for capture in captures), key=len, default=())
+
     def _show_kinds(self, what: object) -> None:
         self.kind.clear_all()
         for each in self._kinds:
@@ -178,6 +201,7 @@ class ExportDialog(QDialog):
         shown = {
             self.names: self._names_matter(kind),
             self.rest: kind.suffix == ".bvh",
+            self.others: kind.what is What.ADAPTED and kind.suffix in CARRYING and bool(self._carried),
             self.picture_size: kind.what is What.FILM,
             self.rate: kind.what is What.FILM,
         }

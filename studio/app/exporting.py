@@ -7,7 +7,10 @@ from pathlib import Path
 from studio.app.workbench import Workbench
 from studio.cli.render import performances
 from studio.core.annotations import Annotations
+from studio.core.capture import Capture
+from studio.core.carried_joints import carried_joints
 from studio.core.errors import StudioError
+from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.export import Take, take_of_adapted, take_of_capture, write_take
@@ -48,7 +51,7 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
         for place, (key, path) in enumerate(paths.items()):
             if key not in made:
                 raise StudioError(f"{project.performers[key].name} has no motion of a human body to be exported.")
-            take = take_of_performer(project, key, *made[key])
+            take = take_of_performer(project, key, *made[key], along=chosen.carries(path))
             begun = ADAPTING_SHARE + place * each_share
             write_take(chosen.applied_to(take, path), path, partly(progress, begun, each_share))
         return list(paths.values())
@@ -57,12 +60,25 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
     return task
 
 
-def take_of_performer(project: Project, performer_id: str, request: AdaptRequest, adapted: AdaptedMotion) -> Take:
-    """The clip of one performer on its character."""
+def take_of_performer(
+    project: Project, performer_id: str, request: AdaptRequest, adapted: AdaptedMotion, *, along: bool = False
+) -> Take:
+    """The clip of one performer on its character; ``along`` has it carry the capture's other joints."""
     performer = project.performers[performer_id]
     clip = performer.clips[0]
-    character = project.characters[performer.character_id]
-    return take_of_adapted(performer.name, adapted.frames(clip.first, clip.last), character, request)
+    character, clipped = project.characters[performer.character_id], adapted.frames(clip.first, clip.last)
+    capture = project.captures[project.motions[clip.motion_id].capture_id]
+    carried = (capture, normalize(capture)[1]) if along and other_joints(capture) else None
+    return take_of_adapted(performer.name, clipped, character, request, carried)
+
+
+def other_joints(capture: Capture) -> tuple[str, ...]:
+    """The capture's joints that a character can carry along."""
+    if capture.body_map is None:
+        return ()
+    skeleton = capture.skeleton
+    carried = carried_joints(skeleton, capture.body_map)
+    return tuple(skeleton.names[joint] for joint in carried if not skeleton.end_sites[joint])
 
 
 def export_motion(bench: Workbench, path: Path) -> int:

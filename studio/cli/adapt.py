@@ -2,7 +2,7 @@
 
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from studio.cli.adapt_report import Record, character_report
@@ -50,6 +50,11 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--constraints", type=Path, metavar="FILE.json", help="constraints, and contacts if it has any")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files; made if missing")
     parser.add_argument("--format", default="bvh", metavar="SUFFIX", help="kind of the files; bvh by default")
+    parser.add_argument(
+        "--body-only",
+        action="store_true",
+        help="characters do not carry the capture's fingers, props and the like along",
+    )
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
     parser.add_argument("--by-frame", action="store_true", help="put into the report what happens in every frame, too")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
@@ -92,7 +97,7 @@ def asked_by(arguments: Namespace) -> Asked:
     characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
     if others or not characters:
         characters |= chosen_characters(others)
-    options = export_options(arguments)
+    options = replace(export_options(arguments), body_only=arguments.body_only)
     return Asked(characters, arguments.constraints, suffix, options, arguments.all_frames, arguments.by_frame)
 
 
@@ -138,9 +143,10 @@ def adapt_to(
     if character is None:
         take = take_of_actor(adapted, ready.actor, ready.capture, request)
     else:
-        take = take_of_adapted(character.name, adapted, character, request)
+        along = (ready.capture, ready.actor) if asked.options.carries(path) else None
+        take = take_of_adapted(character.name, adapted, character, request, along)
     write_take(asked.options.applied_to(take, path), path)
-    return {"name": key, "file": str(path), **record}
+    return {"name": key, "file": str(path), "carried_joints": sorted(take.carried), **record}
 
 
 def check_frames(asked: ConstraintFile, ready: ReadyCapture, path: Path) -> None:

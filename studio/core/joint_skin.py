@@ -41,10 +41,11 @@ class JointSkin:
     appearance: Appearance | None = None
 
 
-def character_skin(character: Character) -> JointSkin:
+def character_skin(character: Character, skeleton: Skeleton | None = None) -> JointSkin:
     """The character's own skin on the joints of its ``character_skeleton``.
 
-    Plain linear blending of what it gives is within the elbows' and knees' creases what the studio shows.
+    Joints that ``skeleton`` has behind those are bound as they hang and carry nothing of the skin. Plain linear
+    blending of what it gives is within the elbows' and knees' creases what the studio shows.
     """
     body = character.morphology
     mesh = fit_skin(character.skin, character.build, body)
@@ -54,16 +55,34 @@ def character_skin(character: Character) -> JointSkin:
     joint_of[segments[segments >= 0]] = np.flatnonzero(segments >= 0)
     moved = rotations @ np.swapaxes(t_pose_rotations(body), 1, 2)
     weights = mesh.weights.astype(np.float64)
+    binds = (
+        positions[list(joint_points(body.layout))],
+        np.where((segments >= 0)[:, None, None], moved[segments], np.eye(3)),
+    )
+    if skeleton is not None:
+        binds = _with_those_behind(*binds, skeleton)
     return JointSkin(
         mesh.vertices.astype(np.float64),
         mesh.normals.astype(np.float64),
         mesh.triangles,
         np.where(weights > 0.0, joint_of[mesh.segments], 0).astype(np.int32),
         weights / weights.sum(axis=1, keepdims=True),
-        positions[list(joint_points(body.layout))],
-        np.where((segments >= 0)[:, None, None], moved[segments], np.eye(3)),
+        binds[0],
+        binds[1],
         mesh.appearance,
     )
+
+
+def _with_those_behind(
+    positions: FloatArray, rotations: FloatArray, skeleton: Skeleton
+) -> tuple[FloatArray, FloatArray]:
+    """Places (J, 3) and turns (J, 3, 3) of the first joints of ``skeleton``, and of all behind them at rest."""
+    places, turns = list(positions), list(rotations)
+    for joint in range(len(positions), skeleton.joint_count):
+        parent = int(skeleton.parents[joint])
+        places.append(places[parent] + turns[parent] @ skeleton.offsets[joint])
+        turns.append(turns[parent])
+    return np.array(places), np.array(turns)
 
 
 def bone_skin(skeleton: Skeleton) -> JointSkin:

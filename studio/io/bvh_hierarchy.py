@@ -59,7 +59,8 @@ class _Words:
 
     def take_name(self) -> str:
         """All words up to the brace: names may hold spaces, and on their own line any word but a brace."""
-        words, line = [], self._words[self._next - 1][1]
+        words: list[str] = []
+        line = self._words[self._next - 1][1]
         while self and self.peek() not in ("{", "}"):
             if self._words[self._next][1] > line and words and self.peek().upper() in _KEYWORDS:
                 break

@@ -7,8 +7,9 @@ import numpy as np
 
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
+from studio.core.carried_joints import carried_joints, with_carried_joints
 from studio.core.character import Character
-from studio.core.character_skeleton import character_body_map, character_poses, character_skeleton
+from studio.core.character_skeleton import character_body_map, character_poses, character_skeleton, joint_segments
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
@@ -28,7 +29,8 @@ class Take:
     annotations: Annotations = Annotations()
     """Contacts, constraints and labels to be written beside it."""
     character: Character | None = None
-    """Who performs ``adapted``, with the skin; the joints are then those of its ``character_skeleton``."""
+    """Who performs ``adapted``, with the skin; the joints are then those of its ``character_skeleton``, and behind them
+    those that are carried along."""
     adapted: AdaptedMotion | None = None
     request: AdaptRequest | None = None
     """What ``adapted`` answers: the normalised motion, contacts, constraints."""
@@ -37,6 +39,15 @@ class Take:
     def name(self) -> str:
         """Of the motion, or of who performs it."""
         return self.capture.name
+
+    @property
+    def carried(self) -> tuple[str, ...]:
+        """Joints behind a character's own that it carries along, the ends of bones aside."""
+        if self.adapted is None or self.character is None:
+            return ()
+        own = len(joint_segments(self.adapted.morphology.layout))
+        ends = self.skeleton.end_sites
+        return tuple(name for joint, name in enumerate(self.skeleton.names) if joint >= own and not ends[joint])
 
     @property
     def skeleton(self) -> Skeleton:
@@ -60,14 +71,23 @@ def take_of_capture(capture: Capture, annotations: Annotations | None = None) ->
 
 
 def take_of_adapted(
-    name: str, adapted: AdaptedMotion, character: Character | None = None, request: AdaptRequest | None = None
+    name: str,
+    adapted: AdaptedMotion,
+    character: Character | None = None,
+    request: AdaptRequest | None = None,
+    along: tuple[Capture, Actor] | None = None,
 ) -> Take:
-    """An adapted motion on the skeleton of its body; ``name`` says in errors whose motion it is."""
+    """An adapted motion on the skeleton of its body; ``name`` says in errors whose motion it is.
+
+    ``along`` is the capture whose ``carried_joints`` (fingers, props) are to be carried along, with its actor.
+    """
     try:
-        poses = character_poses(adapted)
+        skeleton, poses = character_skeleton(adapted.morphology), character_poses(adapted)
+        carried = carried_joints(along[0].skeleton, along[0].body_map) if along and along[0].body_map else ()
+        if along and carried:
+            skeleton, poses = with_carried_joints(skeleton, poses, adapted, along[1], carried)
     except StudioError as error:
         raise StudioError(f"The motion of {name} cannot be exported: {error}") from error
-    skeleton = character_skeleton(adapted.morphology)
     capture = Capture(
         name=name,
         source="",

@@ -12,6 +12,9 @@ from studio.io.joint_names import with_joint_names
 REST_POSES = {"t": "T-pose", "own": "the body's own"}
 """In which pose every angle of a file is zero, by key."""
 
+CARRYING = (".bvh", ".glb", ".gltf", ".usd", ".usda", ".usdc")
+"""Kinds of files in which a character carries the capture's fingers, props and other joints along."""
+
 
 @dataclass(frozen=True)
 class ExportOptions:
@@ -21,6 +24,12 @@ class ExportOptions:
     """A key of ``joint_names.joint_namings``."""
     rest_pose: str = ""
     """A key of ``REST_POSES``, for BVH: ``own`` is the pose in which a character's skin is bound, or the file's own."""
+    body_only: bool = False
+    """Leave out what a capture has beside the body: fingers, eyes, twist bones, props."""
+
+    def carries(self, path: Path) -> bool:
+        """Whether a character's file is to have the capture's other joints as well: skeletons have them, tables not."""
+        return not self.body_only and path.suffix.lower() in CARRYING
 
     def check(self, path: Path) -> None:
         """Raise StudioError where a choice does not fit the kind of file that ``path`` is."""
@@ -36,7 +45,7 @@ class ExportOptions:
         if self.rest_pose == "t" and take.character is None:
             capture = with_zero_pose(capture, t_pose(capture))
         elif self.rest_pose == "own" and take.character is not None:
-            capture = with_zero_pose(capture, character_skin(take.character).bind_rotations)
+            capture = with_zero_pose(capture, character_skin(take.character, capture.skeleton).bind_rotations)
         if self.joint_names:
             capture = with_joint_names(capture, self.joint_names)
         return take if capture is take.capture else replace(take, capture=capture)

@@ -51,7 +51,7 @@ def _fill(stage: Any, take: Take, progress: Any) -> None:
     stage.SetFramesPerSecond(take.frame_rate)
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(take.poses.frame_count - 1)
-    skin = character_skin(take.character) if take.character else bone_skin(take.skeleton)
+    skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
     root = UsdSkel.Root.Define(stage, f"/{_identifiers([take.name])[0]}")
     stage.SetDefaultPrim(root.GetPrim())
     joints = _joint_paths(take.skeleton)

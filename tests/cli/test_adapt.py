@@ -19,6 +19,7 @@ from studio.io.importing import load_capture
 from studio.resources_folder import resources_folder
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture, make_constraint
+from tests.io.bvh_exports import EXTRAS, with_extras
 
 KEYS = {
     *("name", "file", "slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "microseconds_per_frame"),
@@ -251,6 +252,16 @@ def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_othe
     assert np.median([number for number in looks if number is not None]) < 0.1
     assert np.median([number for number in follows if number is not None]) < 0.2
     assert child["constraints"][2]["residual_mm"] is None  # it would follow its own wrist
+
+
+@pytest.mark.parametrize(("options", "carried"), [([], set(EXTRAS)), (["--body-only"], set())])
+def test_a_character_carries_the_captures_fingers_and_props_unless_told_not_to(capsys, tmp_path, options, carried):
+    write_capture(with_extras(), tmp_path / "grasp.bvh")
+    code, report = adapt(capsys, tmp_path / "grasp.bvh", tmp_path / "out", "--character", "child", *options)
+    assert code == 0
+    written = load_capture(report["characters"][0]["file"])
+    assert set(EXTRAS) & set(written.skeleton.names) == carried
+    assert report["characters"][0]["carried_joints"] == sorted(carried)
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from studio.core.capture import Capture
+from studio.core.humanoid import BodyMap
 from studio.core.pose import PoseSequence
 from studio.core.skeleton import Skeleton
-from tests.builders import make_poses, make_skeleton
+from tests.builders import BODY_MAP, make_capture, make_poses, make_skeleton
 
 EXTRAS = {"Eye": "Head", "Twist": "LeftForeArm", "Thumb1": "LeftHand", "Thumb2": "Thumb1", "Sword": "RightHand"}
 """Joints that play no part of the body, by the joint they hang from."""
@@ -70,6 +72,17 @@ def body() -> tuple[Skeleton, PoseSequence]:
     ends = np.array([name.endswith("End") for name in names])
     skeleton = Skeleton(tuple(names), np.array(parents), np.array(offsets), ends)
     return skeleton, make_poses(skeleton, 40)
+
+
+def with_extras() -> Capture:
+    """A capture of a body with fingers, an eye, a twist bone and a prop."""
+    skeleton, poses = body()
+    return make_capture(
+        skeleton=skeleton,
+        poses=poses,
+        body_map=BodyMap.from_json(skeleton, BODY_MAP),
+        reference_rotations=np.tile([0.0, 0.0, 0.0, 1.0], (skeleton.joint_count, 1)),
+    )
 
 
 def exported(program: Exporter) -> str:

@@ -26,6 +26,7 @@ from studio.core.normalized.alignment import find_alignments, level_feet
 from studio.core.normalized.landmarks import Landmarks, find_landmarks
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import trunk_places
 from studio.core.rotations import frame_along, from_matrix, normalized, shortest_arc, sign_continuous
 
 FloatArray = NDArray[np.float64]
@@ -55,8 +56,7 @@ def normalize(capture: Capture) -> tuple[NormalizedMotion, Actor]:
     points = marks.points - origin
     body = measure_actor(marks, alignments, rotations, points, contacts, capture.first_frame)
     channels = _channels(body, points, rotations, capture.frame_rate)
-    places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(body.spine[:-1], axis=1))])
-    motion = NormalizedMotion(capture.name, capture.frame_rate, channels, places / places[-1])
+    motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine))
     return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
 
 

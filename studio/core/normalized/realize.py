@@ -35,13 +35,18 @@ def spine_sampling(places: FloatArray, spine: FloatArray) -> tuple[NDArray[np.in
     The pelvis takes the pelvis and the thorax the thorax; what lies between is sampled by its place along the
     trunk, so arms hang the same however many vertebrae a body has.
     """
-    own = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
-    own /= own[-1]
+    own = trunk_places(spine)
     start = np.clip(np.searchsorted(places, own + 1e-9, side="right") - 1, 0, len(places) - 1)
     span = np.append(np.diff(places), 1.0)[start]
     share = np.clip((own - places[start]) / np.where(span > 0.0, span, 1.0), 0.0, 1.0)
     share[share < 1e-6] = 0.0
     return start.astype(np.int64), share
+
+
+def trunk_places(spine: FloatArray) -> FloatArray:
+    """(K,) where along the trunk the spine segments (K, 3) begin: 0 for the pelvis, 1 for the thorax."""
+    places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
+    return np.asarray(places / places[-1])
 
 
 def restore(motion: NormalizedMotion, actor: Actor) -> PoseSequence:

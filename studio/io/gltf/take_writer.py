@@ -31,7 +31,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     Metres, Y up; one key a frame, interpolated linearly. Raises StudioError when the file cannot be written.
     """
     buffers = Buffers()
-    skin = character_skin(take.character) if take.character else bone_skin(take.skeleton)
+    skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
     root = _document(take, skin, buffers, lambda share: progress(0.8 * share, f"Writing {path.name}"))
     binary = bytes(buffers.content) + b"\0" * (-len(buffers.content) % 4)
     root["buffers"] = [{"byteLength": len(binary)}]

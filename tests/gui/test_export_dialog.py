@@ -1,0 +1,52 @@
+"""What the export dialog asks about a capture that has more than a body."""
+
+from dataclasses import replace
+
+import pytest
+from PySide6.QtTest import QTest
+
+from studio.app import export_dialog
+from studio.app.application import make_application, make_window
+from studio.app.settings import Settings
+from studio.document.document import Document
+from studio.io.importing import load_capture
+from tests.builders import make_project
+from tests.io.bvh_exports import EXTRAS, with_extras
+
+PATIENCE = 60_000
+
+
+@pytest.fixture
+def window(qtbot, tmp_path):
+    """A body that plays a capture with fingers, an eye and a prop."""
+    make_application()
+    project = replace(make_project(characters=1, contacts=0), captures={"capture": with_extras()})
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
+    with qtbot.waitExposed(window):
+        window.show()
+    yield window
+    window.leave()
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+@pytest.mark.parametrize("others", ["carry", "leave"])
+def test_fingers_and_props_go_out_with_a_character_unless_they_are_left_out(
+    qtbot, window, tmp_path, monkeypatch, others
+):
+    path = tmp_path / "out.bvh"
+    monkeypatch.setattr(export_dialog, "ask_new_file", lambda bench, title, kind, name, then, suffix: then(path))
+    dialog = export_dialog.open_export_dialog(window.bench)
+    dialog.choose(export_dialog.What.ADAPTED, ".bvh")
+    assert dialog.others.isVisible()
+    assert dialog.others.currentText() == "Carry along: Eye and 4 more"
+    dialog.others.show_value(others)
+    dialog.go.click()
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+    there = set(EXTRAS) & set(load_capture(path).skeleton.names)
+    assert there == (set(EXTRAS) if others == "carry" else set())
+    again = export_dialog.open_export_dialog(window.bench)
+    assert again.others.value == others
+    again.choose(export_dialog.What.ADAPTED, ".csv")
+    assert not again.others.isVisible()
+    again.reject()
