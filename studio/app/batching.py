@@ -1,23 +1,20 @@
 """The verb ``batch`` beside the window: started as a process of its own, followed line by line, ended with it."""
 
 import json
-import queue
 import re
 import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Callable, Sequence
-from typing import IO, Any
+from typing import Any
 
 from studio.core.errors import StudioError
+from studio.io.child_process import said_lines
 
 Progress = Callable[[float, str], None]
 
 _START = "import sys; from studio.cli.main import main; sys.exit(main())"
 _LINE = re.compile(r"\[(\d+)/(\d+)\] (.*)")
-_POLL = 0.1
-"""Seconds between two looks at whether the user wants to stop."""
 _PATIENCE = 10.0
 """Seconds for the workers to end by themselves."""
 
@@ -30,9 +27,7 @@ def run_batch(arguments: Sequence[str], progress: Progress) -> dict[str, Any]:
     """
     command = [sys.executable, "-c", _START, "batch", *arguments, "--json"]
     with tempfile.TemporaryFile("w+", encoding="utf-8") as answer:
-        process = subprocess.Popen(
-            command, stdout=answer, stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="replace"
-        )
+        process = subprocess.Popen(command, stdout=answer, stderr=subprocess.PIPE)
         try:
             last = _follow(process, progress)
         finally:
@@ -41,33 +36,19 @@ def run_batch(arguments: Sequence[str], progress: Progress) -> dict[str, Any]:
         return _answer(answer.read(), last)
 
 
-def _follow(process: "subprocess.Popen[str]", progress: Progress) -> str:
+def _follow(process: "subprocess.Popen[bytes]", progress: Progress) -> str:
     """Pass lines on until there are no more; returns the last, which may say why it ended."""
-    lines: queue.Queue[str | None] = queue.Queue()
-    assert process.stderr is not None
-    reader = threading.Thread(target=_read, args=(process.stderr, lines), daemon=True)
-    reader.start()
     share, text, last = 0.0, "Starting the workers", ""
-    while True:
-        progress(share, text)
-        try:
-            line = lines.get(timeout=_POLL)
-        except queue.Empty:
-            continue
-        if line is None:
-            return last
-        last = line.strip() or last
-        if found := _LINE.match(last):
+    assert process.stderr is not None
+    for line in said_lines(process.stderr):
+        last = line or last
+        if line and (found := _LINE.match(line)):
             share, text = int(found[1]) / int(found[2]), f"{found[1]} of {found[2]}: {found[3]}"
+        progress(share, text)
+    return last
 
 
-def _read(stream: IO[str], lines: "queue.Queue[str | None]") -> None:
-    for line in stream:
-        lines.put(line)
-    lines.put(None)
-
-
-def _end(process: "subprocess.Popen[str]") -> None:
+def _end(process: "subprocess.Popen[bytes]") -> None:
     if process.poll() is None:
         process.terminate()
     try:

@@ -48,8 +48,8 @@ HINTS = {
     ".c3d": "Joints and the markers the body would wear, for laboratories.",
     ".csv": "Where every joint is at every frame, and by how much constraints are missed.",
     ".npz": "The same as CSV, for NumPy.",
-    ".mp4": "The range of the timeline, from the present camera.",
-    "": "A PNG picture a frame, in a new folder.",
+    ".mp4": "The range of the timeline, as the 3D view shows it now.",
+    "": "A PNG picture a frame, as the 3D view shows it, in a new folder.",
 }
 
 

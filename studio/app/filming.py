@@ -1,18 +1,30 @@
-"""The 3D view out to a film or to pictures, in the background, by the code that draws for the command line."""
+"""The 3D view out to a film or to pictures: drawn by a child process, so that the window goes on as if nothing were."""
 
-from collections.abc import Callable
-from contextlib import closing
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from studio.app.exporting import partly, words_of
+from studio.app.exporting import words_of
 from studio.app.workbench import Workbench
-from studio.cli.render import adapted_performers, counted
 from studio.core.errors import StudioError
-from studio.io.film import write_moving
+from studio.core.project import Project
+from studio.io.child_process import child_process, said_lines, wait_for
+from studio.io.film import film_encoder, is_film
+from studio.io.replacing import new_folder
+from studio.viewport.shots import Shots, send
 
-ADAPTING = 0.05
+Progress = Callable[[float, str], None]
+
+RENDERER = (sys.executable, "-m", "studio.viewport.film_child")
 
 
 def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float) -> int:
@@ -21,26 +33,75 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
     ``size`` is width and height in pixels, ``frame_rate`` pictures a second; a ``path`` that does not end with
     .mp4 becomes a folder of pictures. Raises StudioError without a 3D view.
     """
-    from studio.viewport.offscreen import render_video
-
     if bench.viewport is None:
         raise StudioError("There is no 3D view to film.")
-    project, playhead = bench.document.project, bench.document.playhead
-    camera, trail = bench.viewport.camera, bench.viewport.trail_point()
+    playhead = bench.document.playhead
     begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
     times = begin + np.arange(int((end - begin) * frame_rate + 1e-6) + 1) / frame_rate
+    shots = Shots(_played(bench.document.project), bench.viewport.view, tuple(times.tolist()), size)
 
-    def work(progress: Callable[[float, str], None]) -> list[Path]:
-        progress(0.0, "Adapting")
-        results = adapted_performers(project)
-        if not results:
-            raise StudioError("No visible character has a motion: there is nothing to film.")
-
-        drawn = partly(progress, ADAPTING, 1.0 - ADAPTING)
-        # Closed here, by the thread that drew: whatever stops the film, VTK's window is freed where it was made.
-        with closing(render_video(project, results, times.tolist(), size, camera, trail)) as frames:
-            write_moving(path, counted(frames, len(times), drawn, path.name), size, frame_rate)
+    def work(progress: Progress) -> list[Path]:
+        if is_film(path):
+            with _renderer(shots) as renderer, film_encoder(path, renderer.stdout, size, frame_rate) as encoder:
+                assert renderer.stdout is not None
+                renderer.stdout.close()  # an encoder that ends is then noticed by who draws
+                _follow(renderer, progress)
+                encoder.finish(len(times), lambda: progress(1.0, f"Writing {path.name}"))
+        else:
+            with new_folder(path) as part, _renderer(replace(shots, stem=part / path.name)) as renderer:
+                _follow(renderer, progress)
         return [path]
 
     task: int = bench.runner.run("Film", work, lambda written: bench.said.emit(words_of(written)))
     return task
+
+
+def _played(project: Project) -> Project:
+    """The project without the captures that nobody performs."""
+    clips = [clip for performer in project.performers.values() for clip in performer.clips]
+    motions = {clip.motion_id: project.motions[clip.motion_id] for clip in clips if clip.motion_id in project.motions}
+    captures = {each.capture_id: project.captures[each.capture_id] for each in motions.values()}
+    return replace(project, motions=motions, captures=captures)
+
+
+@contextmanager
+def _renderer(shots: Shots) -> Iterator["subprocess.Popen[bytes]"]:
+    """The child that draws them."""
+    with tempfile.TemporaryFile() as asked:
+        send(shots, asked)
+        asked.seek(0)
+        with child_process(RENDERER, asked, subprocess.PIPE, subprocess.PIPE) as renderer:
+            yield renderer
+
+
+def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
+    """Pass on how far it is. Raises StudioError with what it says, or when it ends without having said why."""
+    share, text, last = 0.0, "Starting", ""
+    assert renderer.stderr is not None
+    for line in said_lines(renderer.stderr):
+        match _record(line or ""):
+            case {"error": sentence}:
+                raise StudioError(sentence)
+            case {"errno": number}:
+                raise OSError(number, os.strerror(number))
+            case {"share": share, "text": text}:
+                pass
+            case _:
+                last = line or last
+        progress(share, text)
+    code = wait_for(renderer, lambda: progress(share, text))
+    if code:
+        reason = f": {last}" if code > 0 and last else ""
+        raise StudioError(
+            f"What draws the film crashed at '{text}'{reason}. Nothing was written. Choose a smaller size or update the"
+            " driver of the graphics card."
+        )
+
+
+def _record(line: str) -> Mapping[str, Any]:
+    """What the child tells; nothing where a line is somebody else's."""
+    try:
+        record = json.loads(line)
+    except ValueError:
+        return {}
+    return record if isinstance(record, dict) else {}

@@ -120,24 +120,25 @@ def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
 
 def performances(project: Project) -> dict[str, tuple[AdaptRequest, AdaptedMotion]]:
     """What was asked and what came of it, of every visible performer that has a clip of a human motion."""
-    motions = {
-        key: normalize(project.captures[motion.capture_id])
-        for key, motion in project.motions.items()
-        if project.captures[motion.capture_id].body_map is not None
-    }
-    shown = [
-        key
+    human = {key for key, each in project.motions.items() if project.captures[each.capture_id].body_map is not None}
+    performing = {
+        key: performer.clips[0].motion_id
         for key, performer in project.performers.items()
-        if performer.visible and performer.clips and performer.clips[0].motion_id in motions
-    ]
+        if performer.clips and performer.clips[0].motion_id in human
+    }
+    shown = [key for key in performing if project.performers[key].visible]
+    wanted = [key for key in with_leaders(project, shown) if key in performing]
+    motions = {
+        motion_id: normalize(project.captures[project.motions[motion_id].capture_id])
+        for motion_id in dict.fromkeys(performing[key] for key in wanted)
+    }
     requests: dict[str, AdaptRequest] = {}
     results: dict[str, AdaptedMotion] = {}
     bare = partial(_bare, project, motions)
-    for key in with_leaders(project, shown):
-        if project.performers[key].clips[0].motion_id in motions:
-            followed = followed_by(project, key, results.get, bare) or ()
-            requests[key] = replace(request_of(project, key, motions), tracks=tracks_of(followed))
-            results[key] = adapt(requests[key])
+    for key in wanted:
+        followed = followed_by(project, key, results.get, bare) or ()
+        requests[key] = replace(request_of(project, key, motions), tracks=tracks_of(followed))
+        results[key] = adapt(requests[key])
     return {key: (requests[key], results[key]) for key in shown}
 
 

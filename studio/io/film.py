@@ -1,19 +1,31 @@
 """Films: MP4 files, written by the ffmpeg that imageio-ffmpeg brings along, or folders of pictures."""
 
-from collections.abc import Iterable
+import subprocess
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.io.child_process import Streams, child_process, wait_for
 from studio.io.png import write_pictures
 from studio.io.replacing import replacing
+
+_QUALITY = 15
+"""The constant rate factor of H.264: 0 loses nothing, 51 is the worst."""
+
+
+def is_film(path: Path) -> bool:
+    """Whether ``path`` is to become a film, and not a folder of pictures."""
+    return path.suffix.lower() == ".mp4"
 
 
 def write_moving(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int, int], frame_rate: float) -> None:
     """A film where ``path`` ends with .mp4, else a new folder of pictures, one a frame. Raises StudioError."""
-    if path.suffix.lower() == ".mp4":
+    if is_film(path):
         write_film(path, frames, size, frame_rate)
     else:
         write_pictures(path, frames)
@@ -24,32 +36,59 @@ def write_film(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int,
 
     The film appears whole or not at all. Raises StudioError when it cannot be written.
     """
+    with film_encoder(path, subprocess.PIPE, size, frame_rate) as encoder:
+        count = 0
+        for frame in frames:
+            encoder.take(frame)
+            count += 1
+        encoder.finish(count)
+
+
+class FilmEncoder:
+    """ffmpeg at work on a film that is not at its place yet."""
+
+    def __init__(self, process: "subprocess.Popen[bytes]", path: Path, part: Path) -> None:
+        self._process, self._path, self._part = process, path, part
+
+    def take(self, frame: NDArray[np.uint8]) -> None:
+        """The next frame, where frames come from here."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(np.ascontiguousarray(frame).data)
+
+    def finish(self, frames: int, alive: Callable[[], object] = lambda: None) -> None:
+        """Wait until the film is written; StudioError unless all its ``frames`` are in it.
+
+        ``alive`` is called while waiting and may raise to cancel.
+        """
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+        wait_for(self._process, alive)
+        if _frames_in(self._part) != frames:
+            raise StudioError(
+                f"'{self._path}' could not be written whole. Make room on the disk or choose another one."
+            )
+
+
+@contextmanager
+def film_encoder(path: Path, source: Streams, size: tuple[int, int], frame_rate: float) -> Iterator[FilmEncoder]:
+    """What writes the RGBA frames that ``source`` gives, or ``take`` where that is a pipe.
+
+    The film appears whole or not at all: whatever the block raises, the encoder is ended at once. Raises StudioError.
+    """
     if size[0] % 2 or size[1] % 2:
         raise StudioError(f"A film's width and height are even numbers, not {size[0]}x{size[1]}.")
-    with replacing(path) as part:
-        written = _encode(part, frames, size, frame_rate)
-        if _frames_in(part) != written:
-            raise StudioError(f"'{path}' could not be written whole. Make room on the disk or choose another one.")
+    with replacing(path) as part, child_process(_command(part, size, frame_rate), source) as process:
+        yield FilmEncoder(process, path, part)
 
 
-def _encode(part: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int, int], frame_rate: float) -> int:
-    """Returns the number of frames. Raises OSError when ffmpeg takes no more of them."""
-    from imageio_ffmpeg import write_frames
+def _command(part: Path, size: tuple[int, int], frame_rate: float) -> list[str]:
+    """Colours halved as every player reads them; the rate as a fraction, for 29.97 is none."""
+    from imageio_ffmpeg import get_ffmpeg_exe
 
-    options = {"fps": frame_rate, "pix_fmt_in": "rgba", "macro_block_size": 2, "quality": 7, "ffmpeg_timeout": 0}
-    writer = write_frames(str(part), size, **options, output_params=["-f", "mp4"])
-    writer.send(None)
-    count = 0
-    try:
-        for frame in frames:
-            try:
-                writer.send(np.ascontiguousarray(frame))
-            except OSError as error:  # its text holds the whole command line
-                raise OSError(str(error).partition("\n")[0]) from error
-            count += 1
-    finally:
-        writer.close()
-    return count
+    rate = str(Fraction(frame_rate).limit_denominator())
+    frames = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}", "-r", rate, "-i", "-"]
+    film = ["-an", "-vcodec", "libx264", "-pix_fmt", "yuv420p", "-crf", str(_QUALITY), "-f", "mp4", str(part)]
+    return [get_ffmpeg_exe(), "-v", "fatal", "-y", *frames, *film]
 
 
 def _frames_in(part: Path) -> int:

@@ -35,7 +35,12 @@ def write_pictures(folder: Path, frames: Iterable[NDArray[np.uint8]]) -> None:
     """
     with new_folder(folder) as part:
         for number, pixels in enumerate(frames, 1):
-            (part / f"{folder.name}_{number:04d}.png").write_bytes(png_bytes(pixels))
+            write_numbered(part / folder.name, number, pixels)
+
+
+def write_numbered(stem: Path, number: int, pixels: NDArray[np.uint8]) -> None:
+    """Write one of many pictures: ``stem_0001.png`` for the first. Raises OSError."""
+    stem.with_name(f"{stem.name}_{number:04d}.png").write_bytes(png_bytes(pixels))
 
 
 def _chunk(kind: bytes, content: bytes) -> bytes:

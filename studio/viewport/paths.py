@@ -31,6 +31,11 @@ class StagePath:
     strength: NDArray[np.float64]
 
 
+def stage_paths(project: Project, posed: Mapping[str, Posed], trail: BodyPoint | None) -> list[StagePath]:
+    """What is drawn on the stage whoever is selected: the trails of a point, the marks of contacts."""
+    return [*trails(project, posed, trail), *contact_marks(project, posed)]
+
+
 def trails(project: Project, posed: Mapping[str, Posed], point: BodyPoint | None) -> list[StagePath]:
     """The way of ``point`` on every body in the moments round this one, in the body's colour."""
     found = []

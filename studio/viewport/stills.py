@@ -5,7 +5,7 @@ import numpy as np
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.scene import Pixels, StageScene
 
-SAMPLES = 12
+SAMPLES, FILM_SAMPLES = 12, 4
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
 """Steps of the R2 sequence: points that fill a square evenly."""
 
@@ -38,3 +38,11 @@ class Still:
     def pixels(self) -> Pixels:
         """(height, width, 4) RGBA so far."""
         return ((self._sum + self.count // 2) // self.count).astype(np.uint8)
+
+
+def smooth_picture(scene: StageScene, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
+    """What the scene shows now, of as many samples a pixel."""
+    still = Still(scene, camera, size)
+    while still.count < samples:
+        still.refine()
+    return still.pixels

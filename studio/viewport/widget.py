@@ -30,9 +30,10 @@ from studio.viewport.handles import Handle, constraint_handles, floor_under
 from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
-from studio.viewport.paths import StagePath, contact_marks, selection_rings, trails
+from studio.viewport.paths import StagePath, selection_rings, stage_paths
 from studio.viewport.picking import PickedJoint
 from studio.viewport.problem import Problem, worst_problem
+from studio.viewport.shots import View
 
 if TYPE_CHECKING:
     from studio.viewport.scene import StageScene
@@ -311,13 +312,16 @@ class Viewport(Canvas):
 
     def _paths(self) -> list[StagePath]:
         project, selected = self._document.project, self._document.selection.of("performers")
-        return [
-            *trails(project, self.posed, self.trail_point()),
-            *selection_rings(project, self.posed, selected),
-            *contact_marks(project, self.posed),
-        ]
+        rings = selection_rings(project, self.posed, selected)
+        return [*stage_paths(project, self.posed, self._trail_point()), *rings]
 
-    def trail_point(self) -> BodyPoint | None:
+    @property
+    def view(self) -> View:
+        """What is seen of the stage now, but for what serves only to edit it."""
+        ghost_of = self._document.active_performer_id if self.ghost_shown else None
+        return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of)
+
+    def _trail_point(self) -> BodyPoint | None:
         """The point whose paths are drawn: the selected constraint's, else the picked joint's."""
         if not self._chips.trails.isChecked():
             return None

@@ -1,27 +1,41 @@
-"""A film of the 3D view from the window: written beside it, cancelled without a trace."""
+"""A film of the 3D view from the window: drawn beside it, as it looks there, cancelled without a trace."""
 
+import os
+import sys
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from imageio_ffmpeg import count_frames_and_secs
+from PIL import Image
+from PySide6.QtGui import QImage
 
 from studio.app import filming
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
+from studio.core.errors import StudioError
 from studio.document.document import Document
+from studio.io.character_file import bundled_characters
 from studio.viewport.camera import OrbitCamera
+from studio.viewport.film_pictures import render_shots
+from studio.viewport.shots import Shots, View
+from studio.viewport.widget import Viewport
 from tests.builders import make_project
 
-PATIENCE = 60_000
+PATIENCE = 100_000
 SMALL = (160, 90)
+CHIPS = 60
+VIEW = View(OrbitCamera(), 90.0)
 
 
 @pytest.fixture
 def window(qtbot, tmp_path):
     make_application()
-    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project(characters=1)))
-    quiet = {name: lambda *_: None for name in ("trail_point", "show_progress", "close", "show_again")}
-    window.bench.viewport = SimpleNamespace(camera=OrbitCamera(), **quiet)
+    project = make_project(characters=1)
+    project = project.with_entity("characters", "character 0", bundled_characters()["adult_woman"])
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
+    quiet = {name: lambda *_: None for name in ("show_progress", "close", "show_again")}
+    window.bench.viewport = SimpleNamespace(view=VIEW, **quiet)
     window.bench.document.playhead.set_range(6, 18)
     (tmp_path / "out").mkdir()
     yield window
@@ -30,8 +44,53 @@ def window(qtbot, tmp_path):
     window.deleteLater()
 
 
+@pytest.fixture
+def viewport(qtbot, window):
+    """A real one, its body adapted and its ghost there."""
+    bench = window.bench
+    viewport = Viewport(bench.document, bench.live)
+    viewport.resize(640, 360)
+    bench.viewport = viewport
+    with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
+        viewport.show()
+    viewport.set_tool("select")
+    viewport.set_ghost_shown(True)
+    bench.document.playhead.set_time(0.1)
+    qtbot.waitUntil(lambda: bool(viewport.posed) and bench.live.source("motion") is not None, timeout=PATIENCE)
+    assert bench.live.wait(PATIENCE / 1000)
+    yield viewport
+    viewport.close()
+    viewport.deleteLater()
+
+
 def idle(qtbot, window):
     qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+
+
+def seen(viewport):
+    """What the widget shows below its chips, (height, width, 3)."""
+    viewport.grab_image()
+    image = viewport.grab().toImage().convertToFormat(QImage.Format.Format_RGBX8888)
+    pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), image.width(), 4)
+    return pixels[CHIPS:, :, :3].astype(int)
+
+
+@pytest.mark.parametrize("bones", [False, True])
+def test_a_film_looks_as_the_viewport_does(qtbot, window, viewport, tmp_path, bones):
+    if bones:
+        viewport.toggle_bones()
+    window.bench.document.playhead.set_range(6, 7)
+    filming.film(window.bench, tmp_path / "out" / "shots", (640, 360), 30.0)
+    idle(qtbot, window)
+    assert window.strip.text.startswith("Exported")
+    with Image.open(tmp_path / "out" / "shots" / "shots_0001.png") as picture:
+        filmed = np.asarray(picture)[CHIPS:, :, :3].astype(int)
+    there = np.abs(filmed - seen(viewport))
+    assert there.mean() < 0.5
+    assert (there.max(axis=2) > 24).mean() < 0.002
+    viewport.set_ghost_shown(False)
+    without = np.abs(filmed - seen(viewport))
+    assert (without.max(axis=2) > 24).mean() > 0.002
 
 
 def test_the_range_of_the_timeline_becomes_a_film(qtbot, window, tmp_path):
@@ -41,21 +100,46 @@ def test_the_range_of_the_timeline_becomes_a_film(qtbot, window, tmp_path):
     assert count_frames_and_secs(str(tmp_path / "out" / "walk.mp4"))[0] == 7
 
 
-def test_a_cancelled_film_leaves_nothing_and_the_next_one_is_whole(qtbot, window, tmp_path):
-    shares = []
+HALF = """
+import os, sys, time
+print('{"share": 0.5, "text": "Picture 3 of 7"}', file=sys.stderr, flush=True)
+os.write(1, bytes(160 * 90 * 4))
+"""
+
+
+@pytest.mark.parametrize("name", ["shots", "walk.mp4"])
+def test_a_cancelled_film_ends_what_draws_it_and_leaves_nothing(qtbot, window, tmp_path, monkeypatch, name):
+    pid = tmp_path / "pid"
+    for_ever = f"{HALF}\nopen({str(pid)!r}, 'w').write(str(os.getpid()))\ntime.sleep(1000)"
+    monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", for_ever))
     runner = window.bench.runner
-
-    def stop(task, share, _text):
-        shares.append(share)
-        if share > 0.3:
-            runner.cancel(task)
-
-    runner.progressed.connect(stop)
-    filming.film(window.bench, tmp_path / "out" / "shots", SMALL, 30.0)
+    runner.progressed.connect(lambda task, share, _: share > 0.3 and pid.exists() and runner.cancel(task))
+    filming.film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
     idle(qtbot, window)
-    assert max(shares) < 1.0
     assert list((tmp_path / "out").iterdir()) == []
-    runner.progressed.disconnect(stop)
-    filming.film(window.bench, tmp_path / "out" / "shots", SMALL, 30.0)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pid.read_text()), 0)
+
+
+@pytest.mark.parametrize("name", ["shots", "walk.mp4"])
+def test_a_crash_of_what_draws_is_a_sentence_and_leaves_nothing(qtbot, window, tmp_path, monkeypatch, name):
+    monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", f"{HALF}\nos.abort()"))
+    filming.film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
     idle(qtbot, window)
-    assert len(list((tmp_path / "out" / "shots").iterdir())) == 7
+    assert "crashed at 'Picture 3 of 7'" in window.strip.text
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_a_film_that_is_cut_short_is_told(qtbot, window, tmp_path, monkeypatch):
+    monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", HALF))
+    filming.film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
+    idle(qtbot, window)
+    assert "could not be written whole" in window.strip.text
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_a_film_that_nobody_plays_in_is_refused(window):
+    project = window.bench.document.project
+    nobody = project.with_entity("performers", "performer 0", None)
+    with pytest.raises(StudioError, match="nothing to film"):
+        next(render_shots(Shots(nobody, VIEW, (0.0,), SMALL)))

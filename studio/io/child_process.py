@@ -1,0 +1,64 @@
+"""Processes beside this one: followed line by line, and ended with whoever asked for them."""
+
+import queue
+import subprocess
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+ROOT = Path(__file__).resolve().parents[2]
+"""Where ``python -m studio...`` finds this studio."""
+POLL = 0.05
+"""Seconds between two looks at whether the user wants to stop."""
+
+Streams = IO[bytes] | int | None
+
+
+@contextmanager
+def child_process(
+    command: Sequence[str], stdin: Streams = None, stdout: Streams = None, stderr: Streams = None
+) -> Iterator["subprocess.Popen[bytes]"]:
+    """A process that is gone after the block: killed, unless it has ended by itself."""
+    process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+        for stream in (process.stdin, process.stdout, process.stderr):
+            if stream is not None:
+                with suppress(BrokenPipeError):  # what it had not read is of no use any more
+                    stream.close()
+
+
+def said_lines(stream: IO[bytes]) -> Iterator[str | None]:
+    """Lines as they come, until there are no more; None now and then while there is none, to look at other things."""
+    lines: queue.Queue[bytes | None] = queue.Queue()
+    threading.Thread(target=_read, args=(stream, lines), daemon=True).start()
+    while True:
+        try:
+            line = lines.get(timeout=POLL)
+        except queue.Empty:
+            yield None
+            continue
+        if line is None:
+            return
+        yield line.decode("utf-8", "replace").strip()
+
+
+def wait_for(process: "subprocess.Popen[bytes]", alive: Callable[[], object]) -> int:
+    """The exit code of a process; ``alive`` is called while waiting and may raise to stop."""
+    while True:
+        alive()
+        try:
+            return process.wait(POLL)
+        except subprocess.TimeoutExpired:
+            continue
+
+
+def _read(stream: IO[bytes], lines: "queue.Queue[bytes | None]") -> None:
+    for line in stream:
+        lines.put(line)
+    lines.put(None)

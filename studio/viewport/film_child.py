@@ -1,0 +1,48 @@
+"""The child process that draws a film: ``python -m studio.viewport.film_child``, with ``Shots`` on standard input.
+
+VTK holds Python's lock while it draws, and graphics drivers crash: neither is to be felt by the window. Frames go to
+standard output, or as pictures into a folder; standard error tells how far it is, a JSON record a line.
+"""
+
+import json
+import os
+import sys
+from contextlib import closing, suppress
+
+from studio.cli.process import prepare_process
+from studio.core.errors import StudioError
+
+
+def main() -> None:
+    """Draw what is asked for; one that breaks off says why before it ends."""
+    frames_out = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever else is said must not get between the frames
+    prepare_process()
+    from studio.io.png import write_numbered
+    from studio.viewport.film_pictures import render_shots
+    from studio.viewport.shots import receive
+
+    shots = receive(sys.stdin.buffer)
+    tell(share=0.0, text="Adapting")
+    try:
+        # An encoder that takes no more tells by itself what the matter is.
+        with suppress(BrokenPipeError), frames_out, closing(render_shots(shots)) as pictures:
+            for number, picture in enumerate(pictures, 1):
+                if shots.stem:
+                    write_numbered(shots.stem, number, picture)
+                else:
+                    frames_out.write(picture.data)
+                tell(share=number / len(shots.times), text=f"Picture {number} of {len(shots.times)}")
+    except StudioError as error:
+        tell(error=str(error))
+    except OSError as error:
+        tell(errno=error.errno)
+
+
+def tell(**record: object) -> None:
+    """One line for the process that waits."""
+    print(json.dumps(record), file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    main()

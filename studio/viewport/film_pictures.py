@@ -1,0 +1,54 @@
+"""What the viewport shows over a range of time, drawn without it: see ``film_child``."""
+
+from collections.abc import Generator
+
+from PySide6.QtGui import QImage, QPainter
+
+from studio.cli.render import performances
+from studio.core.errors import StudioError
+from studio.engine.live_adaptation import as_recorded
+from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
+from studio.viewport.figure import bone_pairs
+from studio.viewport.overlay import Overlay
+from studio.viewport.paths import stage_paths
+from studio.viewport.scene import Pixels, StageScene
+from studio.viewport.shots import Shots, View
+from studio.viewport.stills import FILM_SAMPLES, smooth_picture
+
+
+def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
+    """What the viewport shows at each of the times, every performer adapted anew. Raises StudioError."""
+    project, view = shots.project, shots.view
+    made = performances(project)
+    if not made:
+        raise StudioError("No visible character has a motion: there is nothing to film.")
+    results = {key: adapted for key, (_, adapted) in made.items()}
+    source = None
+    if view.ghost_of in made:
+        asked, _ = made[view.ghost_of]
+        assert asked.actor is not None
+        source = as_recorded(asked.motion, asked.actor)
+    scene = StageScene()
+    try:
+        for time in shots.times:
+            posed = posed_performers(project, results.get, time)
+            seen = posed | resting_performers(project, posed)
+            scene.sync(project, seen, view.bones, stage_paths(project, posed, view.trail))
+            picture = smooth_picture(scene, view.camera, shots.size, FILM_SAMPLES)
+            if source is not None and view.ghost_of in posed:
+                _paint_ghost(picture, pose_of(posed[view.ghost_of].performer, source, time), view)
+            yield picture
+    finally:
+        scene.close()
+
+
+def _paint_ghost(picture: Pixels, ghost: Posed, view: View) -> None:
+    """As the viewport paints it over the same picture, lines as thick beside the bodies as there."""
+    height, width = picture.shape[:2]
+    scale = height / view.height
+    image = QImage(picture.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)  # these very bytes
+    painter = QPainter(image)
+    painter.scale(scale, scale)
+    overlay = Overlay(painter, view.camera, (width / scale, view.height))
+    overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
+    painter.end()
