@@ -1,6 +1,7 @@
 """The command line: one verb a file, imported only when it is the one asked for."""
 
 import json
+import os
 import sys
 from argparse import ArgumentParser
 from collections.abc import Callable, Sequence
@@ -21,16 +22,29 @@ VERBS = {
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
 }
-WORK_FAILED = 1
+WORK_FAILED, NOBODY_READS = 1, 141
+"""Exit codes; the second is that of tools which a signal ends when their pipe is closed."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb, or open the window when none is named.
 
-    Returns the exit code: 0 done, 1 the work failed; bad usage ends the process with 2, as argparse does.
+    Returns the exit code: 0 done, 1 the work failed, 141 nobody reads on (``info FILE | head``); bad usage ends the
+    process with 2, as argparse does.
     """
+    try:
+        try:
+            return _run(sys.argv[1:] if arguments is None else arguments)
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is written there as Python ends
+        return NOBODY_READS
+
+
+def _run(given: Sequence[str]) -> int:
     prepare_process()
-    given = list(sys.argv[1:] if arguments is None else arguments)
     verb = next((word for word in given if word in VERBS), None)
     files = [word for word in given if word.lower().endswith(opened())] if verb is None else []
     parsed = make_parser(verb).parse_args([word for word in given if word not in files])

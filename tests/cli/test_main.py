@@ -1,4 +1,6 @@
 import json
+import os
+import subprocess
 import sys
 from importlib.metadata import entry_points
 from types import ModuleType, SimpleNamespace
@@ -103,3 +105,12 @@ def test_files_cannot_be_opened_without_a_display_and_that_is_said(monkeypatch, 
     monkeypatch.setattr(command_line, "has_display", lambda: False)
     assert command_line.main(["walk.bvh"]) == 1
     assert "no display to open walk.bvh" in capsys.readouterr().err
+
+
+def test_a_reader_that_has_seen_enough_is_no_fault():
+    reading, writing = os.pipe()
+    os.close(reading)
+    start = "import sys; from studio.cli.main import main; sys.exit(main(['formats']))"
+    with os.fdopen(writing, "wb") as closed:
+        done = subprocess.run([sys.executable, "-c", start], stdout=closed, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr) == (141, "")
