@@ -37,7 +37,7 @@ TURNED_BY = {
 }  # fmt: skip
 """A joint is the far end of one segment; what turns about it is the next."""
 _HEAD = Chain(limb=1.0, end_segment=1.0, clavicle=0.0, trunk=0.3)
-_WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0)
+_WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, free_legs=1.0)
 
 
 @dataclass(frozen=True)

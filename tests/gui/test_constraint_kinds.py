@@ -18,6 +18,7 @@ from studio.core.metrics import centre_of_mass
 from studio.core.project import Prop
 from studio.document.document import Document
 from studio.engine.moments import HELD_BY, Moment
+from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.gizmo import AXES
@@ -178,6 +179,20 @@ def test_balance_is_fixed_where_the_centre_of_mass_is_now_and_moved_on_the_groun
     assert [gizmo.usable(part) for part in ("z", "yz", "zx", "xy")] == [False, False, False, True]
     enter(inspector, "Place Y", "0.07")
     assert current(document).place[1] == 0.07
+
+
+def test_balance_recruits_free_arms_and_the_free_leg_until_they_are_locked_on_the_figure(studio):
+    _, document, inspector = studio
+    chain = add(studio, "balance").chain
+    assert (chain.free_arms, chain.free_legs) == (1.0, 1.0)
+    figure = inspector.editor.findChild(BodyFigure)
+    for part, link in ((BodyPart.LEFT_FOREARM, "free_arms"), (BodyPart.RIGHT_THIGH, "free_legs")):
+        QTest.mouseClick(figure, LEFT, pos=(SCALE * SHAPES[part].center()).toPoint())
+        assert getattr(current(document).chain, link) == 0.0
+    enter(inspector, "Weight of Free arms", "0.4")
+    assert current(document).chain.free_arms == 0.4
+    add(studio, "position")
+    assert "Weight of Free arms" not in [each.accessibleName() for each in visible_numbers(inspector)]
 
 
 def test_a_table_reaches_up_to_the_wrist_and_its_shape_changes_with_its_numbers(studio):

@@ -30,10 +30,14 @@ class BodyPoint:
         object.__setattr__(self, "offset", finite_vector(self.offset, "A point's offset"))
 
 
-LINKS = ("limb", "end_segment", "clavicle", "trunk", "root")
+LINKS = ("limb", "end_segment", "clavicle", "trunk", "root", "free_arms", "free_legs")
 """The weights of a chain that stand for several segments at once."""
+FREE_LIMBS = ("free_arms", "free_legs")
+"""Those that only a balance has."""
 TRUNK = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX)
 CLAVICLES = (BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE)
+UPPER_ARMS = (BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM)
+THIGHS = (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH)
 SINGLE = (*TRUNK, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD)
 """Segments that may have a weight of their own."""
 
@@ -44,6 +48,9 @@ class Chain:
 
     ``segments`` gives single segments a weight of their own in place of that of their group; the abdomen stands for
     all inner vertebrae. The segments of arms and legs have none: a limb is bent in closed form, as one.
+
+    ``free_arms`` and ``free_legs`` are for a balance alone: how freely it turns, about shoulders and hips, the arms of
+    which nothing else is asked and the leg whose foot is in the air.
     """
 
     limb: float = 1.0
@@ -52,6 +59,8 @@ class Chain:
     trunk: float = 0.0
     root: float = 0.0
     segments: tuple[tuple[BodyPart, float], ...] = ()
+    free_arms: float = 0.0
+    free_legs: float = 0.0
 
     def __post_init__(self) -> None:
         own = tuple((BodyPart(part), weight) for part, weight in self.segments)
@@ -69,7 +78,7 @@ class Chain:
             raise ValueError("A chain without any free part cannot move its point.")
 
     def weight(self, part: BodyPart) -> float:
-        """How freely a segment beside the limbs moves: its own weight, or that of its group.
+        """How freely a joint turns a segment and all that it carries: the segment's own weight, or that of its group.
 
         The pelvis turns only with a weight of its own; neck and head are the limb of the head.
         """
@@ -80,6 +89,10 @@ class Chain:
                 usual = max(self.limb, self.clavicle)
             case BodyPart.HEAD:
                 usual = max(self.limb, self.end_segment)
+            case _ if part in UPPER_ARMS:
+                usual = self.free_arms
+            case _ if part in THIGHS:
+                usual = self.free_legs
             case _:
                 usual = self.clavicle if part in CLAVICLES else self.trunk
         return dict(self.segments).get(part, usual)
@@ -105,6 +118,10 @@ class Constraint:
     def __post_init__(self) -> None:
         if self.priority < 0:
             raise ValueError(f"'{self.name}': a priority is 0 (highest) or more, got {self.priority}.")
+        if self.kind != "balance" and any(getattr(self.chain, link) > 0.0 for link in FREE_LIMBS):
+            raise ValueError(
+                f"'{self.name}': free arms and legs help a balance alone. Set free_arms and free_legs to 0."
+            )
         if not (math.isfinite(self.weight) and self.weight > 0.0):
             raise ValueError(f"'{self.name}': a weight is a finite number above 0, got {self.weight}.")
 

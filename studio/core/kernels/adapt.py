@@ -13,6 +13,7 @@ from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.placing import miss_of, turn_error
+from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.vectors import copy_point, distance
 
@@ -50,6 +51,7 @@ def solve_frames(
     asked,
     areas,
     chain,
+    recruits,
     wishes,
     activations,
     leashes,
@@ -64,8 +66,10 @@ def solve_frames(
 ):
     """Constraints of every frame, in place (METHOD 5 and 6).
 
-    ``asked``, ``areas`` and ``chain`` as in ``kernels.constraints``; ``wishes`` the tuple (places (C, F or 1, 3), turns
-    (C, F or 1, 3, 3), distances (C, F or 1)) where things are to be at full activation; ``activations`` (C, F);
+    ``asked``, ``areas`` and ``chain`` as in ``kernels.constraints``; ``recruits`` the tuple (joints (n,), usual
+    (C + L + 1, n), free (n, F)) of the limbs that a balance may turn: their joints, mobilities with limits last, how
+    free each is; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3), distances (C, F or 1)) where
+    things are to be at full activation; ``activations`` (C, F);
     ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body``
     the tuple (measures, masses (S, 2)); ``clearance`` as in ``kernels.clearance``, which works on the unsolved poses,
     in place, and again after the constraints. ``positions`` and ``rotations`` begin as copies of the unsolved ones.
@@ -81,7 +85,7 @@ def solve_frames(
             clear_before(frame, clearance, clear_work, (start_positions[frame], start_rotations[frame]))
             positions[frame], rotations[frame] = start_positions[frame], start_rotations[frame]
         acts = solve_one(
-            frame, asked, areas, chain, wishes, activations, leashes, legs, body, work, motion, out_residuals
+            frame, asked, areas, chain, recruits, wishes, activations, leashes, legs, body, work, motion, out_residuals
         )
         if clears:
             clear_after(frame, acts, asked, clearance, clear_work, (positions[frame], rotations[frame]))
@@ -89,12 +93,15 @@ def solve_frames(
 
 
 @kernel
-def solve_one(frame, asked, areas, chain, wishes, activations, leashes, legs, body, work, motion, out_residuals):
+def solve_one(
+    frame, asked, areas, chain, recruits, wishes, activations, leashes, legs, body, work, motion, out_residuals
+):
     """One frame of ``solve_frames``; whether anything acts. ``motion`` is what was, and what is being solved."""
     start, pose = (motion[0][frame], motion[1][frame]), (motion[2][frame], motion[3][frame])
     frame_body = body_at(frame, leashes, legs, body)
     acts = set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose)
     if acts:
+        free_limbs(frame, recruits, chain)
         solve_frame(chain[0].shape[0] - asked.shape[0], asked, areas, chain, frame_body, work, start, pose)
     note_misses(frame, asked, areas, leashes, legs, body, work, motion, out_residuals)
     return acts

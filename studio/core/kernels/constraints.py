@@ -32,6 +32,7 @@ from studio.core.kernels.limb_constraints import (
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.priorities import find_step, move_joints
 from studio.core.kernels.pulls import BOUND, part_of_step
+from studio.core.kernels.recruiting import note_balances
 from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
@@ -89,6 +90,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[1, joint])
     place(level, fresh, asked, areas, chain, body, work, start, pose)
+    note_balances(level, asked, chain, body, work, pose)
     for _ in range(TRIES):
         if not step(level, False, asked, chain, body, work, start, pose) > STILL:
             break

@@ -108,7 +108,7 @@ def add_balance_rows(row, owner, is_held, count, ask, chain, body, centres, poin
     segment_centres(body[1], positions, centres)
     centre_of_mass(body[1], centres, point)
     for axis in range(row.axes):
-        wanted = row.kept_places[0, axis] if is_held else row.places[0, axis]
+        wanted = row.kept_places[0, axis] if is_held else row.places[1, axis]
         begin_row(ask, count, owner, wanted - point[axis])
         count += 1
     set_balance_rows(row.axes, body[1], centres, chain[1], positions, ask[0][count - row.axes : count])

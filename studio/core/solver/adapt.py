@@ -26,6 +26,7 @@ from studio.core.solver.following import next_guess, point_track
 from studio.core.solver.footing import Footing, find_footing, leashes
 from studio.core.solver.holding import held_points, place_above, release_hands
 from studio.core.solver.packing import in_order, is_pair, limb_of, pack, point_indices, share_by_weight
+from studio.core.solver.recruiting import find_recruits, leg_room, limb_freedoms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.settling import Arms, settle
 from studio.core.solver.support import mass_path, standing_points, support_path
@@ -45,6 +46,7 @@ class Standing:
     motion: NormalizedMotion
     morphology: AnyMorphology
     contacts: tuple[ContactInterval, ...]
+    ground: Ground
     footing: Footing
     holds: tuple[Hold, ...]
     arms: Arms | None
@@ -101,7 +103,8 @@ def stand(
         stance = arms.wrists, arms.hands, arms.bends, arms.placed
         place_arms(motion.channels, measures, *stance, positions, rotations)
     holds = () if carrying is None else carrying.holds
-    return Standing(motion, morphology, tuple(contacts), footing, holds, arms, positions, rotations, volume, actor)
+    known = tuple(contacts), ground
+    return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor)
 
 
 def hold(
@@ -174,7 +177,8 @@ def _solve(
     order, clear_rows = in_order(constraints), lowest_first(constraints)
     order = [c for c in order if c not in clear_rows]
     everything = [*(each.constraint for each in held), *(constraints[c] for c in order)]
-    given = constraint_activations(constraints, standing.contacts, motion)[:, window]
+    everywhere = constraint_activations(constraints, standing.contacts, motion)
+    given = everywhere[:, window]
     activations = given[order]
     leash = (
         leashes(standing.footing, motion.frame_rate)[:, window]
@@ -188,6 +192,11 @@ def _solve(
         activations = np.concatenate([stands & (given > 0.0).any(axis=0), activations])
     share_by_weight(rows)
     joints = free_joints([constraint.chain for constraint in everything], rows.asked["rank"], body.layout)
+    joints = joints if bound.by_limits else joints.without_limits
+    limbs = rows.asked["ends"][len(held) :, :, 2]
+    recruits = find_recruits(
+        joints, body.layout.spine_count, lambda: _freedoms(standing, limbs, everywhere[order], bound)[:, window]
+    )
     clearance = pack_clearance(
         [constraints[c] for c in clear_rows], everything, len(held), given[clear_rows],
         motion, window, standing.actor, standing.volume or usual_volume(body.still), body.layout,
@@ -196,7 +205,8 @@ def _solve(
     solve_frames(
         rows.asked,
         rows.areas,
-        joints.arrays if bound.by_limits else joints.without_limits.arrays,
+        joints.arrays,
+        recruits,
         rows.wishes,
         np.ascontiguousarray(activations, dtype=np.float64),
         np.ascontiguousarray(leash),
@@ -213,6 +223,14 @@ def _solve(
     if standing.arms is not None:
         rate, channels = motion.frame_rate, motion.channels[window]
         release_hands(standing.arms, standing.holds, body, channels, rate, window, positions, rotations)
+
+
+def _freedoms(standing: Standing, limbs: NDArray[np.int64], activations: FloatArray, bound: Bound) -> FloatArray:
+    """(4, F) how far each limb is a balance's to turn; ``limbs`` (C, 2) of the wishes with ``activations`` (C, F)."""
+    contacts = standing.contacts if bound.by_contacts else ()
+    free = limb_freedoms(limbs, activations, contacts, standing.motion.frame_rate)
+    free[2:] *= leg_room(standing.morphology, standing.ground, standing.positions)
+    return free
 
 
 def _answer(

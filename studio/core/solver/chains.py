@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout
-from studio.core.constraints.base import CLAVICLES, Chain
+from studio.core.constraints.base import CLAVICLES, THIGHS, UPPER_ARMS, Chain
 from studio.core.kernels.joints import ROOT, joint_table
 
 FloatArray = NDArray[np.float64]
@@ -16,8 +16,16 @@ ROOT_MOBILITY = 0.15
 """Mobility of the root's translation beside one vertebra's rotation (square metres)."""
 CLAVICLE_MOBILITY = 4.0
 """Mobility of a clavicle beside one vertebra (METHOD 6)."""
+SHOULDER_MOBILITY, HIP_MOBILITY = 30.0, 5.0
+"""Mobilities of free arms and legs, which a balance recruits: what each then does is in proportion to its mass."""
 PELVIS_LIMIT, VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.5, 0.35, 0.7
+SHOULDER_LIMIT, HIP_LIMIT = 0.7, 0.4
 """Radians that a joint may turn away from the motion, in all."""
+_USUAL = {
+    **dict.fromkeys(CLAVICLES, CLAVICLE_MOBILITY),
+    **dict.fromkeys(UPPER_ARMS, SHOULDER_MOBILITY),
+    **dict.fromkeys(THIGHS, HIP_MOBILITY),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +50,16 @@ class FreeJoints:
 
 
 def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyLayout) -> FreeJoints:
-    """Pelvis, spine, clavicles, neck, head and the root's translation, as far as ``chains`` free them.
+    """Pelvis, spine, clavicles, neck, head, free limbs and the root's translation, as far as ``chains`` free them.
 
     ``ranks`` (C,) is the level of each chain's constraint.
     """
     k = layout.spine_count
-    segments = np.array([*range(k), k + 2, k + 6, k, k + 1, ROOT])
-    limits = [PELVIS_LIMIT, *[VERTEBRA_LIMIT] * (k - 1), *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2, np.pi / 2]
+    segments = np.array([*range(k), k + 2, k + 6, k, k + 1, k + 3, k + 7, k + 10, k + 14, ROOT])
+    trunk = [PELVIS_LIMIT, *[VERTEBRA_LIMIT] * (k - 1), *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2]
+    limits = [*trunk, *[SHOULDER_LIMIT] * 2, *[HIP_LIMIT] * 2, np.pi / 2]
     parts = [layout.part(segment) for segment in segments[:-1]]
-    usual = np.array([CLAVICLE_MOBILITY if part in CLAVICLES else 1.0 for part in parts] + [ROOT_MOBILITY])
+    usual = np.array([*(_USUAL.get(part, 1.0) for part in parts), ROOT_MOBILITY])
     weights = np.array([[*map(chain.weight, parts), chain.root] for chain in chains]).reshape(-1, len(segments)) * usual
     free = weights.any(axis=0)
     free[-1] |= free[0]  # a pelvis that turns must not pull the feet away: the root, freed by nobody, follows them

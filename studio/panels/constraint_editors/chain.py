@@ -6,7 +6,7 @@ from dataclasses import replace
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
 from studio.core.canonical import BodyPart
-from studio.core.constraints.base import LINKS
+from studio.core.constraints.base import LINKS, Constraint
 from studio.panels.constraint_editors.body_figure import BodyFigure
 from studio.panels.constraint_editors.segment_weights import SegmentWeights, weight_field
 from studio.panels.editor import Editor
@@ -24,12 +24,12 @@ def link_words(point: BodyPart) -> dict[str, str]:
         names = (f"{side.capitalize()} leg", f"{side.capitalize()} foot", "Clavicle")
     else:
         names = ("Neck, head", "End segment", "Clavicle")
-    return dict(zip(LINKS, (*names, "Trunk", "Pelvis, root"), strict=True))
+    return dict(zip(LINKS, (*names, "Trunk", "Pelvis, root", "Free arms", "Free leg"), strict=True))
 
 
-def link_parts(point: BodyPart) -> dict[str, tuple[BodyPart, ...]]:
-    """The segments of each link, for a point on that part."""
-    side, _, bone = point.value.partition("_")
+def link_parts(constraint: Constraint) -> dict[str, tuple[BodyPart, ...]]:
+    """The segments of each link that counts for a constraint."""
+    side, _, bone = constraint.point.part.value.partition("_")
     links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK, "root": (BodyPart.PELVIS,)}
     if bone in ("clavicle", "upper_arm", "forearm", "hand"):
         links["limb"] = (BodyPart(f"{side}_upper_arm"), BodyPart(f"{side}_forearm"))
@@ -41,7 +41,14 @@ def link_parts(point: BodyPart) -> dict[str, tuple[BodyPart, ...]]:
         links["end_segment"] = (BodyPart(f"{side}_foot"),)
     else:
         links["limb"] = (BodyPart.HEAD,)
+    if constraint.kind == "balance":
+        links["free_arms"] = _both("upper_arm", "forearm", "hand")
+        links["free_legs"] = _both("thigh", "shank", "foot")
     return links
+
+
+def _both(*bones: str) -> tuple[BodyPart, ...]:
+    return tuple(BodyPart(f"{side}_{bone}") for side in ("left", "right") for bone in bones)
 
 
 class ChainSection(Section):
@@ -82,7 +89,7 @@ class ChainSection(Section):
         """Fetch weights and names."""
         constraint = self._editor.entity
         part, chain = constraint.point.part, constraint.chain
-        parts = link_parts(part)
+        parts = link_parts(constraint)
         for link, words in link_words(part).items():
             self._names[link].setText(words)
             self._names[link].setVisible(link in parts)
@@ -112,6 +119,6 @@ class ChainSection(Section):
         if part in own and part != BodyPart.PELVIS:  # the figure's pelvis is the root
             self._segments.put(part, 0.0 if own[part] > 0.0 else 1.0)
             return
-        links = link_parts(self._editor.entity.point.part)
+        links = link_parts(self._editor.entity)
         link = next(link for link, parts in links.items() if part in parts)
         self._set(link, 0.0 if getattr(self._editor.entity.chain, link) > 0.0 else 1.0)

@@ -1,0 +1,86 @@
+"""Arms and legs that a balance recruits: as free as they are at a frame, and no farther than they can (METHOD 7).
+
+``asked``, ``chain``, ``body``, ``work`` and ``pose`` are what ``kernels.constraints`` describes.
+"""
+
+import math
+
+from studio.core.kernels.balance import centre_of_mass, segment_centres, set_balance_rows
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.goals import BALANCE
+from studio.core.kernels.limb import soft_reach
+from studio.core.kernels.vectors import copy_point
+
+MASS_COMFORT, MASS_REACH = 0.6, 0.85
+"""Part of what joints can do for the centre of mass that is asked of them freely, and of what their levers promise that
+they can do.
+"""
+
+
+@kernel
+def free_limbs(frame, recruits, chain):
+    """Shoulders and hips as free as their limbs are at this frame, in mobility and in how far they may turn.
+
+    ``recruits`` as ``kernels.adapt.solve_frames`` takes them.
+    """
+    joints, usual, free = recruits
+    mobilities, limits = chain[0], chain[3]
+    for n in range(joints.shape[0]):
+        for row in range(mobilities.shape[0]):
+            mobilities[row, joints[n]] = free[n, frame] * usual[row, n]
+        limits[joints[n]] = free[n, frame] * usual[mobilities.shape[0], n]
+
+
+@kernel
+def note_balances(level, asked, chain, body, work, pose):
+    """Where a level's balances are to bring the centre of mass: where they want it, or (METHOD 19) softly on the way
+    there as far as the joints can, where limbs help: at their limits arms would whirl about for what is out of reach.
+    """
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.kind != BALANCE or row.wanted != 1 or row.rank != level:
+            continue
+        copy_point(row.places[0], row.places[1])
+        if not frees_limbs(chain[2]):
+            continue
+        point = work[5][0]
+        segment_centres(body[1], pose[0], work[6])
+        centre_of_mass(body[1], work[6], point)
+        squared = 0.0
+        for axis in range(row.axes):
+            squared += (row.places[0, axis] - point[axis]) ** 2
+        if squared < 1e-12:
+            continue
+        way = math.sqrt(squared)
+        reach = MASS_REACH * mass_reach(row, chain[0][c], chain, body, work, pose[0]) / way
+        part = reach * soft_reach(way / reach, MASS_COMFORT) / way if reach > 1e-9 else 0.0
+        for axis in range(row.axes):
+            row.places[1, axis] = point[axis] + part * (row.places[0, axis] - point[axis])
+
+
+@kernel
+def frees_limbs(slots):
+    """Whether a shoulder or a hip is among the joints."""
+    spine_count = slots.shape[0] - 19
+    arms = slots[spine_count + 3] >= 0 or slots[spine_count + 7] >= 0
+    return arms or slots[spine_count + 10] >= 0 or slots[spine_count + 14] >= 0
+
+
+@kernel
+def mass_reach(row, mobilities, chain, body, work, positions):
+    """How far (metres squared) all joints that may help, each turned to its limit, move the centre of mass from
+    ``work[5][0]`` towards its place, times that way: their levers along it.
+    """
+    rows, point, total = work[0][0], work[5][0], 0.0
+    set_balance_rows(row.axes, body[1], work[6], chain[1], positions, rows)
+    for joint in range(chain[1].shape[0]):
+        if mobilities[joint] <= 0.0:
+            continue
+        squared = 0.0
+        for side in range(3):
+            along = 0.0
+            for axis in range(row.axes):
+                along += rows[axis, joint, side] * (row.places[0, axis] - point[axis])
+            squared += along * along
+        total += 2.0 * math.atan(chain[3][joint]) * math.sqrt(squared)
+    return total

@@ -1,0 +1,67 @@
+"""Arms and legs that a balance may recruit: which are free, when, and how far they may turn then (METHOD 7)."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.contacts import ContactInterval, contact_mask
+from studio.core.ground import Ground
+from studio.core.morphology import AnyMorphology, sole_rows
+from studio.core.solver.chains import HIP_LIMIT, FreeJoints
+from studio.core.solver.footing import freedom
+
+FloatArray = NDArray[np.float64]
+
+Recruits = tuple[NDArray[np.int64], FloatArray, FloatArray]
+
+
+def find_recruits(joints: FreeJoints, spine_count: int, freedoms: Callable[[], FloatArray]) -> Recruits:
+    """The n of N ``joints`` that are shoulders and hips, as ``kernels.adapt`` takes them.
+
+    (n,) which they are; (C + L + 1, n) their mobilities and, last, their limits; (n, F) the part of both that each has
+    at every frame, of the ``freedoms`` (4, F) of all limbs, which are asked for only where there are any.
+    """
+    k = spine_count
+    limb_of = {k + 3: 0, k + 7: 1, k + 10: 2, k + 14: 3}
+    segments = joints.joints[:, 0].tolist()
+    found = np.array([joint for joint, segment in enumerate(segments) if segment in limb_of], dtype=np.int64)
+    usual = np.ascontiguousarray(np.vstack([joints.mobilities, np.nan_to_num(joints.limits)])[:, found])
+    limbs = [limb_of[segments[joint]] for joint in found]
+    return found, usual, np.ascontiguousarray(freedoms()[limbs]) if limbs else np.zeros((0, 1))
+
+
+def limb_freedoms(
+    limbs: NDArray[np.int64],
+    activations: FloatArray,
+    contacts: Sequence[ContactInterval],
+    frame_rate: float,
+) -> FloatArray:
+    """(4, F) 0 while a limb stands or anything is asked of it, eased to 1 soon after and before.
+
+    ``limbs`` (C, 2) those on which each constraint has a point, ``activations`` (C, F). However little is asked, it is
+    to be exactly there: so a limb is back in the motion's own pose when its wish begins.
+    """
+    found = []
+    for limb in range(4):
+        spans = [(each.first, each.last) for each in contacts if each.point.limb == limb]
+        asked = (activations[(limbs == limb).any(axis=1)] > 0.0).any(axis=0)
+        found.append(freedom(contact_mask(spans, activations.shape[1]) | asked, frame_rate))
+    return np.array(found)
+
+
+def leg_room(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
+    """(2, F) part of its limit to which each leg may turn about its hip, however it turns, and not enter the ground.
+
+    A point c metres above the ground and h beside the hip may turn c / h. Of the limit and what ankle, ball and tip of
+    the foot may turn it is the smooth minimum. ``positions`` (F, P, 3).
+    """
+    found = []
+    for side in range(2):
+        hip, soles = body.layout.hip(side), sole_rows(body, side)
+        points = positions[:, hip + 2 : hip + 5]
+        soles_above = np.stack([soles[:, 3], np.maximum(soles[:, 3] + soles[:, 2], 0.0), np.zeros(len(soles))], axis=1)
+        above = np.maximum(points[..., 2] - ground.height_at(points) - soles_above, 1e-9)
+        beside = np.linalg.norm(points[..., :2] - positions[:, hip : hip + 1, :2], axis=-1)
+        found.append((1.0 + ((HIP_LIMIT * beside / above) ** 4).sum(axis=1)) ** -0.25)
+    return np.array(found)

@@ -1,0 +1,287 @@
+"""A balance recruits free arms and the free leg: as far as they are free, and nothing else of them."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.balance import BalanceConstraint, Support
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
+from studio.core.ground import Ground
+from studio.core.kernels.adapt import make_work
+from studio.core.kernels.balance import LEGS_FOLLOW, centre_of_mass, segment_centres, set_balance_rows
+from studio.core.kernels.joints import ROOT
+from studio.core.kernels.placing import carry_body
+from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import normalize
+from studio.core.pose import PoseSequence
+from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.footing import FREED_AFTER
+from studio.core.solver.recruiting import leg_room, limb_freedoms
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.support import mass_path
+from studio.io.character_file import bundled_characters
+from tests.builders import make_capture, make_skeleton
+from tests.core.motions import ALWAYS, HINGES, RATE, about, local_rotations, target, walk
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+FRAMES, UP, DOWN = 90, 20, 70
+"""The left foot leaves the ground and comes back."""
+
+
+def _kick() -> tuple[NormalizedMotion, tuple[ContactInterval, ...]]:
+    """One who stands on the right leg and raises the left one before."""
+    skeleton, joint = make_skeleton(), make_skeleton().index
+    raised = np.sin(np.pi * np.clip((np.arange(FRAMES) - UP) / (DOWN - UP), 0.0, 1.0)) ** 2
+    rotations = np.zeros((FRAMES, skeleton.joint_count, 4))
+    rotations[..., 3] = 1.0
+    for side, name in enumerate(("Left", "Right")):
+        lift = raised * (1 - side)
+        rotations[:, joint(f"{name}UpLeg")] = about((0, 1, 0), -0.1 - 1.1 * lift)
+        rotations[:, joint(f"{name}Leg")] = about((0, 1, 0), 0.2 + 0.4 * lift)
+        rotations[:, joint(f"{name}Foot")] = about((0, 1, 0), -0.1 + 0.2 * lift)
+        rotations[:, joint(f"{name}Arm")] = about((-1 if side == 0 else 1, 0, 0), 1.1 + 0.1 * raised)
+        rotations[:, joint(f"{name}ForeArm")] = about(HINGES[f"{name}ForeArm"], 0.5 + 0.3 * raised)
+    translations = np.tile(skeleton.offsets, (FRAMES, 1, 1))
+    translations[:, 0, 2] -= 0.005
+    capture = make_capture("kick", FRAMES, skeleton=skeleton, poses=PoseSequence(rotations, translations))
+    spans = {0: [(0, UP), (DOWN, FRAMES - 1)], 1: [(0, FRAMES - 1)]}
+    contacts = tuple(
+        ContactInterval("kick", ContactPoint(f"{('left', 'right')[side]}_{part}"), *span)
+        for side, many in spans.items()
+        for span in many
+        for part in ("heel", "toe")
+    )
+    return normalize(capture)[0], contacts
+
+
+KICK, CONTACTS = _kick()
+STANDING = {name: stand(KICK, body, CONTACTS, Ground()) for name, body in BODIES.items()}
+WALK, STEPS = walk(FRAMES)
+ARMS, LEGS = Chain(0.0, 0.0, 0.0, 0.0, 0.0, free_arms=1.0), Chain(0.0, 0.0, 0.0, 0.0, 0.0, free_legs=1.0)
+TRUNK = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0)
+WHOLE = replace(TRUNK, free_arms=1.0, free_legs=1.0)
+MET, KEPT = 1e-3, 2e-4
+MIDDLE = 45
+
+
+def _balance(standing: Standing, frame: int, chain: Chain, aside: np.ndarray, priority: int = 0) -> BalanceConstraint:
+    """The centre of mass ``aside`` (2,) of where the motion has it at a frame."""
+    place = mass_path(standing.positions[frame : frame + 1], standing.morphology)[0, :2] + aside
+    return BalanceConstraint(
+        "motion", "Balance", BodyPoint(BodyPart.PELVIS), chain, priority, ALWAYS, place=tuple(place)
+    )
+
+
+def _support(chain: Chain) -> BalanceConstraint:
+    return BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), chain, 0, ALWAYS, place=Support())
+
+
+def _ankles(body: Morphology) -> list[int]:
+    return [body.layout.ankle(side) for side in range(2)]
+
+
+def _legs(body: Morphology, side: int) -> slice:
+    return slice(body.layout.hip(side), body.layout.hip(side) + 5)
+
+
+def _turned(solved: AdaptedMotion, standing: Standing) -> np.ndarray:
+    """(F, S) radians by which segments have turned from the motion, each in what carries it."""
+    before = local_rotations(replace(solved, positions=standing.positions, rotations=standing.rotations))
+    trace = np.einsum("fsij,fsij->fs", before[solved.first_frame :][: len(solved.rotations)], local_rotations(solved))
+    return np.arccos(np.clip((trace - 1.0) / 2.0, -1.0, 1.0))
+
+
+@given(st.sampled_from(sorted(BODIES)), st.integers(0, 89), st.floats(-np.pi, np.pi), st.floats(0.0, 0.004))
+@settings(max_examples=40)
+def test_free_arms_alone_meet_a_small_shift_and_nothing_else_moves(
+    name: str, frame: int, heading: float, shift: float
+) -> None:
+    standing, layout = STANDING[name], BODIES[name].layout
+    aside = shift * BODIES[name].stature * np.array([np.cos(heading), np.sin(heading)])
+    solved = hold(standing, (_balance(standing, frame, ARMS, aside),), frame, frame)
+    assert solved.residuals[0, 0] < MET
+    arms = {*range(layout.collar(0) + 2, layout.collar(0) + 5), *range(layout.collar(1) + 2, layout.collar(1) + 5)}
+    others = [point for point in range(layout.point_count) if point not in arms]
+    assert np.array_equal(solved.positions[0, others], standing.positions[frame, others])
+
+
+@pytest.mark.parametrize("chain", [LEGS, WHOLE], ids=["legs", "whole"])
+@pytest.mark.parametrize("name", BODIES)
+def test_planted_feet_never_move_and_a_swinging_leg_does(name: str, chain: Chain) -> None:
+    standing, body = STANDING[name], BODIES[name]
+    solved = hold(standing, (_balance(standing, MIDDLE, chain, np.array([0.02, 0.01])),))
+    assert contact_quality(solved, CONTACTS, Ground()).slide < 1e-9
+    away = [
+        np.linalg.norm(solved.positions[:, ankle] - standing.positions[:, ankle], axis=1) for ankle in _ankles(body)
+    ]
+    assert away[0][[*range(UP + 1), *range(DOWN, FRAMES)]].max() < 1e-9
+    assert away[0][MIDDLE] > 0.005
+    assert away[1].max() < 1e-9
+
+
+@pytest.mark.parametrize("chain", [LEGS, WHOLE], ids=["legs", "whole"])
+@pytest.mark.parametrize("name", BODIES)
+def test_a_leg_that_fades_does_not_pop(name: str, chain: Chain) -> None:
+    for standing in (STANDING[name], stand(WALK, BODIES[name], STEPS, Ground())):
+        assert acceleration_ratio(hold(standing, (_support(chain),)), hold(standing, ())) < 3.0
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_recruited_leg_does_not_enter_the_ground(name: str) -> None:
+    standing, body = STANDING[name], BODIES[name]
+    for aside in ([0.05, 0.0], [-0.05, 0.0], [0.0, 0.05], [0.0, -0.05]):
+        solved = hold(standing, (_balance(standing, MIDDLE, LEGS, np.array(aside)),))
+        for side in range(2):
+            lowest = (each[:, _legs(body, side), 2].min() for each in (standing.positions, solved.positions))
+            assert next(lowest) < next(lowest) + 2e-3
+
+
+@pytest.mark.parametrize("priority", [0, 1], ids=["arm above", "arm below"])
+@pytest.mark.parametrize("name", BODIES)
+def test_an_arm_with_a_wish_of_its_own_is_left_to_it_and_the_other_helps(name: str, priority: int) -> None:
+    standing, layout = STANDING[name], BODIES[name].layout
+    for frame in (10, MIDDLE, 70):
+        wrist = standing.positions[frame, layout.wrist(0)]
+        reach = target("left_forearm", wrist + np.array([0.05, 0.0, 0.04]), Chain(clavicle=0.0), 2 * priority)
+        balance = _balance(standing, frame, ARMS, np.array([0.003, -0.002]), 1)
+        both, alone = (hold(standing, wishes, frame, frame) for wishes in ((reach, balance), (reach,)))
+        assert both.residuals[0, 0] < KEPT
+        arm = slice(layout.collar(0), layout.collar(0) + 5)
+        assert both.positions[0, arm] == pytest.approx(alone.positions[0, arm], abs=KEPT)
+        assert _turned(both, standing)[0, layout.segment(BodyPart.RIGHT_UPPER_ARM)] > 0.05
+
+
+def test_an_arm_is_back_in_the_motion_before_its_wish_begins_and_helps_again_after() -> None:
+    standing, body = STANDING["adult_woman"], BODIES["adult_woman"]
+    balance = _balance(standing, MIDDLE, ARMS, np.array([0.004, 0.004]))
+    wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
+    times = ActivationCurve(0.6, 0.8, 0.9, 1.1)
+    asked = PositionConstraint("motion", "Wrist", wrist, Chain(clavicle=0.0), 1, times, target=(1.0, 0.4, 1.2))
+    solved = hold(standing, (balance, asked))
+    turned = _turned(solved, standing)[:, body.layout.segment(BodyPart.LEFT_UPPER_ARM)]
+    begin, end = round(times.start * RATE), round(times.end * RATE)
+    soon = round(FREED_AFTER * RATE) + 2
+    assert turned[[begin, end]].max() < 0.02
+    assert turned[[begin - soon, end + soon]].min() > 0.1
+    peak = angular_acceleration(local_rotations(solved), RATE).max(axis=-1)
+    assert peak[np.r_[0 : begin - 2, end + 1 : len(peak)]].max() < 250.0  # half of what a walking leg has
+
+
+def test_freedom_is_nought_in_contact_and_while_asked_and_all_of_it_soon_after() -> None:
+    limbs, activations = np.array([[0, -1], [-1, 3]]), np.zeros((2, 90))
+    activations[0, 30:40], activations[1] = 1e-9, 0.0
+    free = limb_freedoms(limbs, activations, CONTACTS, RATE)
+    assert free.shape == (4, 90)
+    assert (free[0, 30:40] == 0.0).all()
+    assert (free[0, [0, 20, 49, 89]] == 1.0).all()
+    assert (np.diff(free[0, 20:31]) <= 0.0).all()
+    assert (free[1] == 1.0).all()
+    for side in range(2):
+        planted = contact_mask([(c.first, c.last) for c in CONTACTS if c.point.side == side], FRAMES)
+        assert (free[2 + side, planted] == 0.0).all()
+    assert free[2, MIDDLE] == 1.0
+
+
+def test_a_leg_may_turn_as_far_as_its_foot_is_high() -> None:
+    body = BODIES["adult_woman"]
+    positions = STANDING["adult_woman"].positions[:1].repeat(4, axis=0)
+    for side in range(2):
+        positions[:, _legs(body, side), 2] += np.array([0.0, 0.02, 0.2, 1.0])[:, None]
+    room = leg_room(body, Ground(), positions)
+    assert (np.diff(room, axis=1) > 0.0).all()
+    assert room[:, 0].min() < 0.3
+    assert room[:, 3].max() > 0.9
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_without_free_limbs_nothing_is_otherwise_to_the_bit(name: str) -> None:
+    standing = STANDING[name]
+    wish = _balance(standing, MIDDLE, TRUNK, np.array([0.02, 0.01]))
+    none = replace(wish, chain=replace(TRUNK, segments=((BodyPart.THORAX, 1.0),)))
+    assert np.array_equal(hold(standing, (wish,)).positions, hold(standing, (none,)).positions)
+    assert len(free_joints([TRUNK], np.zeros(1, dtype=np.int64), BODIES[name].layout).joints) + 4 == len(
+        free_joints([WHOLE], np.zeros(1, dtype=np.int64), BODIES[name].layout).joints
+    )
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_whole_body_moves_its_root_less_when_limbs_help(name: str) -> None:
+    standing = STANDING[name]
+    for frame in (35, MIDDLE):
+        moved = []
+        for chain in (TRUNK, WHOLE):
+            solved = hold(standing, (_balance(standing, frame, chain, np.array([0.03, 0.0])),), frame, frame)
+            assert solved.residuals[0, 0] < MET
+            moved.append(np.linalg.norm(solved.positions[0, 0] - standing.positions[frame, 0]))
+        assert moved[1] < 0.97 * moved[0]
+
+
+@pytest.mark.parametrize("link", ["free_arms", "free_legs"])
+def test_free_limbs_are_for_a_balance_alone(link: str) -> None:
+    sentence = "'Left forearm': free arms and legs help a balance alone. Set free_arms and free_legs to 0."
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        target("left_forearm", (0.4, 0.2, 1.0), Chain(**{link: 0.5}))
+
+
+class _Posed:
+    """One standing frame with every joint free, as the kernels have it."""
+
+    def __init__(self, standing: Standing, frame: int) -> None:
+        body, footing = standing.morphology, standing.footing
+        chain = replace(WHOLE, segments=tuple((part, 1.0) for part in (BodyPart.PELVIS, BodyPart.NECK, BodyPart.HEAD)))
+        chain = replace(chain, clavicle=1.0)
+        self.chain = free_joints([chain], np.zeros(1, dtype=np.int64), body.layout).arrays
+        self.start = standing.positions[frame], standing.rotations[frame]
+        parts = footing.comforts, footing.ankles, footing.feet, footing.toes
+        legs = (KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts), np.empty((3, 3, 3)))
+        self.masses = segment_masses(body.layout)
+        self.body = body.rows[0], self.masses, np.full(2, np.inf), legs
+        self.work = make_work(1, len(self.chain[1]), len(self.start[0]))
+
+    def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
+        """(3,) the centre of mass with a joint turned by a rotation vector, or the root moved."""
+        state = self.work[3][0]
+        state[:] = 0.0
+        state[joint] = turn if self.chain[1][joint, 0] == ROOT else np.tan(0.5 * turn)
+        pose = self.start[0].copy(), self.start[1].copy()
+        carry_body(self.chain, self.body, self.work, self.start, pose)
+        point, centres = np.empty(3), np.empty((len(self.masses), 3))
+        segment_centres(self.masses, pose[0], centres)
+        centre_of_mass(self.masses, centres, point)
+        return point
+
+    def rows(self) -> np.ndarray:
+        centres, rows = np.empty((len(self.masses), 3)), np.empty((3, len(self.chain[1]), 3))
+        segment_centres(self.masses, self.start[0], centres)
+        set_balance_rows(3, self.masses, centres, self.chain[1], self.start[0], rows)
+        return rows
+
+
+@pytest.mark.parametrize("frame", [5, 30, MIDDLE], ids="frame {}".format)
+@pytest.mark.parametrize("name", BODIES)
+def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_planted(name: str, frame: int) -> None:
+    posed, step = _Posed(STANDING[name], frame), 1e-5
+    rows = posed.rows()
+    for joint, segment in enumerate(posed.chain[1][:, 0]):
+        for axis in range(3):
+            turn = step * np.eye(3)[axis]
+            slope = (posed.mass(joint, turn) - posed.mass(joint, -turn)) / (2.0 * step)
+            if segment == ROOT:
+                assert rows[axis, joint, axis] == LEGS_FOLLOW
+                if axis < 2:  # what is lowered bends its knees
+                    assert slope[:2] == pytest.approx(rows[:2, joint, axis], abs=0.1)
+            elif segment == 0:  # the hips, too, take the legs along a little
+                assert slope == pytest.approx(rows[:, joint, axis], abs=0.05 * BODIES[name].stature)
+            else:
+                assert slope == pytest.approx(rows[:, joint, axis], abs=1e-6)
