@@ -147,7 +147,7 @@ def make_work(constraint_count, joint_count, point_count):
         np.empty(rows, np.bool_),
         np.empty(rows),
         np.zeros((rows + 2, joint_count, 3)),
-        np.empty((rows, rows)),
+        np.empty((rows, rows + 12)),
     )
     carried = np.zeros((segments + 1, 3, 3))
     note_carried(carried)

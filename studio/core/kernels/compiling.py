@@ -15,3 +15,5 @@ allocating_kernel = njit(**_COUNTED)
 """A kernel that makes arrays of its own."""
 summing_kernel = njit(**_UNCOUNTED, fastmath={"reassoc", "contract"})
 """A kernel whose sums may be taken in any order, several terms at once; NaN stays NaN."""
+inlined_kernel = njit(**_UNCOUNTED, inline="always")
+"""A kernel with one caller: it is compiled there and not for itself, for all that it calls is compiled with it."""

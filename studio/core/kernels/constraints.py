@@ -17,7 +17,7 @@ that neighbouring frames take neighbouring ways.
 import math
 
 from studio.core.kernels.balance import centre_of_mass, segment_centres
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import set_brakes
 from studio.core.kernels.limb import soft_reach
@@ -49,7 +49,7 @@ KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 
 
-@kernel
+@inlined_kernel
 def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     """Move one posed frame until its constraints hold as well as their chains and priorities allow."""
     spine_count = pose[0].shape[0] - 23
@@ -69,7 +69,7 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
         fresh = False
 
 
-@kernel
+@inlined_kernel
 def wants_level(level, asked):
     """Whether any constraint of this level acts now."""
     acts = False
@@ -78,7 +78,7 @@ def wants_level(level, asked):
     return acts
 
 
-@kernel
+@inlined_kernel
 def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     """Newton's steps on one level with those above held; in the end those above get back what it cost them."""
     if chain[1].shape[0] == 0:
@@ -116,7 +116,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
 
 
-@kernel
+@inlined_kernel
 def give_up(level, asked):
     """What cannot be had beside the levels above is not asked of limbs any more at this frame."""
     for c in range(asked.shape[0]):
@@ -184,7 +184,7 @@ def disturbance(level, asked, areas, body, work, pose):
     return worst
 
 
-@kernel
+@inlined_kernel
 def note_kept(level, asked, areas, body, work, pose):
     """Note what the constraints above this level have got: it is theirs to keep."""
     spine_count = pose[0].shape[0] - 23
@@ -208,7 +208,7 @@ def note_kept(level, asked, areas, body, work, pose):
                     copy_point(pose[0][root], row.kept_roots[end])
 
 
-@kernel
+@inlined_kernel
 def note_reaches(level, asked, grips, points, pose):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 

@@ -7,7 +7,7 @@ limb's end segment, -1 for none; ``turns`` (4, 3, 3) and ``points`` (8, 3) are s
 import math
 
 from studio.core.kernels.body import body_point, turn_part
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import AREA, ORIENTATION, POSITION, end_place
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_range, bend_to, swivel_to
@@ -29,7 +29,7 @@ def limb_indices(limb, spine_count):
     return spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
 
 
-@kernel
+@inlined_kernel
 def note_grips(level, asked, spine_count, out_grips):
     """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,), -1 for none."""
     for limb in range(4):
@@ -43,7 +43,7 @@ def note_grips(level, asked, spine_count, out_grips):
             out_grips[limb] = c
 
 
-@kernel
+@inlined_kernel
 def note_seconds(asked):
     """Which places are wanted of a limb that has to bring another point to its place first.
 

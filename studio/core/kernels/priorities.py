@@ -5,7 +5,7 @@ moves row r, w_rk the mobility that the row's constraint gives it, and M_qr = su
 held come first: y_h = M_hh^-1 e_h keeps them. A row that asks moves joints along x_r = w_r J_r less what held rows
 take back, so that to the first order nothing that is held moves. Among those ways Newton's step on half the sum of
 squared errors is taken: (A^T A + H) y = A^T e with A_qr = J_q . x_r and H_qr = sum_c e_c . d2(x_q, x_r), the second
-derivatives of what is pulled (``rows.bent_away``). Gauss' step, without H, swings where nothing gets nearer; and one
+derivatives of what is pulled (``pulls.bend``). Gauss' step, without H, swings where nothing gets nearer; and one
 damping for all ways is too much for some of them and too little for others (METHOD 10).
 
 Some held rows are bounds, as what planted feet allow the root: they let go as long as the step keeps them. The one
@@ -14,9 +14,9 @@ that it would break most holds first; should it push the step to where a second 
 
 import math
 
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import inlined_kernel
 from studio.core.kernels.joints import ROOT, brake
-from studio.core.kernels.pulls import BOUND, bent_away
+from studio.core.kernels.pulls import BOUND, bend
 from studio.core.kernels.stance import keep_feet_in_reach
 from studio.core.kernels.vectors import weighted_product
 
@@ -27,19 +27,19 @@ LONGEST_STEP = 0.25
 SINGULAR = 3e-3
 """Part of itself that must be left of the pivot of a held row, or it is taken to be spoken for by others."""
 SPOKEN_FOR = 0.2
-"""The same of a row that asks."""
-FEW = 6
-"""Rows that ask, up to which the second derivatives of every pair are looked at, and not of each alone."""
+"""The same of a row that asks, while its errors are large."""
+EASED = 0.05
+"""Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
 
 
-@kernel
+@inlined_kernel
 def find_step(held, count, ask, chain, carried, turned, solving, body, start, positions):
     """How all joints are to turn and the root to move towards what the rows ask: the way (N, 3) in ``solving``.
 
     ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
     (R, 9), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
     slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
-    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3) of which the last is the step, levers (R, R)).
+    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3) of which the last is the step, levers (R, R + 12)).
     """
     rows, errors, owners, roles, brakes, _, rooms = ask
     mobilities, slots = chain[0], chain[2]
@@ -48,23 +48,27 @@ def find_step(held, count, ask, chain, carried, turned, solving, body, start, po
     for i in range(count):
         weights = mobilities[owners[i]]
         for j in range(count):
-            matrix[j, i] = weighted_product(rows[j], rows[i], weights)
+            twin = j < i and owners[j] == owners[i]
+            matrix[j, i] = matrix[i, j] if twin else weighted_product(rows[j], rows[i], weights)
         active[i] = roles[i] != BOUND
-    solve_rows(held, count, ask, chain, solving, positions)
-    first = catch_bound(held, count, errors, rooms, solving)
-    if first >= 0:
+    first = -1
+    for attempt in range(4):
         solve_rows(held, count, ask, chain, solving, positions)
-        if catch_bound(held, count, errors, rooms, solving) >= 0:
-            solve_rows(held, count, ask, chain, solving, positions)
-            if solving[4][first] < 0.0:
-                active[first] = False
-                solve_rows(held, count, ask, chain, solving, positions)
+        if attempt < 2:
+            caught = catch_bound(held, count, errors, rooms, solving)
+            first = caught if attempt == 0 else first
+            if caught < 0:
+                break
+        elif solving[4][first] < 0.0:
+            active[first] = False
+        else:
+            break
     root = slots[slots.shape[0] - 1]
     if root >= 0:
         keep_feet_in_reach(body, start, carried, turned[root], way[root])
 
 
-@kernel
+@inlined_kernel
 def stiffen_rows(count, rows, brakes):
     """A joint near its limit answers less: the root of what its brake leaves goes into the rows, the root again into
     the step.
@@ -76,7 +80,7 @@ def stiffen_rows(count, rows, brakes):
                 brake(part, brakes[k], rows[row, k])
 
 
-@kernel
+@inlined_kernel
 def solve_rows(held, count, ask, chain, solving, positions):
     """The step of all joints with the active rows, along their ways."""
     rows, errors, owners, _, brakes, _, _ = ask
@@ -105,7 +109,7 @@ def solve_rows(held, count, ask, chain, solving, positions):
             brake(math.sqrt(brakes[k, 3]), brakes[k], step[k])
 
 
-@kernel
+@inlined_kernel
 def solve_held(held, count, errors, solving):
     """What keeps the active held rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the rows a that ask; how many."""
     matrix, system, _, active, _, _, _ = solving
@@ -131,7 +135,7 @@ def solve_held(held, count, errors, solving):
     return kept
 
 
-@kernel
+@inlined_kernel
 def eliminate(system, count, columns):
     """Solve ``system`` (n, columns + 1) in place by elimination in order for all of its right sides.
 
@@ -154,7 +158,7 @@ def eliminate(system, count, columns):
             system[i, column] = value * system[i, i]
 
 
-@kernel
+@inlined_kernel
 def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
     """Along which (N, 3) a row that asks moves the joints: its own levers less what held rows take back."""
     system, active = solving[1], solving[3]
@@ -172,14 +176,16 @@ def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
             brake(math.sqrt(brakes[k, 3]), brakes[k], out_way[k])
 
 
-@kernel
+@inlined_kernel
 def solve_own(held, count, kept, ask, joints, solving, positions):
     """Newton's step among the ways of the rows that ask, into ``answer``."""
     errors = ask[1]
     matrix, system, newton, active, answer, _, levers = solving
     own = count - held
+    worst = 1e-9
     for i in range(own):
         answer[held + i] = min(max(errors[held + i], -LONGEST_ERROR), LONGEST_ERROR)
+        worst = max(worst, abs(answer[held + i]))
         for j in range(own):
             levers[i, j] = matrix[held + i, held + j]
         place = 0
@@ -200,10 +206,10 @@ def solve_own(held, count, kept, ask, joints, solving, positions):
                 along += levers[q, i] * levers[q, j]
             newton[i, j] = along
     add_curvature(held, count, kept, ask, joints, solving, positions)
-    solve_positive(newton, own, matrix, answer, held)
+    solve_positive(newton, own, matrix, worst / (worst + EASED), answer, held)
 
 
-@kernel
+@inlined_kernel
 def add_curvature(held, count, kept, ask, joints, solving, positions):
     """Add H to the normal equations: what pulls, and what bounds push back with, times how each way bends from it.
 
@@ -211,7 +217,7 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
     left out, so that the equations stay positive.
     """
     errors, roles, pulls = ask[1], ask[3], ask[5]
-    system, newton, active, ways = solving[1], solving[2], solving[3], solving[5]
+    system, newton, active, ways, scratch = solving[1], solving[2], solving[3], solving[5], solving[6]
     place = 0
     for q in range(count):
         push = 1.0
@@ -225,45 +231,18 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
             for j in range(held, count):
                 push -= system[place - 1, kept + 1 + j - held] * min(max(errors[j], -LONGEST_ERROR), LONGEST_ERROR)
         if push > 0.0 and pulls[q, 7] >= 0.0:
-            bend(push, pulls[q], count - held, ways[held:], joints, newton, system[-1], positions)
+            bend(push, pulls[q], held, count, ways, joints, newton, scratch, positions)
 
 
-@kernel
-def bend(push, pull, own, ways, joints, newton, alone, positions):
-    """Add the second derivatives of one pull along every way, and for few rows every pair; ``alone`` is scratch."""
-    both = ways[ways.shape[0] - 2]
-    for i in range(own):
-        alone[i] = max(push * bent_away(pull, ways[i], joints, positions)[1], 0.0)
-        newton[i, i] += alone[i]
-    if own > FEW:
-        return
-    for i in range(own):
-        for j in range(i):
-            if alone[i] == 0.0 or alone[j] == 0.0:
-                continue
-            for k in range(both.shape[0]):
-                for axis in range(3):
-                    both[k, axis] = 0.25 * (ways[i, k, axis] + ways[j, k, axis])
-            together = bent_away(pull, both, joints, positions)[1]
-            for k in range(both.shape[0]):
-                for axis in range(3):
-                    both[k, axis] -= 0.5 * ways[j, k, axis]
-            pair = push * 4.0 * (together - bent_away(pull, both, joints, positions)[1])
-            most = 0.9 * math.sqrt(alone[i] * alone[j])
-            pair = min(max(pair, -most), most)
-            newton[i, j] += pair
-            newton[j, i] += pair
-
-
-@kernel
-def solve_positive(newton, count, matrix, answer, first):
+@inlined_kernel
+def solve_positive(newton, count, matrix, damping, answer, first):
     """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``.
 
     No pivot sinks below what is left of a row when it is spoken for.
     """
     for i in range(count):
         floor = SPOKEN_FOR * matrix[first + i, first + i]
-        pivot = max(newton[i, i], 0.0) + floor * floor + 1e-15
+        pivot = max(newton[i, i], 0.0) + damping * floor * floor + 1e-15
         newton[i, i] = pivot
         for j in range(i + 1, count):
             factor = newton[j, i] / pivot
@@ -277,7 +256,7 @@ def solve_positive(newton, count, matrix, answer, first):
         answer[first + i] = value / newton[i, i]
 
 
-@kernel
+@inlined_kernel
 def catch_bound(held, count, errors, rooms, solving):
     """Make the bound active that the step would break most; its row, -1 for none.
 
@@ -300,7 +279,7 @@ def catch_bound(held, count, errors, rooms, solving):
     return caught
 
 
-@kernel
+@inlined_kernel
 def move_joints(part, chain, carried, way, turned):
     """Add a part of the step to the state of every joint, less where that is too long; the longest way in metres."""
     _, joints, _, limits = chain
@@ -320,7 +299,7 @@ def move_joints(part, chain, carried, way, turned):
     return scale * longest
 
 
-@kernel
+@inlined_kernel
 def turn_further(x, y, z, carrier, limit, turned):
     """Compose a small turn in world axes with a joint's Gibbs vector: g' = (t + g + t x g) / (1 - t . g), limited."""
     tx = 0.5 * (carrier[0, 0] * x + carrier[1, 0] * y + carrier[2, 0] * z)

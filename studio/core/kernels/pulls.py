@@ -2,11 +2,15 @@
 
 import math
 
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.joints import ROOT
 
 ASK, HOLD, BOUND = 0, 1, 2
 """Roles of rows: a bound is one that holds once it is reached."""
+FEW = 6
+"""Rows that ask, up to which the second derivatives of every pair are looked at, and not of each alone."""
+OWN = 12
+"""Numbers of a way before those of its pairs."""
 DRIFT = 2e-3
 """Metres by which a step may bend away what is held, before that is mended."""
 
@@ -54,7 +58,72 @@ def bent_away(pull, rates, joints, positions):
     return w * gets_nearer, w * bent, w * squared, math.sqrt(ax * ax + ay * ay + az * az)
 
 
+@inlined_kernel
+def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
+    """Add ``push`` times the second derivatives e . H(x_i, x_j) of one pull to ``newton`` (n, n + 1), for every pair of
+    the ways ``held`` to ``count`` of (R, N, 3), in one pass over the joints; ``scratch`` (R, R + 12) is written over.
+
+    With u = g x r and s = g + 2 w of a way at each joint, e . a_ij gains ((e x s_i) . u_j + (e x s_j) . u_i) / 2. What
+    would bend towards the goal is left out, and a pair counts at most 0.9 of the mean of what each of the two bends away
+    alone, so that the equations stay positive.
+    """
+    own, carrier, weight = count - held, int(pull[7]), push * pull[8]
+    ex, ey, ez, span = pull[0], pull[1], pull[2], pull[3]
+    for i in range(own):
+        for column in range(OWN + own):
+            scratch[i, column] = 0.0
+    for k in range(joints.shape[0]):
+        if joints[k, 0] == ROOT:
+            for i in range(own):
+                for axis in range(3):
+                    scratch[i, axis] += ways[held + i, k, axis]
+        elif joints[k, 2] <= carrier < joints[k, 3]:
+            origin = joints[k, 1]
+            rx, ry, rz = pull[4] - positions[origin, 0], pull[5] - positions[origin, 1], pull[6] - positions[origin, 2]
+            for i in range(own):
+                turn_about(ways[held + i, k], rx, ry, rz, ex, ey, ez, scratch[i])
+                for j in range(i + 1 if own <= FEW else 0):
+                    scratch[i, OWN + j] += 0.5 * (along(scratch[i], scratch[j]) + along(scratch[j], scratch[i]))
+                if own > FEW:
+                    scratch[i, OWN + i] += along(scratch[i], scratch[i])
+    squared = max(ex * ex + ey * ey + ez * ez, 1e-24)
+    stretch = 0.0 if span == 0.0 else math.sqrt(squared) / span
+    for i in range(own):
+        for j in range(i if own > FEW else 0, i + 1):
+            bent = -scratch[i, OWN + j]
+            if span != 0.0:
+                vx, vy, vz = scratch[i, 0], scratch[i, 1], scratch[i, 2]
+                wx, wy, wz = scratch[j, 0], scratch[j, 1], scratch[j, 2]
+                across = (ex * vx + ey * vy + ez * vz) * (ex * wx + ey * wy + ez * wz) / squared
+                bent += stretch * (vx * wx + vy * wy + vz * wz - across)
+            scratch[i, OWN + j] = weight * bent
+        scratch[i, OWN + i] = max(scratch[i, OWN + i], 0.0)
+        newton[i, i] += scratch[i, OWN + i]
+        for j in range(i if own <= FEW else 0):
+            most = 0.9 * math.sqrt(scratch[i, OWN + i] * scratch[j, OWN + j])
+            pair = min(max(scratch[i, OWN + j], -most), most)
+            newton[i, j] += pair
+            newton[j, i] += pair
+
+
 @kernel
+def turn_about(rates, rx, ry, rz, ex, ey, ez, way):
+    """One joint of a way at ``rates`` (3,), with lever r: its v and w so far, then u = g x r and e x (g + 2 w)."""
+    gx, gy, gz = rates[0], rates[1], rates[2]
+    sx, sy, sz = gx + 2.0 * way[3], gy + 2.0 * way[4], gz + 2.0 * way[5]
+    way[3], way[4], way[5] = way[3] + gx, way[4] + gy, way[5] + gz
+    way[6], way[7], way[8] = gy * rz - gz * ry, gz * rx - gx * rz, gx * ry - gy * rx
+    way[9], way[10], way[11] = ey * sz - ez * sy, ez * sx - ex * sz, ex * sy - ey * sx
+    way[0], way[1], way[2] = way[0] + way[6], way[1] + way[7], way[2] + way[8]
+
+
+@kernel
+def along(first, second):
+    """(e x s) of the first way . u of the second, as ``turn_about`` left them."""
+    return first[9] * second[6] + first[10] * second[7] + first[11] * second[8]
+
+
+@inlined_kernel
 def part_of_step(held, count, roles, pulls, way, joints, positions):
     """The part of a step after which its own errors are least to the second order, and what is held stays in place.
 

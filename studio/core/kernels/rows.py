@@ -6,7 +6,7 @@
 import math
 
 from studio.core.kernels.balance import centre_of_mass, segment_centres, set_balance_rows
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
@@ -22,7 +22,7 @@ MISSED = 2e-3
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
 
 
-@kernel
+@inlined_kernel
 def add_feet_rows(owner, count, chain, body, ask, start, positions):
     """Bounds of both legs: their hips go no further from the ankles than the leash. The new number of rows."""
     ankles = body[3][2]
