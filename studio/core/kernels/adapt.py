@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.areas import put_area
-from studio.core.kernels.balance import centre_of_mass, segment_centres
+from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import move_all
 from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
 from studio.core.kernels.compiling import allocating_kernel, kernel
@@ -158,7 +158,7 @@ def make_work(constraint_count, joint_count, point_count):
         np.zeros((2, joint_count, 3)),
         np.empty(4, np.int64),
         np.empty((8, 3)),
-        np.empty((segments, 3)),
+        np.empty((segments + 1, 4)),
         np.empty((4, 3, 3)),
     )
 
@@ -182,8 +182,7 @@ def set_goals(frame, asked, areas, wishes, activations, body, work, pose):
             rotation_vector_to_matrix(share * point[0], share * point[1], share * point[2], turn)
             multiply(turn, begin, row.turn)
         elif row.kind == BALANCE:
-            segment_centres(body[1], pose[0], work[6])
-            centre_of_mass(body[1], work[6], point)
+            centre_of_mass(body[1], pose[0], work[6], point)
             for axis in range(3):
                 way = 0.0 if math.isnan(wish[axis]) else wish[axis] - point[axis]
                 row.places[0, axis] = point[axis] + share * way

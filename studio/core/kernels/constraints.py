@@ -7,7 +7,7 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``body`` (measures, masses (S, 2), leashes (2,), legs): leashes are the parts of their lengths to which the root may
   stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet, toes and scratch.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (2, N, 3) state and the one before, grips (4,), points (8, 3),
-  centres (S, 3), turns (4, 3, 3)): scratch, the first two as in ``kernels.priorities``.
+  sums (S + 1, 4), turns (4, 3, 3)): scratch, the first two as in ``kernels.priorities``.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
@@ -16,7 +16,7 @@ that neighbouring frames take neighbouring ways.
 
 import math
 
-from studio.core.kernels.balance import centre_of_mass, segment_centres
+from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import set_brakes
@@ -197,8 +197,7 @@ def note_kept(level, asked, areas, body, work, pose):
             row.kept_miss *= TURN_ARM
             copy_matrix(pose[1][row.ends[0, 1]], row.kept_turn)
         elif row.kind == BALANCE:
-            segment_centres(body[1], pose[0], work[6])
-            centre_of_mass(body[1], work[6], row.kept_places[0])
+            centre_of_mass(body[1], pose[0], work[6], row.kept_places[0])
         else:
             for end in range(2):
                 if row.ends[end, 0] >= 0:

@@ -6,7 +6,7 @@
 import math
 
 from studio.core.kernels.areas import nearest_allowed
-from studio.core.kernels.balance import centre_of_mass, segment_centres
+from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import (
@@ -176,8 +176,7 @@ def miss_of(c, asked, areas, body, work, pose):
         turn_error(row.turn, pose[1][row.ends[0, 1]], work[7][0], point)
         return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
     if row.kind == BALANCE:
-        segment_centres(body[1], pose[0], work[6])
-        centre_of_mass(body[1], work[6], point)
+        centre_of_mass(body[1], pose[0], work[6], point)
         squared = 0.0
         for axis in range(row.axes):
             squared += (point[axis] - row.places[0, axis]) ** 2

@@ -63,9 +63,9 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
     """Add ``push`` times the second derivatives e . H(x_i, x_j) of one pull to ``newton`` (n, n + 1), for every pair of
     the ways ``held`` to ``count`` of (R, N, 3), in one pass over the joints; ``scratch`` (R, R + 12) is written over.
 
-    With u = g x r and s = g + 2 w of a way at each joint, e . a_ij gains ((e x s_i) . u_j + (e x s_j) . u_i) / 2. What
-    would bend towards the goal is left out, and a pair counts at most 0.9 of the mean of what each of the two bends away
-    alone, so that the equations stay positive.
+    With u = g x r and s = g + 2 w of a way at each joint, e . a_ij gains ((e x s_i) . u_j + (e x s_j) . u_i) / 2.
+    What would bend towards the goal is left out, and a pair counts at most 0.9 of the mean of what each of the two
+    bends away alone, so that the equations stay positive.
     """
     own, carrier, weight = count - held, int(pull[7]), push * pull[8]
     ex, ey, ez, span = pull[0], pull[1], pull[2], pull[3]

@@ -5,7 +5,7 @@
 
 import math
 
-from studio.core.kernels.balance import centre_of_mass, segment_centres, set_balance_rows
+from studio.core.kernels.balance import centre_of_mass, set_balance_rows
 from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
@@ -103,15 +103,14 @@ def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
 
 
 @kernel
-def add_balance_rows(row, owner, is_held, count, ask, chain, body, centres, point, positions):
+def add_balance_rows(row, owner, is_held, count, ask, chain, body, sums, point, positions):
     """Two rows that move the centre of mass over the ground, or three."""
-    segment_centres(body[1], positions, centres)
-    centre_of_mass(body[1], centres, point)
+    centre_of_mass(body[1], positions, sums, point)
     for axis in range(row.axes):
         wanted = row.kept_places[0, axis] if is_held else row.places[1, axis]
         begin_row(ask, count, owner, wanted - point[axis])
         count += 1
-    set_balance_rows(row.axes, body[1], centres, chain[1], positions, ask[0][count - row.axes : count])
+    set_balance_rows(row.axes, sums, chain[1], positions, ask[0][count - row.axes : count])
     return count
 
 
