@@ -153,7 +153,7 @@ OWN_FORMATS = (
     ),
     Format(
         name="USD",
-        suffixes=(".usd", ".usda", ".usdc"),
+        suffixes=(".usd", ".usda", ".usdc", ".usdz"),
         motion_writer="studio.io.usd_writer:write_take",
     ),
     Format(

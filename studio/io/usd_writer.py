@@ -15,16 +15,18 @@ from studio.core.joint_skin import JointSkin, bone_skin, character_skin
 from studio.core.skeleton import Skeleton
 from studio.io.export import Take
 from studio.io.registry import Progress
-from studio.io.replacing import write_whole
+from studio.io.replacing import replacing_all
+from studio.io.usd_materials import bind_materials, identifiers
 
+PACKED = ".usdz"
 _BONES = "#C8CDD2"
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
     """Write skeleton, animation and the character's skin, or a figure of bones where there is none.
 
-    One time sample a frame; materials have their colours but no textures. Raises StudioError when the package is
-    missing or the file cannot be written.
+    One time sample a frame. Textures become pictures beside the file, named after it, or go into it where it is a
+    ``.usdz``. Raises StudioError when the package is missing or something cannot be written.
     """
     try:
         from pxr import Tf, Usd
@@ -32,18 +34,36 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
         raise StudioError("USD needs the package usd-core. Install it with: pip install usd-core") from error
     try:
         stage = Usd.Stage.CreateInMemory()
-        _fill(stage, take, lambda share: progress(0.9 * share, f"Writing {path.name}"))
-        with tempfile.TemporaryDirectory() as folder:  # the suffix says whether it is text or binary
-            written = Path(folder) / f"take{path.suffix.lower()}"
-            stage.Export(str(written))
-            write_whole(path, written.read_bytes())
+        pictures = _fill(stage, take, path.stem, lambda share: progress(0.9 * share, f"Writing {path.name}"))
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in pictures.items():
+                (Path(folder) / name).write_bytes(content)
+            written = _written(stage, Path(folder), path.suffix.lower())
+            beside = {} if written.suffix == PACKED else pictures
+            progress(0.9, f"Writing {path.name}")
+            with replacing_all(path, *(path.with_name(name) for name in beside)) as parts:
+                for part, content in zip(parts, (written.read_bytes(), *beside.values()), strict=True):
+                    part.write_bytes(content)
     except Tf.ErrorException as error:
         raise StudioError(f"{path.name} could not be written as USD: {error}") from error
     progress(1.0, f"Wrote {path.name}")
 
 
-def _fill(stage: Any, take: Take, progress: Any) -> None:
-    from pxr import UsdGeom, UsdSkel
+def _written(stage: Any, folder: Path, suffix: str) -> Path:
+    """The stage as a file of ``folder``, in which its pictures lie; the suffix says whether it is text or binary."""
+    from pxr import Sdf, UsdUtils
+
+    layer, package = folder / f"take{'.usdc' if suffix == PACKED else suffix}", folder / f"take{PACKED}"
+    stage.GetRootLayer().Export(str(layer))
+    if suffix != PACKED:
+        return layer
+    UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(layer)), str(package))
+    return package
+
+
+def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
+    """Put the take on the stage; returns the pictures of its textures by the names they have there."""
+    from pxr import Sdf, UsdGeom, UsdSkel, Vt
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -52,32 +72,31 @@ def _fill(stage: Any, take: Take, progress: Any) -> None:
     stage.SetStartTimeCode(0)
     stage.SetEndTimeCode(take.poses.frame_count - 1)
     skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
-    root = UsdSkel.Root.Define(stage, f"/{_identifiers([take.name])[0]}")
+    root = UsdSkel.Root.Define(stage, f"/{identifiers([take.name])[0]}")
     stage.SetDefaultPrim(root.GetPrim())
     joints = _joint_paths(take.skeleton)
     skeleton = _skeleton(stage, root, take.skeleton, skin, joints)
     _animation(stage, skeleton, take, joints, progress)
-    if len(skin.triangles):
-        _mesh(stage, root, skeleton, skin, take)
-
-
-def _identifiers(names: list[str]) -> list[str]:
-    """Names that USD allows, each once."""
-    from pxr import Tf
-
-    allowed: list[str] = []
-    for name in names:
-        valid, number = Tf.MakeValidIdentifier(name), 2
-        while valid in allowed:
-            valid, number = f"{Tf.MakeValidIdentifier(name)}_{number}", number + 1
-        allowed.append(valid)
-    return allowed
+    if not len(skin.triangles):
+        return {}
+    mesh = _mesh(stage, root, skeleton, skin)
+    if not skin.appearance:
+        colour = take.character.colour if take.character else _BONES
+        plain = (Material(take.name, colour),)
+        return bind_materials(stage, mesh, plain, np.zeros(len(skin.triangles), dtype=np.int32), stem)
+    look = skin.appearance
+    coordinates = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex
+    )
+    coordinates.Set(Vt.Vec2fArray.FromNumpy(look.coordinates))
+    mesh.CreateDoubleSidedAttr(any(material.two_sided for material in look.materials))
+    return bind_materials(stage, mesh, look.materials, look.triangle_materials, stem)
 
 
 def _joint_paths(skeleton: Skeleton) -> list[str]:
     """``Hips``, ``Hips/Spine`` ...: parents stand in the names of their children."""
     paths: list[str] = []
-    for name, parent in zip(_identifiers(list(skeleton.names)), skeleton.parents.tolist(), strict=True):
+    for name, parent in zip(identifiers(list(skeleton.names)), skeleton.parents.tolist(), strict=True):
         paths.append(f"{paths[parent]}/{name}" if parent >= 0 else name)
     return paths
 
@@ -116,7 +135,7 @@ def _animation(stage: Any, skeleton: Any, take: Take, joints: list[str], progres
     UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([made.GetPath()])
 
 
-def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin, take: Take) -> None:
+def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin) -> Any:
     from pxr import UsdGeom, UsdSkel, Vt
 
     mesh = UsdGeom.Mesh.Define(stage, root.GetPath().AppendChild("Skin"))
@@ -133,26 +152,4 @@ def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin, take: Take) -> 
     count = skin.joints.shape[1]
     binding.CreateJointIndicesPrimvar(False, count).Set(Vt.IntArray.FromNumpy(skin.joints.ravel()))
     binding.CreateJointWeightsPrimvar(False, count).Set(Vt.FloatArray.FromNumpy(skin.weights.astype("f4").ravel()))
-    if skin.appearance:
-        _materials(stage, mesh, skin.appearance.materials, skin.appearance.triangle_materials)
-    else:
-        colour = take.character.colour if take.character else _BONES
-        _materials(stage, mesh, (Material(take.name, colour),), np.zeros(len(skin.triangles), dtype=np.int32))
-
-
-def _materials(stage: Any, mesh: Any, materials: tuple[Material, ...], of_triangles: Any) -> None:
-    """A preview surface of its colour for each material, bound to the triangles that it covers."""
-    from pxr import Sdf, UsdGeom, UsdShade, Vt
-
-    names = _identifiers([material.name for material in materials])
-    for place, (name, material) in enumerate(zip(names, materials, strict=True)):
-        made = UsdShade.Material.Define(stage, mesh.GetPath().GetParentPath().AppendPath(f"Materials/{name}"))
-        shader = UsdShade.Shader.Define(stage, made.GetPath().AppendChild("Surface"))
-        shader.CreateIdAttr("UsdPreviewSurface")
-        shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(tuple(material.linear_colour))
-        made.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
-        covered = np.flatnonzero(of_triangles == place).astype(np.int32)
-        subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(
-            name, Vt.IntArray.FromNumpy(covered), UsdGeom.Tokens.face
-        )
-        UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(made)
+    return mesh

@@ -16,12 +16,12 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.character_file import bundled_characters
 from studio.io.export import take_of_adapted, take_of_capture, write_take
-from studio.io.importing import load_capture
+from studio.io.importing import load_capture, load_character
 from tests.builders import make_capture
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
-from pxr import Usd, UsdGeom, UsdSkel
+from pxr import Ar, Usd, UsdGeom, UsdShade, UsdSkel
 
 TENTH_OF_A_MILLIMETRE = 1e-4
 
@@ -90,13 +90,59 @@ def test_joints_with_names_that_usd_does_not_allow_keep_them_beside_their_paths(
     assert np.linalg.norm(joints_at(kept[1], 7) - expected[7], axis=1).max() < TENTH_OF_A_MILLIMETRE
 
 
-def test_materials_come_along_with_their_colours(captures, tmp_path):
-    from studio.io.importing import load_character
+def surfaces(stage):
+    """Of each bound material: the triangles it covers, its surface, and the shader that gives its colour, if any."""
+    for prim in stage.Traverse():
+        if prim.IsA(UsdGeom.Subset):
+            material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
+            surface = UsdShade.Shader(material.ComputeSurfaceSource()[0])
+            source = surface.GetInput("diffuseColor").GetConnectedSources()[0]
+            texture = UsdShade.Shader(source[0].source.GetPrim()) if source else None
+            yield list(UsdGeom.Subset(prim).GetIndicesAttr().Get()), surface, texture
 
+
+@pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usdz"])
+def test_materials_come_along_with_their_textures_and_where_on_the_skin_they_lie(captures, tmp_path, suffix):
     character = load_character(captures / "characters" / "kaykit_barbarian_stocky.glb").character
-    write_take(take_on(character, make_capture()), tmp_path / "out.usda")
-    text = (tmp_path / "out.usda").read_text()
-    assert text.count('"UsdPreviewSurface"') == len(character.skin.appearance.materials)
+    look = character.skin.appearance
+    write_take(take_on(character, make_capture()), tmp_path / f"out{suffix}")
+    stage = Usd.Stage.Open(str(tmp_path / f"out{suffix}"))
+    [mesh] = [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
+    places = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+    assert places.GetInterpolation() == "vertex"
+    assert np.array_equal(np.array(places.Get()), look.coordinates)
+    found = list(surfaces(stage))
+    assert len(found) == len(look.materials)
+    for place, ((triangles, surface, texture), material) in enumerate(zip(found, look.materials, strict=True)):
+        assert triangles == np.flatnonzero(look.triangle_materials == place).tolist()
+        if material.texture is None:
+            assert np.allclose(surface.GetInput("diffuseColor").Get(), material.linear_colour)
+            continue
+        asset = texture.GetInput("file").Get()
+        with Ar.GetResolver().OpenAsset(Ar.ResolvedPath(asset.resolvedPath)) as content:
+            assert bytes(content.GetBuffer()) == material.texture.tobytes()
+        assert np.allclose(texture.GetInput("scale").Get(), (*material.linear_colour, 1.0))
+        reader = texture.GetInput("st").GetConnectedSources()[0][0].source
+        assert UsdShade.Shader(reader.GetPrim()).GetInput("varname").Get() == "st"
+    assert any(material.texture is not None for material in look.materials)
+
+
+def test_pictures_lie_beside_the_file_under_its_name_or_are_not_there(captures, tmp_path):
+    character = load_character(captures / "characters" / "kaykit_barbarian_stocky.glb").character
+    take = take_on(character, make_capture())
+    write_take(take, tmp_path / "packed.usdz")
+    assert [each.name for each in tmp_path.iterdir()] == ["packed.usdz"]
+    write_take(take, tmp_path / "out.usd")
+    written = {each.name for each in tmp_path.iterdir()}
+    assert {each.split("_")[0] for each in written} == {"packed.usdz", "out.usd", "out"}
+
+    def stop(share, _text):
+        if share >= 0.9:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_take(take, tmp_path / "next.usd", stop)
+    assert {each.name for each in tmp_path.iterdir()} == written
 
 
 def test_without_usd_core_a_sentence_says_what_to_install(tmp_path, monkeypatch):
