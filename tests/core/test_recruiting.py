@@ -16,7 +16,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import make_work
-from studio.core.kernels.balance import LEGS_FOLLOW, centre_of_mass, segment_centres, set_balance_rows
+from studio.core.kernels.balance import LEGS_FOLLOW, centre_of_mass, set_balance_rows
 from studio.core.kernels.joints import ROOT
 from studio.core.kernels.placing import carry_body
 from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
@@ -256,15 +256,14 @@ class _Posed:
         state[joint] = turn if self.chain[1][joint, 0] == ROOT else np.tan(0.5 * turn)
         pose = self.start[0].copy(), self.start[1].copy()
         carry_body(self.chain, self.body, self.work, self.start, pose)
-        point, centres = np.empty(3), np.empty((len(self.masses), 3))
-        segment_centres(self.masses, pose[0], centres)
-        centre_of_mass(self.masses, centres, point)
+        point = np.empty(3)
+        centre_of_mass(self.masses, pose[0], np.empty((len(self.masses) + 1, 4)), point)
         return point
 
     def rows(self) -> np.ndarray:
-        centres, rows = np.empty((len(self.masses), 3)), np.empty((3, len(self.chain[1]), 3))
-        segment_centres(self.masses, self.start[0], centres)
-        set_balance_rows(3, self.masses, centres, self.chain[1], self.start[0], rows)
+        sums, rows = np.empty((len(self.masses) + 1, 4)), np.empty((3, len(self.chain[1]), 3))
+        centre_of_mass(self.masses, self.start[0], sums, np.empty(3))
+        set_balance_rows(3, sums, self.chain[1], self.start[0], rows)
         return rows
 
 
