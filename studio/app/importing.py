@@ -11,7 +11,7 @@ from studio.app.workbench import Workbench
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.project import Clip, Motion, Project
+from studio.core.project import Clip, Motion, Project, new_id
 from studio.core.staging import side_by_side
 from studio.document.document import Document
 from studio.io.importing import ImportOptions, load_annotations
@@ -22,11 +22,12 @@ READ_SHARE = 0.7
 
 @dataclass(frozen=True)
 class ReadMotion:
-    """What the background hands back: a capture, and what is known of its motion (of no id yet)."""
+    """What the background hands back: a capture, and what is known of its motion, which is to have this id."""
 
     capture: Capture
     annotations: Annotations
     read_as: ReadAs
+    motion_id: str
 
 
 def read_motion(
@@ -34,17 +35,20 @@ def read_motion(
     options: ImportOptions,
     progress: Callable[[float, str], None],
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
+    expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
     """Read and look for contacts. Raises StudioError whose last sentence says that nothing was changed.
 
-    ``known`` are the corrections of earlier files, by kind.
+    ``known`` are the corrections of earlier files, by kind; ``expect`` hears of the capture as soon as it is read.
     """
     try:
         capture, read_as = read_as_corrected(
             path, options, known, lambda share, text: progress(READ_SHARE * share, text)
         )
+        expect(capture)
         progress(READ_SHARE, "looking for contacts")
-        return ReadMotion(capture, load_annotations(path, capture, ""), read_as)
+        motion_id = new_id()
+        return ReadMotion(capture, load_annotations(path, capture, motion_id), read_as, motion_id)
     except StudioError as error:
         raise StudioError(f"{error} {UNCHANGED}") from error
 
@@ -61,9 +65,11 @@ def import_motion(bench: Workbench, path: Path, options: ImportOptions | None = 
         tell_corrections(bench, capture_id)
 
     known = bench.settings.corrections
-    task: int = bench.runner.run(
-        f"Opening {path.name}", lambda progress: read_motion(path, options or ImportOptions(), progress, known), done
-    )
+
+    def read(progress: Callable[[float, str], None]) -> ReadMotion:
+        return read_motion(path, options or ImportOptions(), progress, known, bench.live.expect)
+
+    task: int = bench.runner.run(f"Opening {path.name}", read, done)
     return task
 
 
@@ -75,11 +81,11 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
             character_id = document.add("characters", character, text)
             document.add("performers", replace(performer, character_id=character_id), text)
         capture_id = document.add("captures", read.capture, text)
-        motion_id = document.add("motions", Motion(read.capture.name, capture_id), text)
-        _annotate(document, motion_id, read.annotations, text)
-        _perform(document, motion_id, text)
+        document.put_all("motions", {read.motion_id: Motion(read.capture.name, capture_id)}, text)
+        _annotate(document, read.annotations, text)
+        _perform(document, read.motion_id, text)
     show_motion(document)
-    return motion_id
+    return read.motion_id
 
 
 def perform_capture(bench: Workbench, capture_id: str) -> None:
@@ -192,15 +198,14 @@ def replace_motion(document: Document, capture_id: str, capture: Capture, known:
                 for key in document.project.contacts_of(motion_id):
                     document.remove("contacts", key, text)
                 contacts = Annotations(known.contacts)  # the constraints are the user's by now
-                _annotate(document, motion_id, contacts, text)
+                _annotate(document, contacts.of_motion(motion_id), text)
                 if old.body_map is None:
                     _perform(document, motion_id, text)
 
 
-def _annotate(document: Document, motion_id: str, annotations: Annotations, text: str) -> None:
-    of_motion = annotations.of_motion(motion_id)
-    document.add_all("contacts", of_motion.contacts or (), text)
-    document.add_all("constraints", of_motion.constraints, text)
+def _annotate(document: Document, annotations: Annotations, text: str) -> None:
+    document.add_all("contacts", annotations.contacts or (), text)
+    document.add_all("constraints", annotations.constraints, text)
 
 
 def _perform(document: Document, motion_id: str, text: str) -> None:

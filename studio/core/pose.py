@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.rotations import normalized, sign_continuous
+from studio.core.kernels.poses import unite_signs
 
 FloatArray = NDArray[np.float64]
 
@@ -40,8 +40,9 @@ class PoseSequence:
                 raise StudioError(f"The {kind} of joint {joint} in frame {frame} is not a finite number.")
         if (np.einsum("fjk,fjk->fj", rotations, rotations) < 1e-12).any():
             raise StudioError("A rotation has a quaternion of length zero.")
-        rotations = sign_continuous(normalized(rotations))
-        for field, array in (("local_rotations", rotations), ("local_translations", translations)):
+        united = np.empty(rotations.shape)
+        unite_signs(rotations, united)
+        for field, array in (("local_rotations", united), ("local_translations", translations)):
             array.setflags(write=False)
             object.__setattr__(self, field, array)
 

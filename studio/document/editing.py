@@ -1,6 +1,6 @@
 """EditedProject: an immutable project that is replaced by undo commands, with its selection and playhead."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import groupby
 from operator import itemgetter
@@ -13,7 +13,7 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_id
+from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_ids, references
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
 from studio.document.playhead import Playhead
@@ -74,7 +74,8 @@ class EditedProject(QObject):
         self._check(collection, new)
         if not same_value(old, new):
             if self._group is None:
-                self._refuse(self._project, self._project.with_entity(collection, entity_id, new), (entity_id,))
+                edits = (Edit(collection, entity_id, old, new),)
+                self._refuse(self._project, applied(self._project, edits), edits)
             self._change((Edit(collection, entity_id, old, new),), text, gesture)
 
     def add(self, collection: str, entity: Entity, text: str) -> str:
@@ -84,16 +85,22 @@ class EditedProject(QObject):
 
     def add_all(self, collection: str, entities: Iterable[Entity], text: str) -> list[str]:
         """``add`` for many at once: a motion of an hour has thousands of contacts."""
+        entities = tuple(entities)
+        return self.put_all(collection, dict(zip(new_ids(len(entities)), entities, strict=True)), text)
+
+    def put_all(self, collection: str, entities: Mapping[str, Entity], text: str) -> list[str]:
+        """``add_all`` of entities whose ids, new ones, were made before: by a worker that refers to them."""
         place = len(getattr(self._project, collection))
-        edits: list[Edit] = []
-        for entity in entities:
-            self._check(collection, entity)
-            edits.append(Edit(collection, new_id(), None, entity, place + len(edits)))
+        self._check(collection, *entities.values())
+        edits = tuple(
+            Edit(collection, entity_id, None, entity, place + number)
+            for number, (entity_id, entity) in enumerate(entities.items())
+        )
         if edits and self._group is None:
-            self._refuse(self._project, applied(self._project, edits), [edit.entity_id for edit in edits])
+            self._refuse(self._project, applied(self._project, edits), edits)
         if edits:
-            self._change(tuple(edits), text, None)
-        return [edit.entity_id for edit in edits]
+            self._change(edits, text, None)
+        return list(entities)
 
     def remove(self, collection: str, entity_id: str, text: str) -> None:
         """Take an entity away, and what cannot be without it, as one step."""
@@ -111,7 +118,7 @@ class EditedProject(QObject):
         self._group, before = [], self._project
         try:
             yield
-            self._refuse(before, self._project, dict.fromkeys(edit.entity_id for edit in self._group))
+            self._refuse(before, self._project, self._group)
         except BaseException:
             undone, self._group = tuple(self._group), None
             self._show(reverted(undone))
@@ -165,20 +172,27 @@ class EditedProject(QObject):
             raise StudioError(f"The project has no {entity_id!r} among its {collection}.")
         return entity
 
-    def _check(self, collection: str, entity: Entity) -> None:
-        if not isinstance(entity, CLASSES[collection]):
-            raise TypeError(f"A {type(entity).__name__} does not belong among the {collection}.")
-        for name, key in self._project.missing_references(entity):
-            raise StudioError(f"It refers to {key!r}, which is not among the project's {name}.")
-        if isinstance(entity, Constraint):
-            capture = self._project.captures[self._project.motions[entity.motion_id].capture_id]
-            for follow in follows_of(entity):
-                if isinstance(follow, FollowTracked):
-                    capture.skeleton.index(follow.joint)
+    def _check(self, collection: str, *entities: Entity) -> None:
+        for entity in entities:
+            if not isinstance(entity, CLASSES[collection]):
+                raise TypeError(f"A {type(entity).__name__} does not belong among the {collection}.")
+        for name, key in dict.fromkeys(reference for entity in entities for reference in references(entity)):
+            if self._project.get(name, key) is None:
+                raise StudioError(f"It refers to {key!r}, which is not among the project's {name}.")
+        for entity in entities if collection == "constraints" else ():
+            self._check_tracked(entity)
 
-    def _refuse(self, before: Project, after: Project, entity_ids: Iterable[str]) -> None:
+    def _check_tracked(self, constraint: Entity) -> None:
+        """Raise StudioError where a constraint follows a joint that its capture does not have."""
+        assert isinstance(constraint, Constraint)
+        capture = self._project.captures[self._project.motions[constraint.motion_id].capture_id]
+        for follow in follows_of(constraint):
+            if isinstance(follow, FollowTracked):
+                capture.skeleton.index(follow.joint)
+
+    def _refuse(self, before: Project, after: Project, edits: Iterable[Edit]) -> None:
         """Raise StudioError for a constraint that cannot stand beside the others, unless that was so before."""
-        for key in entity_ids:
+        for key in dict.fromkeys(edit.entity_id for edit in edits if edit.collection == "constraints"):
             sentence = _objection(after, key)
             if sentence is not None and _objection(before, key) is None:
                 raise StudioError(sentence)

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from statistics import mean, median
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 WINDOW_SECONDS = 0.75
 KEPT_STANDING = 16
 TIMES_KEPT = 7
-_SOURCE = "source "
+_SOURCE, _EXPECTED = "source ", "expected "
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
 Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
@@ -162,6 +162,11 @@ class LiveAdaptation(QObject):
             return None
         return known[1]
 
+    def expect(self, capture: Capture) -> None:
+        """Normalise a capture that is about to be shown, beside what else is done until then; from any thread."""
+        if capture.body_map is not None:
+            self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepare(capture))
+
     def wait(self, timeout: float = 10.0) -> bool:
         """Run the event loop until nothing is pending; False when ``timeout`` seconds are not enough."""
         end = time.monotonic() + timeout
@@ -273,7 +278,9 @@ class LiveAdaptation(QObject):
         reach = round(WINDOW_SECONDS * rate)
         return max(frame - reach, 0), min(frame + reach, capture.frame_count - 1)
 
-    def _take(self, key: str, _revision: int, answer: Solved | AdaptedMotion) -> None:
+    def _take(self, key: str, _revision: int, answer: Any) -> None:
+        if key.startswith(_EXPECTED):
+            return
         if isinstance(answer, Solved):
             self._results[key] = answer.adapted
             if answer.whole:
@@ -288,7 +295,9 @@ class LiveAdaptation(QObject):
             if performer.clips and performer.clips[0].motion_id == motion_id:
                 self.adapted.emit(performer_id)
 
-    def _tell(self, _key: str, _revision: int, error: Exception) -> None:
+    def _tell(self, key: str, _revision: int, error: Exception) -> None:
+        if key.startswith(_EXPECTED):
+            return  # it comes again when the capture is shown
         if not isinstance(error, StudioError):
             raise error
         self._document.problem.emit(str(error))

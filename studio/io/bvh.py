@@ -277,7 +277,8 @@ def _frames(
         last = int(np.searchsorted(ends, row_start, side="left"))
         repairs.append(f"{name}, line {first_line + last + 1}: the last row is cut off and was dropped.")
         total = row_start
-    if not np.isin(np.arange(width, total + 1, width), ends).all():
+    rows = np.arange(width, total + 1, width)
+    if (ends[np.searchsorted(ends, rows)] != rows).any():
         raise _wrong_row(name, counts, width, first_line)
     lines, counts = lines[: last + 1], counts[: last + 1]
     told = lambda share: progress(0.3 + 0.7 * share, f"Reading the motion of {name}")  # noqa: E731

@@ -28,6 +28,7 @@ from studio.io.guessing import (
     unit_called,
 )
 from studio.io.importing import ImportOptions
+from studio.io.pieces import in_threads
 from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
@@ -105,20 +106,23 @@ def to_world(
 ) -> tuple[Skeleton, PoseSequence]:
     """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
 
-    Turned like that, a quaternion has its axis turned. A long file is taken in pieces, which tells how far it is and
-    never keeps the window waiting.
+    Turned like that, a quaternion has its axis turned. A long file is taken in pieces by two threads, which tells how
+    far it is and never keeps the window waiting.
     """
     skeleton, frames = file.skeleton, np.arange(file.frame_count)
     scaled = metres * file_to_world.T
     turned = Skeleton(skeleton.names, skeleton.parents, skeleton.offsets @ scaled, skeleton.end_sites)
     rotations = np.empty((len(frames), skeleton.joint_count, 4))
     translations = np.empty((len(frames), skeleton.joint_count, 3))
-    for first in range(0, len(frames), _PIECE):
+
+    def turn(first: int) -> None:
         piece = slice(first, first + _PIECE)
-        local, translations[piece] = file.transforms(frames[piece])
+        local, moved = file.transforms(frames[piece])
         rotations[piece, :, :3], rotations[piece, :, 3] = local[..., :3] @ file_to_world.T, local[..., 3]
-        translations[piece] = translations[piece] @ scaled
-        progress(first / len(frames))
+        translations[piece] = moved @ scaled
+
+    for done in in_threads(turn, range(0, len(frames), _PIECE)):
+        progress(done)
     return turned, PoseSequence(rotations, translations)
 
 

@@ -134,10 +134,11 @@ def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Gu
     """
     if len(positions) < 24:
         return 0, None
-    relative = positions - positions[:, :1]
-    steps = np.linalg.norm(np.diff(relative, axis=0), axis=2).max(axis=1)
+    if _steps(positions[:2])[0] * frame_rate < 5.0:
+        return 0, None
+    steps = _steps(positions)
     usual = np.percentile(steps[16:], 99)
-    if steps[0] < 3.0 * usual or steps[0] * frame_rate < 5.0:
+    if steps[0] < 3.0 * usual:
         return 0, None
     calm = max(np.percentile(steps[16:], 80), 0.03 * steps[0])
     first, latest = 1, min(int(_LONGEST_SNAP * frame_rate), 16)
@@ -145,6 +146,12 @@ def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Gu
         first += 1
     reason = f"The body jumps by {steps[0] * 100:.0f} cm after frame 0, a calibration pose."
     return first, Guess("first frame", str(first), reason)
+
+
+def _steps(positions: FloatArray) -> FloatArray:
+    """(F - 1,) metres by which the joint that moves most, seen from the first one, moves from frame to frame."""
+    relative = positions - positions[:, :1]
+    return np.asarray(np.linalg.norm(np.diff(relative, axis=0), axis=2).max(axis=1))
 
 
 def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap) -> Guess:

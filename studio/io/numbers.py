@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.core.kernels.decimals import count_words, read_decimals
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
@@ -52,7 +53,11 @@ def lines_of(content: bytes) -> list[bytes]:
 
 def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
     """How many words each line has."""
-    return np.fromiter((len(line.split()) for line in lines), dtype=np.int64, count=len(lines))
+    counts = np.zeros(len(lines), dtype=np.int64)
+    step = _lines_a_piece(lines)
+    for start in range(0, len(lines), step):
+        count_words(_as_bytes(b"\n".join(lines[start : start + step])), counts[start : start + step])
+    return counts
 
 
 def table(
@@ -65,7 +70,7 @@ def table(
     """
     ends = np.concatenate([[0], np.cumsum(counts)])
     values = np.empty(int(ends[-1]))
-    step = max(1, _PIECE * len(lines) // (sum(map(len, lines)) + 1))
+    step = _lines_a_piece(lines)
     for start in range(0, len(lines), step):
         end = min(start + step, len(lines))
         piece = _numbers(lines[start:end], int(ends[end] - ends[start]), name, first_line + start)
@@ -75,7 +80,9 @@ def table(
 
 
 def _numbers(lines: list[bytes], words: int, name: str, first_line: int) -> NDArray[np.float64]:
-    block = b" ".join(lines)
+    block, read = b" ".join(lines), np.empty(words)
+    if read_decimals(_as_bytes(block), _ABSURD, read):
+        return read
     if not block.translate(None, _ALLOWED):
         values = _parse(block)
         if values is not None and len(values) == words and (np.abs(values) <= _ABSURD).all():
@@ -91,6 +98,14 @@ def _parse(block: bytes) -> NDArray[np.float64] | None:
         return np.array(np.fromstring(block, dtype=np.float64, sep=" "))
     except (ValueError, DeprecationWarning):  # numpy's two ways to say "a word is no number"
         return None
+
+
+def _lines_a_piece(lines: list[bytes]) -> int:
+    return max(1, _PIECE * len(lines) // (sum(map(len, lines)) + 1))
+
+
+def _as_bytes(text: bytes) -> NDArray[np.uint8]:
+    return np.frombuffer(text, dtype=np.uint8) if text else np.empty(0, dtype=np.uint8)
 
 
 def _shown(text: str) -> str:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect
 
 from studio.core.project import Project
@@ -13,6 +15,8 @@ from studio.engine.residuals import Residual, worst_residual
 from studio.timeline.axis import TimeAxis
 from studio.timeline.strips import Strip, strip_of
 from studio.timeline.subject import Subject
+
+FloatArray = NDArray[np.float64]
 
 LABEL_WIDTH = 196
 
@@ -77,6 +81,11 @@ class Shown:
     def x_of_frame(self, frame: float) -> float:
         """Pixel of a frame of the motion."""
         return self.axis.x_of_time(self.subject.stage_time(frame))
+
+    def xs_of_frames(self, frames: FloatArray) -> FloatArray:
+        """Pixels of frames of the motion, of any shape."""
+        seconds = frames / self.subject.frame_rate + self.subject.offset
+        return self.axis.left + (seconds - self.axis.start) * self.axis.scale
 
     def frame_at(self, x: float) -> float:
         """Frame of the motion at a pixel, not rounded."""

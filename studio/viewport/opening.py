@@ -16,6 +16,8 @@ ENOUGH_APART = 0.8
 ROWS = 24
 CHIPS, STEPS_BACK = 56.0, 6
 """Pixels that the chips take along the upper edge; most steps back to free the heads of them."""
+LOOKED_AT = 500
+"""Frames, spread over a motion, that tell where its body faces."""
 CLEARLY = 0.3
 """Length of a mean direction that is a direction still."""
 
@@ -55,7 +57,10 @@ def below_chips(camera: OrbitCamera, posed: Mapping[str, Posed], size: tuple[flo
 
 def _facing(posed: Mapping[str, Posed]) -> float:
     """Azimuth towards which the pelves face most of the time; 0 where they turn all round."""
-    ways = [(pose.placement.rotation @ pose.motion.rotations[:, 0, :, 0].mean(axis=0))[:2] for pose in posed.values()]
+    ways = []
+    for pose in posed.values():
+        rows = np.unique(np.linspace(0, pose.motion.frame_count - 1, LOOKED_AT).astype(int))
+        ways.append((pose.placement.rotation @ pose.motion.rotations[rows, 0, :, 0].mean(axis=0))[:2])
     way = np.mean(ways, axis=0) if ways else np.zeros(2)
     return float(np.arctan2(way[1], way[0])) if np.hypot(*way) > CLEARLY else 0.0
 

@@ -65,13 +65,15 @@ def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Coll
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
     """A small ring on the ground where a heel, toe, hand, knee or seat is in contact now."""
-    found = []
+    found, standing = [], {}
     for pose in posed.values():
-        frame = pose.row + pose.motion.first_frame
-        for contact in project.contacts_of(pose.motion_id or "").values():
-            if contact.first <= frame <= contact.last:
-                colour = colours.kind_colour("contact")
-                found.append(_ring(_touching_point(pose, contact), MARK_RADIUS, project, colour, 0.9))
+        moment = pose.motion_id or "", pose.row + pose.motion.first_frame
+        if moment not in standing:  # once for all bodies: a long motion has thousands of contacts
+            contacts = project.contacts_of(moment[0]).values()
+            standing[moment] = [each for each in contacts if each.first <= moment[1] <= each.last]
+        for contact in standing[moment]:
+            colour = colours.kind_colour("contact")
+            found.append(_ring(_touching_point(pose, contact), MARK_RADIUS, project, colour, 0.9))
     return found
 
 

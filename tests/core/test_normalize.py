@@ -13,6 +13,8 @@ from studio.core.humanoid import BodyMap
 from studio.core.kernels import layout as at
 from studio.core.kinematics import joint_world
 from studio.core.morphology import Morphology
+from studio.core.normalized.alignment import find_alignments
+from studio.core.normalized.landmarks import find_landmarks
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, heading, normalize
 from studio.core.normalized.realize import realize, restore
@@ -21,6 +23,7 @@ from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.skeleton import Skeleton
 from tests.builders import BODY_MAP, make_capture, make_morphology
 from tests.core.motions import about, placed, random_rotations, scaled, swaying, times
+from tests.core.twins.normalize import channels_of
 from tests.core.twins.rotation import about_z
 
 seeds = st.integers(0, 2**32 - 1)
@@ -39,6 +42,29 @@ def _assert_comes_back(capture: Capture) -> None:
 @settings(max_examples=25)
 def test_a_capture_comes_back_from_its_normalised_motion(seed: int, amplitude: float) -> None:
     _assert_comes_back(swaying(seed, amplitude=amplitude))
+
+
+@given(seeds, st.floats(0.1, 3.0))
+@settings(max_examples=10)
+def test_channels_are_those_of_whole_arrays(seed: int, amplitude: float) -> None:
+    capture = swaying(seed, amplitude=amplitude)
+    motion, actor = normalize(capture)
+    assert capture.body_map is not None
+    marks = find_landmarks(capture, capture.body_map)
+    rotations = marks.aligned(actor.alignments)
+    expected = channels_of(actor.morphology, marks.points - actor.origin, rotations, capture.frame_rate)
+    assert motion.channels == pytest.approx(expected, abs=1e-12)
+
+
+@given(seeds)
+@settings(max_examples=10)
+def test_segments_turn_with_the_joints_that_move_them(seed: int) -> None:
+    capture = swaying(seed)
+    names = {part: joint for part, joint in BODY_MAP.items() if "clavicle" not in part}
+    marks = find_landmarks(capture, BodyMap.from_json(capture.skeleton, names))
+    alignments = find_alignments(marks)
+    by_segment = [marks.rotations_of(segment) @ each for segment, each in enumerate(alignments)]
+    assert marks.aligned(alignments) == pytest.approx(np.stack(by_segment, axis=1), abs=1e-14)
 
 
 @given(seeds)

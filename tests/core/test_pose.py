@@ -5,6 +5,7 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.core.pose import PoseSequence
+from studio.core.rotations import normalized, sign_continuous
 
 
 def _rotations(frames: int = 4, joints: int = 3) -> np.ndarray:
@@ -16,6 +17,12 @@ def test_quaternions_become_unit_and_continuous() -> None:
     assert np.allclose(np.linalg.norm(poses.local_rotations, axis=2), 1.0)
     assert (np.sum(poses.local_rotations[1:] * poses.local_rotations[:-1], axis=2) >= 0).all()
     assert (poses.frame_count, poses.joint_count) == (4, 3)
+
+
+def test_signs_are_those_that_lie_nearest_to_the_frame_before() -> None:
+    given = _rotations(200, 5)
+    poses = PoseSequence(given, np.zeros((200, 5, 3)))
+    assert np.array_equal(poses.local_rotations, sign_continuous(normalized(given)))
 
 
 def test_frames_are_counted_with_both_ends() -> None:

@@ -108,6 +108,22 @@ def test_a_capture_is_normalised_once_for_all_performers_and_edits(make_scene: A
     assert len(scene.solver.prepared) == 1
 
 
+def test_a_capture_that_is_expected_is_normalised_before_it_is_shown(make_scene: Any) -> None:
+    scene = make_scene()
+    assert scene.live.wait()
+    coming = make_capture(frames=50)
+    scene.live.expect(coming)
+    assert scene.live.wait()
+    assert scene.solver.prepared[-1] is coming
+    before = len(scene.solver.prepared)
+    motion_id = next(iter(scene.document.project.motions))
+    motion = scene.document.project.motions[motion_id]
+    capture_id = scene.document.add("captures", coming, "Import")
+    scene.document.replace("motions", motion_id, replace(motion, capture_id=capture_id), "Import")
+    assert scene.live.wait()
+    assert len(scene.solver.prepared) == before
+
+
 def test_a_change_is_followed_by_those_it_concerns_only(make_scene: Any) -> None:
     scene = make_scene(characters=2)
     scene.live.wait()

@@ -78,7 +78,7 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     root = marks.layout.proximal_points()[upper]
     u = normalized(marks.points[:, root + 1] - marks.points[:, root])
     f = normalized(marks.points[:, root + 2] - marks.points[:, root + 1])
-    bend = np.einsum("fji,fj->fi", marks.rotations[:, upper], np.cross(u, f))
+    bend = np.einsum("fji,fj->fi", marks.rotations_of(upper), np.cross(u, f))
     total = bend[np.linalg.norm(bend, axis=1) > BENT].sum(axis=0)
     if np.linalg.norm(total) > BENT:
         return normalized(marks.reference_rotations[upper] @ total)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.capture import Capture
 from studio.core.humanoid import BodyMap
+from studio.core.kernels.normalize import align_segments
 from studio.core.kinematics import joint_world, rest_poses
 from studio.core.skeleton import Skeleton
 
@@ -22,18 +23,30 @@ class Landmarks:
     """Canonical points and the joints that stand for the segments, of one capture.
 
     ``points`` (F, P, 3) metres in capture space, ``reference`` (P, 3) the same in the reference pose;
-    ``segment_joints`` (S,) as in ``Actor``; ``rotations`` (F, S, 3, 3) and ``reference_rotations`` (S, 3, 3) of
-    those joints in the world (of the carrying segment's joint where there is none); ``reference_is_rest`` tells
-    whether the reference is the skeleton's own zero pose or a frame of its motion.
+    ``segment_joints`` (S,) as in ``Actor``, ``moving_joints`` (S,) the same with the carrying segment's joint where
+    there is none; ``joint_rotations`` (F, J, 3, 3) of all joints in the world, ``reference_rotations`` (S, 3, 3) of
+    those that move segments; ``reference_is_rest`` tells whether the reference is the skeleton's own zero pose or a
+    frame of its motion.
     """
 
     layout: BodyLayout
     segment_joints: IntArray
+    moving_joints: IntArray
     points: FloatArray
     reference: FloatArray
-    rotations: FloatArray
+    joint_rotations: FloatArray
     reference_rotations: FloatArray
     reference_is_rest: bool
+
+    def rotations_of(self, segment: int) -> FloatArray:
+        """(F, 3, 3) of the joint that moves a segment, in the world."""
+        return self.joint_rotations[:, self.moving_joints[segment]]
+
+    def aligned(self, alignments: FloatArray) -> FloatArray:
+        """(F, S, 3, 3) canonical rotations R_joint A of all segments, A as ``find_alignments`` has it."""
+        rotations = np.empty((len(self.points), self.layout.segment_count, 3, 3))
+        align_segments(self.joint_rotations, self.moving_joints, alignments, rotations)
+        return rotations
 
 
 def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
@@ -48,9 +61,10 @@ def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
     return Landmarks(
         layout,
         joints,
-        _points(layout, capture.skeleton, body_map, joints, positions, rotations),
-        _points(layout, capture.skeleton, body_map, joints, ref_positions, ref_rotations)[0],
-        rotations[:, moving],
+        moving,
+        _points(layout, capture.skeleton, body_map, joints, positions),
+        _points(layout, capture.skeleton, body_map, joints, ref_positions)[0],
+        rotations,
         ref_rotations[0, moving],
         bool((np.abs(capture.reference_rotations[1:, 3]) > 1.0 - 1e-9).all()),
     )
@@ -79,7 +93,6 @@ def _points(
     body_map: BodyMap,
     joints: IntArray,
     positions: FloatArray,
-    rotations: FloatArray,
 ) -> FloatArray:
     points = np.empty((len(positions), layout.point_count, 3))
     for segment, point in enumerate(layout.proximal_points()):

@@ -122,7 +122,7 @@ def hold(
     ``bound`` lets a report ask what would be without the feet's contacts or the joints' limits.
     """
     window = slice(first, standing.motion.frame_count if last is None else last + 1)
-    positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
+    positions, rotations = standing.positions[window], standing.rotations[window]  # theirs too where nothing is asked
     residuals = np.full((len(constraints), len(positions)), np.nan)
     if constraints:
         known = _known_tracks(standing, constraints, window, tracks)

@@ -33,7 +33,7 @@ class Edit:
     @property
     def reverted(self) -> "Edit":
         """The edit that takes this one back."""
-        return replace(self, old=self.new, new=self.old)
+        return Edit(self.collection, self.entity_id, self.new, self.old, self.place)
 
 
 def applied(project: Project, edits: Iterable[Edit]) -> Project:

@@ -1,5 +1,6 @@
 """Contacts of a foot, the hands, the knees or the seat: a thin line a point, heel above ball, left above right."""
 
+import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter
 
@@ -11,6 +12,7 @@ from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
 HEIGHT = 24
 LINE = 7
 EDGE_REACH = 5.0
+LEAST_BAR = 3.0
 LANES = {
     "left foot": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
     "right foot": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
@@ -46,24 +48,40 @@ def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
     """Where a contact lies: from its first frame to its last, three pixels at least."""
     line = lane(row, contact.point)
     left, right = shown.x_of_frame(contact.first), shown.x_of_frame(contact.last)
-    spare = max(3.0 - (right - left), 0.0) / 2
+    spare = max(LEAST_BAR - (right - left), 0.0) / 2
     return QRectF(left - spare, line.top(), right - left + 2 * spare, line.height())
 
 
 def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> None:
-    """The selected contact has a light edge. Of an hour on a thousand pixels most bars lie on one another."""
-    painted: set[QRect] = set()
-    for key, contact in _contacts(shown, row_id):
-        bar = contact_bar(shown, row, contact)
-        edge = colours.SELECTED_HANDLE if shown.is_selected("contacts", key) else None
-        pixels = bar.toRect()
-        if edge is None and pixels in painted:
-            continue
-        painted.add(pixels)
-        paint_bar(painter, bar, translucent(FILLS[LANES[row_id].index(contact.point)], 1.0), 2, None)
-        if edge:
+    """Bars that lie on one another, as most of an hour on a thousand pixels, are one; the selected has a light edge."""
+    contacts = _contacts(shown, row_id)
+    for point, fill in zip(LANES[row_id], FILLS, strict=False):
+        line = lane(row, point)
+        own = [(each.first, each.last) for _, each in contacts if each.point == point]
+        for left, right in seen_bars(shown, own):
+            bar = QRectF(left, line.top(), right - left, line.height())
+            paint_bar(painter, bar, translucent(fill, 1.0), 2, None)
+    for key, contact in contacts:
+        if shown.is_selected("contacts", key):
+            bar, edge = contact_bar(shown, row, contact), colours.SELECTED_HANDLE
             paint_bar(painter, bar.adjusted(0.5, 0.5, -0.5, -0.5), translucent(edge, 0.25), 2, edge)
             _paint_edge(painter, bar, shown.handle)
+
+
+def seen_bars(shown: Shown, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
+    """Pixels from and to which the bars of ``spans`` (first and last frame, in time) reach in the visible stretch.
+
+    Those that lie on one another are joined.
+    """
+    ends = shown.xs_of_frames(np.array(spans, dtype=np.float64).reshape(-1, 2))
+    spare = np.maximum(LEAST_BAR - (ends[:, 1] - ends[:, 0]), 0.0) / 2
+    ends += spare[:, None] * [-1.0, 1.0]
+    ends = ends[(ends[:, 1] >= shown.axis.left) & (ends[:, 0] <= shown.axis.right + LEAST_BAR)]
+    if not len(ends):
+        return []
+    begins = np.flatnonzero(np.append(True, ends[1:, 0] >= np.maximum.accumulate(ends[:-1, 1])))
+    rights = np.maximum.reduceat(ends[:, 1], begins)
+    return list(zip(ends[begins, 0].tolist(), rights.tolist(), strict=True))
 
 
 def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
@@ -75,10 +93,12 @@ def contacts_hit(shown: Shown, row: QRect, row_id: str, point: QPointF) -> Hit:
     """A contact or its end; else the lane, named by its point."""
     lanes = LANES[row_id]
     touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
+    reach = EDGE_REACH + LEAST_BAR
+    first, last = shown.frame_at(point.x() - reach), shown.frame_at(point.x() + reach)
     hits = [
         (distance, Hit("contacts", key, part))
         for key, contact in _contacts(shown, row_id)
-        if contact.point == touching
+        if contact.point == touching and contact.last >= first and contact.first <= last
         for distance, part in _grip(contact_bar(shown, row, contact), point.x())
     ]
     if hits:

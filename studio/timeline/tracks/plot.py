@@ -14,12 +14,16 @@ from studio.core.canonical import BodyLayout
 from studio.core.solver.request import AdaptedMotion
 from studio.document import colours
 from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.timeline.axis import MARGIN, TimeAxis
 from studio.timeline.shown import LABEL_WIDTH, Shown, label_area
+from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import font, paint_label, translucent
 
 LEAST_HEIGHT, MOST_HEIGHT = 54, 120
 HEADROOM = 1.12
 LINE = 1.25
+PIECES = 1
+"""Stretches of a pixel that are told apart where it has more frames."""
 
 
 class Quantity(StrEnum):
@@ -53,6 +57,8 @@ class Curve:
     colour: str
     times: NDArray[np.float64]
     values: NDArray[np.float64]
+    top: float
+    """The greatest value, 0 at least."""
 
     def at(self, seconds: float) -> float:
         """The value of the frame nearest to a time."""
@@ -65,22 +71,39 @@ def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> NDArr
     if adapted.frame_count < 2:
         return np.zeros(adapted.frame_count)
     balls = adapted.positions[:, [layout.toe(side) for side in sides]]
-    velocity = np.gradient(balls, axis=0) * adapted.frame_rate
-    speed: NDArray[np.float64] = np.linalg.norm(velocity, axis=-1).max(axis=-1)
-    return speed
+    steps = np.concatenate([2.0 * (balls[1:2] - balls[:1]), balls[2:] - balls[:-2], 2.0 * (balls[-1:] - balls[-2:-1])])
+    squares = np.einsum("fsi,fsi->fs", steps, steps).max(axis=1)
+    return np.asarray(0.5 * adapted.frame_rate * np.sqrt(squares))
 
 
-def curves_of(shown: Shown, quantity: Quantity) -> list[Curve]:
-    """A curve for each body that has a result."""
-    curves = []
-    for body in shown.subject.bodies:
-        adapted = shown.result(body.performer_id)
-        values = None if adapted is None else _values(shown, quantity, body.performer_id, adapted)
-        if adapted is not None and values is not None:
-            frames = adapted.first_frame + np.arange(adapted.frame_count)
-            times = frames / shown.subject.frame_rate + shown.subject.offset
-            curves.append(Curve(body.name, body.colour, times, values))
-    return curves
+def curve_of(shown: Shown, quantity: Quantity, body: Body, adapted: AdaptedMotion) -> Curve | None:
+    """The curve of a body's result; None where it says nothing of that."""
+    values = _values(shown, quantity, body.performer_id, adapted)
+    if values is None:
+        return None
+    frames = adapted.first_frame + np.arange(adapted.frame_count)
+    times = frames / shown.subject.frame_rate + shown.subject.offset
+    return Curve(body.name, body.colour, times, values, float(values.max(initial=0.0)))
+
+
+def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times and values to be drawn of a curve over the visible stretch, and a frame more on each side.
+
+    Where a pixel has many frames, as in a capture of an hour, the least and the greatest stand for all.
+    """
+    first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + MARGIN)])
+    seen = slice(max(int(first) - 1, 0), int(last) + 1)
+    times, values = curve.times[seen], curve.values[seen]
+    size = int(len(times) / (PIECES * axis.width)) if axis.width else 0
+    if size < 2:
+        return times, values
+    pieces = len(times) // size
+    heights = values[: pieces * size].reshape(pieces, size)
+    extremes = np.stack([heights.min(axis=1), heights.max(axis=1)], axis=1).reshape(-1)
+    return (
+        np.append(np.repeat(times[: pieces * size : size], 2), times[pieces * size :]),
+        np.append(extremes, values[pieces * size :]),
+    )
 
 
 def _values(shown: Shown, quantity: Quantity, performer_id: str, adapted: AdaptedMotion) -> NDArray[np.float64] | None:
@@ -158,19 +181,23 @@ class PlotPicture:
         item.getViewBox().setBorder(None)
         self._item = item
         self._lines: list[pg.PlotCurveItem] = []
-        self._basis: tuple[object, ...] = ()
+        self._known: dict[str, tuple[tuple[object, ...], Curve | None]] = {}
 
     def fetch(self, shown: Shown) -> None:
-        """Take the newest results; nothing where they are those of the last time."""
+        """Take the newest results; of a body whose result is that of the last time, the curve of the last time."""
         revision = shown.document.revision if self.quantity.asks_document else 0
-        results = [shown.result(body.performer_id) for body in shown.subject.bodies]
-        basis = (self.quantity, shown.subject, revision, plotted_constraint(shown), *results)
-        if basis == self._basis:
-            return
-        self._basis = basis
-        self.curves = curves_of(shown, self.quantity)
-        values = [float(curve.values.max()) for curve in self.curves if len(curve.values)]
-        self.top = max([*values, 0.0]) or 1.0
+        basis = (self.quantity, shown.subject, revision, plotted_constraint(shown))
+        known: dict[str, tuple[tuple[object, ...], Curve | None]] = {}
+        for body in shown.subject.bodies:
+            adapted = shown.result(body.performer_id)
+            before = self._known.get(body.performer_id)
+            if before is not None and before[0] == (*basis, adapted):
+                known[body.performer_id] = before
+            elif adapted is not None:
+                known[body.performer_id] = (*basis, adapted), curve_of(shown, self.quantity, body, adapted)
+        self._known = known
+        self.curves = [curve for _, curve in known.values() if curve is not None]
+        self.top = max((curve.top for curve in self.curves), default=0.0) or 1.0
         while len(self._lines) < len(self.curves):
             line = pg.PlotCurveItem(antialias=True)
             line.setSegmentedLineMode("on")  # Qt strokes a long path of its own some fifty times slower
@@ -178,8 +205,6 @@ class PlotPicture:
             self._lines.append(line)
         for place, line in enumerate(self._lines):
             line.setVisible(place < len(self.curves))
-        for line, curve in zip(self._lines, self.curves, strict=False):
-            line.setData(curve.times, curve.values)
 
     def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
         """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
@@ -197,6 +222,7 @@ class PlotPicture:
             pen = pg.mkPen(QColor(curve.colour), width=LINE * painter.device().devicePixelRatio())
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet
             line.setPen(pen)
+            line.setData(*seen_curve(curve, axis))
         scene = self._widget.scene()
         scene.prepareForPaint()
         scene.render(painter, QRectF(area), QRectF(0, 0, area.width(), area.height()))
