@@ -1,6 +1,6 @@
 """The centre of mass, and how joints move it."""
 
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import ROOT, pivot_point
 
 LEGS_FOLLOW = 0.854
@@ -27,7 +27,7 @@ def centre_of_mass(masses, positions, out_sums, out_point):
     out_point[0], out_point[1], out_point[2] = out_sums[whole, 0], out_sums[whole, 1], out_sums[whole, 2]
 
 
-@inlined_kernel
+@kernel
 def set_balance_rows(axes, sums, joints, positions, rows):
     """How joints move the centre of mass along ``axes`` (2 or 3) world axes, m (c - o) x v, into ``rows`` (axes, N, 3).
 
