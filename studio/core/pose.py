@@ -1,5 +1,6 @@
 """PoseSequence: how every joint of a skeleton stands, frame by frame."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,3 +60,9 @@ class PoseSequence:
     def frames(self, first: int, last: int) -> "PoseSequence":
         """The poses from frame ``first`` to ``last``, both included."""
         return PoseSequence(self.local_rotations[first : last + 1], self.local_translations[first : last + 1])
+
+    def runs(self, length: int = 2048) -> "Iterator[tuple[slice, PoseSequence]]":
+        """The poses a run of frames at a time, for whoever tells how far the work on a long capture is."""
+        for first in range(0, self.frame_count, length):
+            run = slice(first, first + length)
+            yield run, PoseSequence(self.local_rotations[run], self.local_translations[run])

@@ -52,13 +52,13 @@ def write_bvh(
     text.write("HIERARCHY\n")
     text.writelines(_hierarchy(skeleton, positioned, unit_scale))
     text.write(f"MOTION\nFrames: {poses.frame_count}\nFrame Time: {1.0 / frame_rate:.10f}\n")
-    rows = _rows(skeleton, poses, positioned, unit_scale)
     with replacing(Path(path)) as part, open(part, "wb") as file:
         file.write(text.getvalue().encode())
-        for first in range(0, len(rows), _ROWS):
-            progress(first / len(rows), f"Writing {Path(path).name}")
-            some = rows[first : first + _ROWS]
-            np.savetxt(file, some if decimals is None else some.round(decimals) + 0.0, fmt="%.9g")  # no "-0"
+        done = 0
+        for rows in _rows(skeleton, poses, positioned, unit_scale):
+            progress(done / poses.frame_count, f"Writing {Path(path).name}")
+            np.savetxt(file, rows if decimals is None else rows.round(decimals) + 0.0, fmt="%.9g")  # no "-0"
+            done += len(rows)
 
 
 def _hierarchy(skeleton: Skeleton, positioned: frozenset[int], scale: float) -> Iterator[str]:
@@ -101,16 +101,17 @@ def _depth_first(skeleton: Skeleton) -> Iterator[int]:
         waiting.extend(reversed(skeleton.children[joint]))
 
 
-def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], scale: float) -> FloatArray:
-    """(F, C) file units and degrees, joints in the order of the file."""
-    turned = poses.local_rotations[..., [*_WORLD_TO_FILE, 3]]
-    angles = np.degrees(np.unwrap(to_euler(_ORDER, turned), axis=0))
-    positions = poses.local_translations[..., _WORLD_TO_FILE] * scale
-    columns = []
-    for joint in _depth_first(skeleton):
-        if joint in positioned and not skeleton.end_sites[joint]:
-            columns.append(positions[:, joint])
-        if not skeleton.end_sites[joint]:
-            columns.append(angles[:, joint])
-    rows: FloatArray = np.concatenate(columns, axis=1) + 0.0  # no "-0"
-    return rows
+def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], scale: float) -> Iterator[FloatArray]:
+    """(N, C) file units and degrees, joints in the order of the file, a run of frames after the other."""
+    joints = [joint for joint in _depth_first(skeleton) if not skeleton.end_sites[joint]]
+    last = np.empty((0, skeleton.joint_count, 3))
+    for _, run in poses.runs(_ROWS):
+        turned = run.local_rotations[..., [*_WORLD_TO_FILE, 3]]
+        angles = np.unwrap(np.concatenate([last, to_euler(_ORDER, turned)]), axis=0)[len(last) :]
+        positions = run.local_translations[..., _WORLD_TO_FILE] * scale
+        columns = []
+        for joint in joints:
+            columns += [positions[:, joint]] if joint in positioned else []
+            columns.append(np.degrees(angles[:, joint]))
+        yield np.concatenate(columns, axis=1) + 0.0  # no "-0"
+        last = angles[-1:]

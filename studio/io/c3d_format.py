@@ -5,6 +5,9 @@ from pathlib import Path
 from studio.io.export import Take
 from studio.io.registry import Progress
 
+_WORN = 0.6
+"""The share of the work after which all markers have their places."""
+
 
 def is_c3d(head: bytes) -> bool:
     """Whether a file that begins so may be C3D: the block of its parameters, the mark 80, and in that block the kind
@@ -20,5 +23,9 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     from studio.core.markers.virtual import virtual_trial
     from studio.io.c3d_writer import write_c3d
 
-    progress(0.0, f"Writing {path.name}")
-    write_c3d(path, virtual_trial(take.capture, take.annotations.contacts or ()))
+    trial = virtual_trial(
+        take.capture,
+        take.annotations.contacts or (),
+        lambda share: progress(_WORN * share, f"Placing the markers of {path.name}"),
+    )
+    write_c3d(path, trial, lambda share, text: progress(_WORN + (1.0 - _WORN) * share, text))

@@ -1,7 +1,7 @@
 """C3D files written: a trial with its points, signals, plates and events, as Intel floats. Whole or not at all."""
 
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.trial import MARKER, Trial
 from studio.io.c3d_parameters import BLOCK
-from studio.io.replacing import write_whole
+from studio.io.registry import Progress
+from studio.io.replacing import write_pieces
 
 FloatArray = NDArray[np.float64]
 
 _LIST = 255
 """Items that one parameter can hold; lists go on in ``LABELS2``."""
 _MOST_NUMBERS = 65535
+_FRAMES = 4096
+"""Frames that are written between two reports of progress."""
 _HEADER = struct.Struct("<BBHHHHHfHHf")
 _PLURALS = {"angle": "ANGLES", "force": "FORCES", "moment": "MOMENTS", "power": "POWERS", "scalar": "SCALARS"}
 _PLURALS |= {"reaction": "REACTIONS", "virtual": "MODELED_MARKERS"}
@@ -24,26 +27,42 @@ _PLURALS |= {"reaction": "REACTIONS", "virtual": "MODELED_MARKERS"}
 Record = tuple[str, bytes]
 
 
-def write_c3d(path: Path | str, trial: Trial) -> None:
-    """Write ``trial``; points are kept to single precision. Raises StudioError when it does not fit into C3D."""
-    write_whole(Path(path), c3d_bytes(trial))
+def write_c3d(path: Path | str, trial: Trial, progress: Progress = lambda share, text: None) -> None:
+    """Write ``trial``; points are kept to single precision. Raises StudioError when it does not fit into C3D.
+
+    ``progress`` hears a share from 0 to 1 and may raise to cancel; the file is then as it was, or absent.
+    """
+    path = Path(path)
+    write_pieces(path, _pieces(trial, lambda share: progress(share, f"Writing {path.name}")))
 
 
 def c3d_bytes(trial: Trial) -> bytes:
     """The trial as the bytes of a C3D file."""
+    return b"".join(_pieces(trial, lambda share: None))
+
+
+def _pieces(trial: Trial, progress: Callable[[float], object]) -> Iterator[bytes]:
+    """Header, parameters, then some frames at a time; each part fills whole blocks."""
     samples = _samples_a_frame(trial)
     channels = len(trial.analog.labels)
     if len(trial.labels) > _MOST_NUMBERS or channels * samples > _MOST_NUMBERS:
         raise StudioError(f"'{trial.name}' has more points or signals than a C3D file can hold ({_MOST_NUMBERS}).")
     data_block = 2 + _blocks(_parameters(trial, samples, 0))
-    section = _parameters(trial, samples, data_block)
     last = trial.first_frame + trial.frame_count - 1
-    header = _HEADER.pack(
-        *(2, 0x50, len(trial.labels), channels * samples),
-        *(_short(trial.first_frame), _short(last), 0, -1.0, data_block, samples, trial.frame_rate),
+    yield _padded(
+        _HEADER.pack(
+            *(2, 0x50, len(trial.labels), channels * samples),
+            *(_short(trial.first_frame), _short(last), 0, -1.0, data_block, samples, trial.frame_rate),
+        )
     )
-    frames = _frames(trial, samples)
-    return b"".join(_padded(part) for part in (header, section, frames))
+    yield _padded(_parameters(trial, samples, data_block))
+    size = 0
+    for first in range(0, trial.frame_count, _FRAMES):
+        progress(first / trial.frame_count)
+        frames = _frames(trial, samples, slice(first, first + _FRAMES))
+        size += len(frames)
+        yield frames
+    yield bytes(-size % BLOCK)
 
 
 def _samples_a_frame(trial: Trial) -> int:
@@ -55,12 +74,14 @@ def _samples_a_frame(trial: Trial) -> int:
     return samples
 
 
-def _frames(trial: Trial, samples: int) -> bytes:
-    unseen = np.isnan(trial.points).any(axis=-1)
-    points = np.concatenate([np.nan_to_num(trial.points), np.where(unseen, -1.0, 0.0)[..., None]], axis=-1)
-    rows = [points.reshape(trial.frame_count, -1)]
+def _frames(trial: Trial, samples: int, run: slice) -> bytes:
+    """The numbers of a run of frames."""
+    points = trial.points[run]
+    unseen = np.isnan(points).any(axis=-1)
+    numbered = np.concatenate([np.nan_to_num(points), np.where(unseen, -1.0, 0.0)[..., None]], axis=-1)
+    rows = [numbered.reshape(len(points), -1)]
     if samples:
-        rows.append(trial.analog.samples.reshape(trial.frame_count, -1))
+        rows.append(trial.analog.samples.reshape(trial.frame_count, -1)[run])
     return np.concatenate(rows, axis=1).astype("<f4").tobytes()
 
 

@@ -3,7 +3,7 @@
 Metres and world axes, Z up; rotations as quaternions x, y, z, w.
 """
 
-from io import StringIO
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +14,16 @@ from studio.core.kinematics import joint_world
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.io.export import Take
 from studio.io.registry import Progress
-from studio.io.replacing import write_whole
+from studio.io.replacing import write_pieces
 from studio.io.zipped import npy, write_zip
 
 FloatArray = NDArray[np.float64]
 
 _AXES = ("x", "y", "z", "qx", "qy", "qz", "qw")
 _ROWS = 500
-"""Rows of a table that are written between two reports of progress."""
+"""Frames that are written between two reports of progress."""
+_POSED = 0.2
+"""The share of the work after which the joints of all frames have their places."""
 
 
 def write_csv(path: Path, take: Take, progress: Progress) -> None:
@@ -29,18 +31,21 @@ def write_csv(path: Path, take: Take, progress: Progress) -> None:
 
     Residuals are metres or radians, empty where the constraint is not active. Raises StudioError.
     """
-    positions, rotations = _world(take)
-    residuals = _residuals(take)
+    write_pieces(path, _table(path, take, progress))
+
+
+def _table(path: Path, take: Take, progress: Progress) -> Iterator[bytes]:
+    """The titles, then some rows at a time."""
+    residuals, times = _residuals(take), _times(take)
     titles = ["frame", "time", *(f"{name}.{axis}" for name in take.skeleton.names for axis in _AXES), *residuals]
-    columns = np.concatenate([positions, rotations], axis=2).reshape(len(positions), -1)
-    rows = np.column_stack([_times(take), columns, *residuals.values()])
-    text = StringIO()
-    text.write(",".join(map(_quoted, titles)) + "\n")
-    for frame, row in enumerate(rows.tolist()):
-        if frame % _ROWS == 0:
-            progress(frame / len(rows), f"Writing {path.name}")
-        text.write(f"{frame}," + ",".join("" if number != number else f"{number:.9g}" for number in row) + "\n")
-    write_whole(path, text.getvalue().encode())
+    yield (",".join(map(_quoted, titles)) + "\n").encode()
+    for run, positions, rotations in _world(take):
+        progress(run.start / len(times), f"Writing {path.name}")
+        columns = np.concatenate([positions, rotations], axis=2).reshape(len(positions), -1)
+        rows = np.column_stack([times[run], columns, *(residual[run] for residual in residuals.values())])
+        for frame, row in enumerate(rows.tolist(), run.start):
+            numbers = ",".join("" if number != number else f"{number:.9g}" for number in row)
+            yield f"{frame},{numbers}\n".encode()
 
 
 def write_npz(path: Path, take: Take, progress: Progress) -> None:
@@ -50,8 +55,11 @@ def write_npz(path: Path, take: Take, progress: Progress) -> None:
     ``rotations`` (F, J, 4) in the world, ``local_rotations`` (F, J, 4), ``local_translations`` (F, J, 3),
     ``constraints`` (C,) names and ``residuals`` (C, F) by how much each is missed, NaN where it is not active.
     """
-    progress(0.0, f"Writing {path.name}")
-    positions, rotations = _world(take)
+    frames, joints = take.poses.frame_count, take.skeleton.joint_count
+    positions, rotations = np.empty((frames, joints, 3)), np.empty((frames, joints, 4))
+    for run, places, turns in _world(take):
+        positions[run], rotations[run] = places, turns
+        progress(_POSED * run.start / frames, f"Writing {path.name}")
     residuals = _residuals(take)
     arrays: dict[str, NDArray[Any]] = {
         "times": _times(take),
@@ -63,14 +71,20 @@ def write_npz(path: Path, take: Take, progress: Progress) -> None:
         "local_rotations": take.poses.local_rotations,
         "local_translations": take.poses.local_translations,
         "constraints": np.array(list(residuals), dtype=str),
-        "residuals": np.array(list(residuals.values())).reshape(len(residuals), len(positions)),
+        "residuals": np.array(list(residuals.values())).reshape(len(residuals), frames),
     }
-    write_zip(path, {f"{name}.npy": npy(array) for name, array in arrays.items()}, 4, progress)
+    members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
+    write_zip(path, members, 4, lambda share, text: progress(_POSED + (1.0 - _POSED) * share, text))
 
 
-def _world(take: Take) -> tuple[FloatArray, FloatArray]:
-    positions, matrices = joint_world(take.skeleton, take.poses)
-    return positions, sign_continuous(from_matrix(matrices))
+def _world(take: Take) -> Iterator[tuple[slice, FloatArray, FloatArray]]:
+    """Places (N, J, 3) and rotations (N, J, 4), continuous in sign, of a run of frames after the other."""
+    last = np.empty((0, take.skeleton.joint_count, 4))
+    for run, poses in take.poses.runs(_ROWS):
+        positions, matrices = joint_world(take.skeleton, poses)
+        rotations = sign_continuous(np.concatenate([last, from_matrix(matrices)]))[len(last) :]
+        yield run, positions, rotations
+        last = rotations[-1:]
 
 
 def _times(take: Take) -> FloatArray:

@@ -5,7 +5,7 @@ import errno
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -62,6 +62,12 @@ def write_whole(path: Path, content: bytes) -> None:
     """Put ``content`` in the place of ``path``, or leave what is there. Raises as ``replacing_all`` does."""
     with replacing(path) as part:
         part.write_bytes(content)
+
+
+def write_pieces(path: Path, pieces: Iterable[bytes | memoryview]) -> None:
+    """``write_whole`` of a content that comes in pieces; what makes them may raise to cancel."""
+    with replacing(path) as part, open(part, "wb") as file:
+        file.writelines(pieces)
 
 
 @contextmanager

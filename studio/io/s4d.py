@@ -51,6 +51,7 @@ def write_s4d(path: Path, s4d: S4d, progress: Progress = lambda share, text: Non
 
     Raises StudioError when it cannot be written; ``progress`` may raise to cancel.
     """
+    progress(0.0, f"Writing {path.name}")
     free, moving = pass_through_joints(s4d.actor)
     poses = s4d.actor.pass_through
     members = {

@@ -12,6 +12,8 @@ from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
 
 _FIRST_MEMBER = b"s4d.json"
+_NORMALISED = 0.3
+"""The share of writing one after which the motion is normalised."""
 
 
 def is_s4d(head: bytes) -> bool:
@@ -52,8 +54,13 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     """Write the morphology-independent motion of ``take`` with its actor; raises StudioError for what is no human."""
     from studio.io.s4d import S4d, write_s4d
 
-    progress(0.0, f"Writing {path.name}")
+    def normalising(share: float) -> None:
+        progress(_NORMALISED * share, f"Normalising {take.name}")
+
+    normalising(0.0)
     annotations = take.annotations
     if annotations.contacts is None:
         annotations = replace(annotations, contacts=detected_contacts(take.capture, ""))
-    write_s4d(path, S4d(take.capture, *normalize(take.capture), annotations), progress)
+    motion, actor = normalize(take.capture, normalising)
+    s4d = S4d(take.capture, motion, actor, annotations)
+    write_s4d(path, s4d, lambda share, text: progress(_NORMALISED + (1.0 - _NORMALISED) * share, text))

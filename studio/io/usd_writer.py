@@ -3,7 +3,9 @@
 The package usd-core is an extra of the studio (``pip install morpho-studio[usd]``), imported only here.
 """
 
+import shutil
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +19,11 @@ from studio.io.export import Take
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all
 from studio.io.usd_materials import bind_materials, identifiers
+from studio.io.zipped import write_zip
 
 PACKED = ".usdz"
+_TOLD, _SAVED = 64, 8192
+"""Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
 _BONES = "#C8CDD2"
 
 
@@ -33,32 +38,36 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     except ImportError as error:
         raise StudioError("USD needs the package usd-core. Install it with: pip install usd-core") from error
     try:
-        stage = Usd.Stage.CreateInMemory()
-        pictures = _fill(stage, take, path.stem, lambda share: progress(0.9 * share, f"Writing {path.name}"))
         with tempfile.TemporaryDirectory() as folder:
+            layer = Path(folder) / "take.usdc"
+            stage = Usd.Stage.CreateNew(str(layer))
+            pictures = _fill(stage, take, path.stem, lambda share: progress(0.9 * share, f"Writing {path.name}"))
+            stage.Save()
             for name, content in pictures.items():
                 (Path(folder) / name).write_bytes(content)
-            written = _written(stage, Path(folder), path.suffix.lower())
-            beside = {} if written.suffix == PACKED else pictures
             progress(0.9, f"Writing {path.name}")
+            written = _written(layer, stage, path.suffix.lower(), pictures, progress)
+            beside = () if written.suffix == PACKED else tuple(pictures)
             with replacing_all(path, *(path.with_name(name) for name in beside)) as parts:
-                for part, content in zip(parts, (written.read_bytes(), *beside.values()), strict=True):
-                    part.write_bytes(content)
+                for part, name in zip(parts, (written.name, *beside), strict=True):
+                    shutil.copyfile(Path(folder) / name, part)
     except Tf.ErrorException as error:
         raise StudioError(f"{path.name} could not be written as USD: {error}") from error
     progress(1.0, f"Wrote {path.name}")
 
 
-def _written(stage: Any, folder: Path, suffix: str) -> Path:
-    """The stage as a file of ``folder``, in which its pictures lie; the suffix says whether it is text or binary."""
-    from pxr import Sdf, UsdUtils
-
-    layer, package = folder / f"take{'.usdc' if suffix == PACKED else suffix}", folder / f"take{PACKED}"
-    stage.GetRootLayer().Export(str(layer))
-    if suffix != PACKED:
-        return layer
-    UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(layer)), str(package))
-    return package
+def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], progress: Progress) -> Path:
+    """The file of the layer, or one beside it: as text, or with its pictures in a package."""
+    if suffix == PACKED:
+        package = layer.with_suffix(PACKED)
+        files = {name: layer.with_name(name).read_bytes() for name in (layer.name, *pictures)}
+        write_zip(package, files, None, lambda share, text: progress(0.9 + 0.1 * share, text))
+        return package
+    if suffix == ".usda":
+        text = layer.with_suffix(".usda")
+        stage.GetRootLayer().Export(str(text))
+        return text
+    return layer
 
 
 def _fill(stage: Any, take: Take, stem: str, progress: Any) -> dict[str, bytes]:
@@ -128,8 +137,10 @@ def _animation(stage: Any, skeleton: Any, take: Take, joints: list[str], progres
     places = take.poses.local_translations.astype(np.float32)
     turns = take.poses.local_rotations.astype(np.float32)
     for frame in range(take.poses.frame_count):
-        if frame % 64 == 0:
+        if frame % _TOLD == 0:
             progress(frame / take.poses.frame_count)
+        if frame % _SAVED == 0:
+            stage.Save()
         translations.Set(Vt.Vec3fArray.FromNumpy(places[frame]), frame)
         rotations.Set(Vt.QuatfArray.FromNumpy(turns[frame]), frame)
     UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([made.GetPath()])

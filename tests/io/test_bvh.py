@@ -142,6 +142,18 @@ def test_only_joints_that_travel_get_positions(tmp_path: Path) -> None:
     ]
 
 
+def test_angles_go_on_through_the_whole_of_a_long_file(tmp_path: Path) -> None:
+    """The root turns ten times, a long file is written in runs of frames: no angle jumps back by a turn."""
+    poses = make_poses(make_skeleton(), frames=1300)
+    turns = np.linspace(0.0, 20 * np.pi, 1300)
+    rotations = poses.local_rotations.copy()
+    rotations[:, 0] = from_euler("Z", turns[:, None])
+    write_bvh(tmp_path / "turns.bvh", make_skeleton(), PoseSequence(rotations, poses.local_translations), 60.0)
+    frames = read_bvh(tmp_path / "turns.bvh").frames
+    assert np.abs(np.diff(frames[:, 3:6], axis=0)).max() < 10.0
+    assert np.ptp(frames[:, 3:6], axis=0).max() == pytest.approx(3600.0, abs=1e-3)
+
+
 def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
     skeleton = make_skeleton()
     with pytest.raises(StudioError, match="could not be written"):

@@ -10,7 +10,7 @@ from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.io.export import take_of_adapted, write_take
+from studio.io.export import take_of_adapted, take_of_capture, write_take
 from studio.io.film import write_moving
 from studio.io.registry import OWN_FORMATS
 from tests.builders import make_capture, make_character
@@ -66,6 +66,16 @@ def test_cancelling_at_any_report_leaves_the_folder_as_it_was(take, tmp_path, su
         assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == (
             [(path.name, b"precious")] if there_before else []
         )
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_long_motion_goes_out_in_pieces_each_of_which_may_be_the_last(tmp_path, suffix):
+    needs(suffix)
+    progress, told = stopping_at(0)
+    write_take(take_of_capture(make_capture(frames=9000)), tmp_path / f"out{suffix}", progress)
+    steps = np.diff([0.0, *told, 1.0])
+    assert (steps >= 0.0).all()
+    assert steps.max() <= 0.35
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

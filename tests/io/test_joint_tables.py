@@ -1,13 +1,15 @@
 """CSV and NPZ: where joints are, and by how much constraints are missed, as numbers for other programs."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from studio.core.kinematics import joint_world
 from studio.core.normalized.normalize import normalize
-from studio.core.rotations import from_matrix
+from studio.core.pose import PoseSequence
+from studio.core.rotations import from_euler, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_adapted, take_of_capture, write_take
@@ -56,3 +58,15 @@ def test_a_capture_has_no_residuals(tmp_path):
     write_take(take_of_capture(make_capture()), tmp_path / "out.npz")
     with np.load(tmp_path / "out.npz", allow_pickle=False) as file:
         assert file["residuals"].shape == (0, 30)
+
+
+def test_quaternions_keep_their_sign_through_the_whole_of_a_long_motion(tmp_path):
+    capture = make_capture(frames=1300)
+    rotations = capture.poses.local_rotations.copy()
+    rotations[:, 0] = from_euler("Z", np.linspace(0.0, 20 * np.pi, 1300)[:, None])
+    capture = replace(capture, poses=PoseSequence(rotations, capture.poses.local_translations))
+    write_take(take_of_capture(capture), tmp_path / "turns.npz")
+    with np.load(tmp_path / "turns.npz") as arrays:
+        turned, there = arrays["rotations"], arrays["positions"]
+    assert np.abs(np.diff(turned, axis=0)).max() < 0.1
+    assert np.allclose(there, joint_world(capture.skeleton, capture.poses)[0])

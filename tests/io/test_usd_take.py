@@ -125,6 +125,9 @@ def test_materials_come_along_with_their_textures_and_where_on_the_skin_they_lie
         reader = texture.GetInput("st").GetConnectedSources()[0][0].source
         assert UsdShade.Shader(reader.GetPrim()).GetInput("varname").Get() == "st"
     assert any(material.texture is not None for material in look.materials)
+    validation = pytest.importorskip("pxr.UsdValidation")
+    validators = validation.ValidationRegistry().GetOrLoadAllValidators()
+    assert [error.GetMessage() for error in validation.ValidationContext(validators).Validate(stage)] == []
 
 
 def test_pictures_lie_beside_the_file_under_its_name_or_are_not_there(captures, tmp_path):

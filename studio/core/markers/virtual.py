@@ -1,6 +1,6 @@
 """Virtual markers: a motion as a trial, as if its body had worn markers; whoever reads it can solve it again."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,32 +57,50 @@ def centre_label(joint: str) -> str:
     return f"{_joined(joint)}Centre"
 
 
-def virtual_trial(capture: Capture, contacts: Iterable[ContactInterval] = ()) -> Trial:
+def virtual_trial(
+    capture: Capture,
+    contacts: Iterable[ContactInterval] = (),
+    progress: Callable[[float], object] = lambda share: None,
+) -> Trial:
     """The joints of a motion as points under their names, and what markers a human body would wear.
 
-    Millimetres, Z up; contacts of the feet become events. The frames before ``first_frame`` are left out.
+    Millimetres, Z up; contacts of the feet become events. The frames before ``first_frame`` are left out. ``progress``
+    hears a share from 0 to 1 and may raise to cancel.
     """
-    positions, rotations = joint_world(capture.skeleton, capture.poses)
-    positions, rotations = positions[capture.first_frame :], rotations[capture.first_frame :]
+    poses = capture.poses.frames(capture.first_frame, capture.frame_count - 1)
+    kinds: dict[str, str] = {}
+    points = np.empty((poses.frame_count, 0, 3))
+    for run, some in poses.runs():
+        progress(run.start / poses.frame_count)
+        tracks, kinds = _points(capture, *joint_world(capture.skeleton, some))
+        if not run.start:
+            points = np.empty((poses.frame_count, len(tracks), 3))
+        points[run] = _UNIT * np.stack(list(tracks.values()), axis=1)
+    return Trial(
+        name=capture.name,
+        source=capture.source,
+        labels=tuple(kinds),
+        kinds=tuple(kinds.values()),
+        points=points,
+        residuals=np.zeros(points.shape[:2]),
+        frame_rate=capture.frame_rate,
+        first_frame=1,
+        unit="mm",
+        events=_events(capture, contacts),
+    )
+
+
+def _points(
+    capture: Capture, positions: FloatArray, rotations: FloatArray
+) -> tuple[dict[str, FloatArray], dict[str, str]]:
+    """Joints and what is worn, by label (N, 3), and of what kind each is."""
     points = {name: positions[:, joint] for joint, name in enumerate(capture.skeleton.names)}
     kinds = dict.fromkeys(points, VIRTUAL)
     if capture.body_map:
         worn = _worn(capture, capture.body_map, positions, rotations)
         points |= {label: track for label, track in worn.items() if label not in points}
         kinds |= {label: VIRTUAL if label.endswith("Centre") else MARKER for label in worn if label not in kinds}
-    stacked = _UNIT * np.stack(list(points.values()), axis=1)
-    return Trial(
-        name=capture.name,
-        source=capture.source,
-        labels=tuple(points),
-        kinds=tuple(kinds[label] for label in points),
-        points=stacked,
-        residuals=np.zeros(stacked.shape[:2]),
-        frame_rate=capture.frame_rate,
-        first_frame=1,
-        unit="mm",
-        events=_events(capture, contacts),
-    )
+    return points, kinds
 
 
 def _worn(capture: Capture, body_map: BodyMap, positions: FloatArray, rotations: FloatArray) -> dict[str, FloatArray]:

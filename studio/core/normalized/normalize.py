@@ -1,5 +1,7 @@
 """From a capture to its morphology-independent motion (K05 section 4; METHOD 2)."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
@@ -38,20 +40,26 @@ HEADING_SMOOTHING = 0.25
 """Seconds, standard deviation of the low-pass on the pelvis' heading."""
 
 
-def normalize(capture: Capture) -> tuple[NormalizedMotion, Actor]:
+def normalize(
+    capture: Capture, progress: Callable[[float], object] = lambda share: None
+) -> tuple[NormalizedMotion, Actor]:
     """The capture's motion without its actor's measures, and the actor.
 
-    Raises StudioError when the capture has no body map: there is no telling what its joints are.
+    ``progress`` hears a share from 0 to 1 and may raise to cancel. Raises StudioError when the capture has no body map:
+    there is no telling what its joints are.
     """
     if capture.body_map is None:
         raise StudioError(
             f"'{capture.name}' has no body map: choose which joint plays which part of the body, then try again."
         )
     marks = find_landmarks(capture, capture.body_map)
+    progress(0.3)
     contacts = _contacts_of(marks, capture)
+    progress(0.6)
     alignments = find_alignments(marks)
     rotations = marks.aligned(alignments)
     _level_soles(marks, contacts, alignments, rotations)
+    progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
     points = marks.points - origin
     body = measure_actor(marks, alignments, rotations, points, contacts, capture.first_frame)

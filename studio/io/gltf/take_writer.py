@@ -3,6 +3,7 @@
 import base64
 import json
 import struct
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from studio.core.joint_skin import JointSkin, bone_skin, character_skin
 from studio.io.export import Take
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress
-from studio.io.replacing import write_whole
+from studio.io.replacing import write_pieces
 
 FloatArray = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ _WORLD_TO_FILE = [1, 2, 0]
 """Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
 _BONES = "#C8CDD2"
+_PIECE = 3 << 18
+"""Bytes that are written between two reports of progress: whole groups of three, as base64 takes them."""
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
@@ -33,16 +36,22 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     buffers = Buffers()
     skin = character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
     root = _document(take, skin, buffers, lambda share: progress(0.8 * share, f"Writing {path.name}"))
-    binary = bytes(buffers.content) + b"\0" * (-len(buffers.content) % 4)
-    root["buffers"] = [{"byteLength": len(binary)}]
-    progress(0.8, f"Writing {path.name}")
-    if path.suffix.lower() == ".glb":
-        content = _glb(_json(root), binary)
-    else:
-        root["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
-        content = _json(root)
-    write_whole(path, content)
+    buffers.content.extend(bytes(-len(buffers.content) % 4))
+    root["buffers"] = [{"byteLength": len(buffers.content)}]
+    parts = _glb if path.suffix.lower() == ".glb" else _gltf
+    write_pieces(path, _told(parts(root, buffers.content), len(buffers.content), path.name, progress))
     progress(1.0, f"Wrote {path.name}")
+
+
+def _told(
+    pieces: Iterable[bytes | memoryview], size: int, name: str, progress: Progress
+) -> Iterator[bytes | memoryview]:
+    """The same pieces, telling how far they are on the way to about ``size`` bytes."""
+    done = 0
+    for piece in pieces:
+        progress(min(0.8 + 0.2 * done / size, 1.0), f"Writing {name}")
+        yield piece
+        done += len(piece)
 
 
 def _document(take: Take, skin: JointSkin, buffers: Buffers, progress: Any) -> dict[str, Any]:
@@ -165,15 +174,28 @@ def _unit(vectors: FloatArray) -> FloatArray:
     return np.where(lengths > 1e-9, vectors / np.where(lengths > 1e-9, lengths, 1.0), up)
 
 
+def _glb(root: dict[str, Any], binary: bytearray) -> Iterator[bytes | memoryview]:
+    text = _json(root)
+    text += b" " * (-len(text) % 4)
+    yield struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + len(binary))
+    yield struct.pack("<I4s", len(text), b"JSON") + text
+    yield struct.pack("<I4s", len(binary), b"BIN\0")
+    yield from _pieces(binary)
+
+
+def _gltf(root: dict[str, Any], binary: bytearray) -> Iterator[bytes]:
+    """Text, in which the binary side stands as text."""
+    root["buffers"][0]["uri"] = "data:application/octet-stream;base64,"
+    # No name can hold what is sought: quotes within a name are escaped.
+    before, begin, after = _json(root).partition(b'"uri":"data:application/octet-stream;base64,')
+    yield before + begin
+    yield from map(base64.b64encode, _pieces(binary))
+    yield after
+
+
+def _pieces(binary: bytearray) -> Iterator[memoryview]:
+    return (memoryview(binary)[first : first + _PIECE] for first in range(0, len(binary), _PIECE))
+
+
 def _json(root: dict[str, Any]) -> bytes:
-    text = json.dumps(root, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
-    return text + b" " * (-len(text) % 4)
-
-
-def _glb(text: bytes, binary: bytes) -> bytes:
-    length = 12 + 8 + len(text) + 8 + len(binary)
-    return b"".join((
-        struct.pack("<4sII", b"glTF", 2, length),
-        struct.pack("<I4s", len(text), b"JSON"), text,
-        struct.pack("<I4s", len(binary), b"BIN\0"), binary,
-    ))  # fmt: skip
+    return json.dumps(root, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
