@@ -1,0 +1,73 @@
+"""The window and the timeline that several files of tests drive; a file with its own has it by the same name."""
+
+import pytest
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from studio.app.application import make_application, make_window
+from studio.app.settings import Settings
+from studio.core.contacts import ContactPoint
+from studio.document.document import Document
+from studio.io.bvh_writer import write_bvh
+from studio.timeline.timeline import Timeline
+from tests.builders import make_capture, make_constraint, make_contact, make_project
+from tests.gui.hand import Hand, curve
+from tests.timeline.fakes import FakeLive
+
+
+@pytest.fixture
+def window(qtbot, tmp_path):
+    """A small project in the window, nothing playing."""
+    make_application()
+    document = Document(make_project(characters=2))
+    window = make_window(Settings(tmp_path / "studio.ini"), document)
+    with qtbot.waitExposed(window):
+        window.show()
+    window.resize(1400, 900)
+    yield window
+    window.leave()
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+@pytest.fixture
+def walk(tmp_path):
+    """A BVH file that the studio's own writer made."""
+    capture = make_capture(frames=40)
+    path = tmp_path / "walk.bvh"
+    write_bvh(path, capture.skeleton, capture.poses, capture.frame_rate)
+    return path
+
+
+@pytest.fixture
+def document(qapp):
+    project = make_project(characters=2, constraints=0, contacts=0, frames=101)
+    project = project.with_entity(
+        "constraints", "kick", make_constraint(name="Kick target", activation=curve(20, 30, 50, 60))
+    )
+    for key, first, last in (("early", 5, 15), ("late", 70, 90)):
+        contact = make_contact(point=ContactPoint.LEFT_HEEL, first=first, last=last)
+        project = project.with_entity("contacts", key, contact)
+    document = Document(project)
+    yield document
+    document.close()
+
+
+@pytest.fixture
+def live(document):
+    return FakeLive(document)
+
+
+@pytest.fixture
+def timeline(qtbot, document, live):
+    timeline = Timeline(document, live)
+    qtbot.addWidget(timeline)
+    timeline.resize(1296, 350)
+    timeline.show()
+    QApplication.processEvents()
+    return timeline
+
+
+@pytest.fixture
+def hand(timeline):
+    return Hand(timeline)

@@ -1,0 +1,168 @@
+"""What the timeline shows: errors, plots, words where there is nothing, the transport."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from studio.core.project import Project
+from studio.engine.empty_stage import HIDDEN
+from studio.timeline.strips import StripState
+from studio.timeline.tracks.plot import Quantity
+from tests.builders import make_constraint
+from tests.gui.hand import LEFT, NONE, RATE, frames, pixels
+
+
+def test_the_strip_of_a_body_follows_its_residual(timeline, live):
+    live.errors["performer 1"] = {"kick": 0.042}
+    assert timeline.strip_state("kick", "performer 0", 40) == StripState.HELD
+    assert timeline.strip_state("kick", "performer 1", 40) == StripState.NOT_REACHED
+    assert timeline.strip_state("kick", "performer 1", 80) == StripState.INACTIVE
+
+
+def test_pointing_at_a_strip_tells_the_millimetres(timeline, live, qtbot):
+    live.errors["performer 1"] = {"kick": 0.042}
+    timeline.tracks.document.playhead.set_frame(43)  # its line does not hide what it lies over
+    with qtbot.waitSignal(timeline.told) as told:
+        QTest.mouseMove(timeline.tracks, timeline.strip_point("kick", "performer 1", 43))
+    assert told.args == ["Body 1: 42 mm at frame 43"]
+
+
+def test_pointing_at_a_name_tells_who_misses_the_constraint_most(timeline, live, qtbot):
+    live.errors = {"performer 0": {"kick": 0.004}, "performer 1": {"kick": 0.042}}
+    row = timeline.row_rect("constraints", "kick")
+    with qtbot.waitSignal(timeline.told) as told:
+        QTest.mouseMove(timeline.tracks, QPoint(60, row.center().y()))
+    assert told.args == ["Kick target: Body 1 42 mm at frame 30"]
+
+
+def strip_colour(timeline, frame):
+    place = timeline.strip_point("kick", "performer 1", frame)
+    return timeline.tracks.grab().toImage().pixelColor(place)
+
+
+def test_strips_are_painted_anew_soon_after_a_result(qtbot, timeline, live):
+    held = strip_colour(timeline, 40)
+    live.errors["performer 1"] = {"kick": 0.042}
+    live.adapted.emit("performer 1")
+    qtbot.waitUntil(lambda: strip_colour(timeline, 40).red() > 150 > held.red())
+
+
+def test_a_moved_playhead_draws_no_row_again(document, timeline, monkeypatch):
+    timeline.grab()
+    drawn = []
+    monkeypatch.setattr("studio.timeline.picture._paint_content", lambda *each: drawn.append(each))
+    document.playhead.set_frame(33)
+    timeline.grab()
+    assert drawn == []
+
+
+def test_rows_follow_the_constraints_in_order_of_priority(document, timeline):
+    added = document.add("constraints", make_constraint(name="First", priority=0), "")
+    document.replace("constraints", "kick", make_constraint(name="Kick", priority=1), "")
+    first, second = timeline.row_rect("constraints", added), timeline.row_rect("constraints", "kick")
+    assert first.bottom() + 1 == second.top()
+    document.remove("constraints", added, "")
+    assert timeline.row_rect("constraints", added).isEmpty()
+    assert timeline.row_rect("constraints", "kick") == first
+
+
+def test_the_plot_can_show_the_error_of_a_constraint(timeline, live):
+    live.errors["performer 1"] = {"kick": 0.042}
+    timeline.tracks.set_quantity(Quantity.ERROR)
+    timeline.grab()
+    plot = timeline.tracks.picture.plot
+    assert [round(curve.at(40 / RATE), 6) for curve in plot.curves] == [0.0, 42.0]
+
+
+@pytest.mark.parametrize("quantity", Quantity)
+def test_every_quantity_is_plotted_for_every_body_with_its_unit(timeline, quantity):
+    timeline.tracks.set_quantity(quantity)
+    timeline.grab()
+    plot, shown = timeline.tracks.picture.plot, timeline.tracks.shown
+    assert len(plot.curves) == len(shown.subject.bodies)
+    assert all(np.isfinite(curve.values).all() and curve.values.min() >= 0.0 for curve in plot.curves)
+    assert quantity.unit(shown) in plot.words(shown, 1.0)
+
+
+def test_without_a_motion_one_line_says_what_to_do_and_nothing_breaks(document, timeline):
+    document.new(Project())
+    assert timeline.row_rect("ruler").isEmpty()
+    assert not timeline.tracks.grab().isNull()
+    QTest.mouseClick(timeline.tracks, LEFT, NONE, QPoint(300, 100))
+    QTest.keyClick(timeline.tracks, Qt.Key.Key_Delete)
+    assert timeline.tracks.prompt == "Drop a capture here"
+
+
+def test_with_nobody_shown_the_line_asks_for_a_character(document, timeline):
+    for key, performer in document.project.performers.items():
+        document.replace("performers", key, replace(performer, visible=False), "")
+    assert timeline.row_rect("ruler").isEmpty()
+    assert timeline.tracks.prompt == HIDDEN
+
+
+def test_the_transport_plays_steps_and_goes_to_the_ends(document, timeline):
+    transport, playhead = timeline.transport, document.playhead
+    for button, frame in (
+        (transport.next, 1),
+        (transport.previous, 0),
+        (transport.to_end, 100),
+        (transport.to_start, 0),
+    ):
+        QTest.mouseClick(button, LEFT)
+        assert playhead.frame == frame
+    QTest.mouseClick(transport.play, LEFT)
+    assert playhead.playing
+    assert transport.play.toolTip() == "Pause"
+    QTest.mouseClick(transport.play, LEFT)
+    assert not playhead.playing
+
+
+def test_the_fields_show_and_take_frame_and_seconds(document, timeline):
+    transport, playhead = timeline.transport, document.playhead
+    playhead.set_frame(30)
+    assert (transport.frame.value(), transport.seconds.value()) == (30, 0.5)
+    for field, typed, frame in ((transport.frame, "45", 45), (transport.seconds, "1.0", 60)):
+        field.selectAll()
+        QTest.keyClicks(field, typed)
+        QTest.keyClick(field, Qt.Key.Key_Return)
+        assert playhead.frame == frame
+
+
+def test_a_speed_set_by_keys_is_shown_when_playback_begins(document, timeline):
+    transport, playhead = timeline.transport, document.playhead
+    for speed, shown in ((2.0, "2×"), (-4.0, "-4×")):
+        playhead.speed = speed
+        playhead.play()
+        playhead.pause()
+        assert (transport.speed.currentText() or transport.speed.placeholderText()) == shown
+        assert playhead.speed == speed
+
+
+def test_loop_speed_and_range_reach_the_playhead(document, timeline):
+    transport, playhead = timeline.transport, document.playhead
+    QTest.mouseClick(transport.loop, LEFT)
+    assert playhead.loop is False
+    transport.speed.setCurrentIndex(0)
+    assert playhead.speed == 0.25
+    transport.first.setValue(10)
+    transport.last.setValue(50)
+    assert (playhead.first, playhead.last) == (10, 50)
+    playhead.set_range(0, 100)
+    assert (transport.first.value(), transport.last.value()) == (0, 100)
+
+
+def test_a_closed_timeline_follows_nothing_any_more(document, live, timeline, hand):
+    hand.press(timeline.handle_point("kick", "full"))
+    hand.move(pixels(timeline, 10))
+    timeline.close()
+    assert frames(document.project.constraints["kick"].activation)[1] == 30
+    assert not live.interactive
+    sheet = timeline.tracks.sheet
+    document.remove("constraints", "kick", "")
+    document.playhead.set_frame(50)
+    live.adapted.emit("performer 0")
+    assert timeline.tracks.sheet is sheet
+    assert timeline.transport.frame.value() == 0

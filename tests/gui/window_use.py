@@ -1,0 +1,25 @@
+"""What tests of the whole window do as a person does: drop files, wait, compare."""
+
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+from PySide6.QtGui import QDropEvent
+
+from studio.document.journal import StateHash
+
+LEFT = Qt.MouseButton.LeftButton
+PATIENCE = 30_000
+
+
+def drop(window, *paths):
+    content = QMimeData()
+    content.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+    event = QDropEvent(QPointF(400, 300), Qt.DropAction.CopyAction, content, LEFT, Qt.KeyboardModifier.NoModifier)
+    window.dropEvent(event)
+
+
+def same(first, second):
+    hashes = StateHash()
+    return hashes.of(first) == hashes.of(second)
+
+
+def wait_until_idle(qtbot, window):
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
