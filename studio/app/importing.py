@@ -85,6 +85,8 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
         _annotate(document, read.annotations, text)
         _perform(document, read.motion_id, text)
     show_motion(document)
+    if read.capture.markers is not None and read.capture.body_map is None:
+        _show_markers(document, capture_id)
     return read.motion_id
 
 
@@ -130,7 +132,8 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     capture = bench.document.project.captures[capture_id]
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_wanted.emit(capture_id))
-        bench.window.strip.say(f"{capture.source} shows no body yet: say which of its markers is what.", ask)
+        held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
+        bench.window.strip.say(f"{capture.source} shows no body yet. {held}: say which marker is what.", ask)
         return
     if not capture.repairs:
         bench.window.strip.clear()
@@ -186,6 +189,16 @@ def show_motion(document: Document) -> None:
         document.playhead.frame_rate = capture.frame_rate
         document.playhead.set_range(capture.first_frame, capture.frame_count - 1)
         document.playhead.set_frame(capture.first_frame)
+
+
+def _show_markers(document: Document, capture_id: str) -> None:
+    """Select markers that show no body, so that they are seen; while nobody plays anything, they can be played."""
+    document.selection.set(("captures", capture_id))
+    if document.active_motion_id is None:
+        capture = document.project.captures[capture_id]
+        document.playhead.frame_rate = capture.frame_rate
+        document.playhead.set_range(0, capture.frame_count - 1)
+        document.playhead.set_frame(0)
 
 
 def replace_motion(document: Document, capture_id: str, capture: Capture, known: Annotations, text: str) -> None:

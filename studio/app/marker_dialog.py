@@ -1,6 +1,6 @@
 """Markers of a capture: map, cleaning and signals in one window; what it changes is undone like any edit."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from PySide6.QtCore import Qt
@@ -68,6 +68,9 @@ class MarkerDialog(QDialog):
         column.addWidget(self.tabs, 1)
         column.addLayout(self._make_foot())
         self.assistant.changed.connect(self._refresh)
+        for part in (self.assistant, self.signals):
+            part.marked.connect(self._mark)
+        self.finished.connect(lambda _: self._mark(()))
         self.steps.changed.connect(self._clean)
         bench.document.playhead.changed.connect(self._show_time)
         bench.document.entity_changed.connect(self._entity_changed)
@@ -130,6 +133,11 @@ class MarkerDialog(QDialog):
             return
         self._take = capture.markers
         self._refresh()
+
+    def _mark(self, labels: Collection[str]) -> None:
+        """Let markers stand out in the 3D view."""
+        if self._bench.viewport is not None:
+            self._bench.viewport.recording.mark(labels)
 
     def _show_time(self, seconds: float) -> None:
         self.signals.show_time(seconds)

@@ -6,7 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from studio.cli.adapt_report import Record, character_report
-from studio.cli.adaptation import MOTION_ID, ReadyCapture, chosen_characters, make_folder, ready_capture
+from studio.cli.adaptation import (
+    MOTION_ID,
+    ReadyCapture,
+    chosen_characters,
+    cleaning_records,
+    make_folder,
+    ready_capture,
+)
 from studio.cli.batch_summary import rows_of, write_rows
 from studio.cli.export_options import add_export_options, export_options
 from studio.cli.following import with_tracks
@@ -128,6 +135,7 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
         "first_frame": ready.capture.first_frame,
         "frame_rate": ready.capture.frame_rate,
         "contacts": "detected" if given.contacts is None else "given",
+        "cleaning": cleaning_records(ready.capture),
         "characters": [
             adapt_to(character, key, ready, requests[key], asked, folder) for key, character in asked.characters.items()
         ],

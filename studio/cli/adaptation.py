@@ -4,12 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.character import Character
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
+from studio.core.markers.cleaning import clean
+from studio.core.markers.take import mapped_labels
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
@@ -64,6 +67,15 @@ def made_ready(capture: Capture, annotations: Annotations | None = None) -> Read
     """Normalise a capture; without ``annotations`` its contacts are detected."""
     annotations = annotations or Annotations(detected_contacts(capture, MOTION_ID))
     return ReadyCapture(capture, *normalize(capture), annotations)
+
+
+def cleaning_records(capture: Capture) -> list[dict[str, Any]]:
+    """What each step did to the markers from which a body was found; nothing for any other capture."""
+    if capture.markers is None or capture.body_map is None:
+        return []
+    take = capture.markers
+    _, reports = clean(take.trial.only(mapped_labels(take)), take.steps)
+    return [{"step": each.title, "summary": each.summary, "details": list(each.details)} for each in reports]
 
 
 def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[int]]]:

@@ -16,7 +16,7 @@ from studio.core.errors import StudioError
 from studio.io.registry import known_formats
 
 Record = dict[str, Any]
-FILES_ASKED_FOR = ("constraints", "body_map")
+FILES_ASKED_FOR = ("constraints", "body_map", "marker_map")
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.cli.adaptation import MOTION_ID, ready_capture
+from studio.cli.adaptation import MOTION_ID, cleaning_records, ready_capture
 from studio.cli.export_options import add_export_options, export_options
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
@@ -48,6 +48,7 @@ def run(arguments: Namespace) -> int:
                 "joints": joints,
                 "assumptions": guesses,
                 "repairs": list(capture.repairs),
+                "cleaning": cleaning_records(capture),
             }
         )
         return 0

@@ -1,10 +1,11 @@
 """Options by which the user overrules what importers guess, the same for every verb that reads captures."""
 
 import json
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from pathlib import Path
 
 from studio.core.errors import StudioError
+from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, Step, UndoSwaps
 from studio.io.importing import ImportOptions
 from studio.io.marker_maps import read_map
 
@@ -18,6 +19,16 @@ def add_import_options(parser: ArgumentParser) -> None:
     group.add_argument("--floor", type=float, metavar="METRES", help="height of the ground")
     group.add_argument("--reference", metavar="POSE", help="'zero', or the frame that stands upright")
     group.add_argument("--marker-map", type=Path, metavar="FILE.json", help="which marker of a C3D lies where")
+    group.add_argument(
+        "--undo-swaps", action="store_true", help="exchange markers of a C3D back that took each other's name"
+    )
+    group.add_argument(
+        "--fill-gaps",
+        type=seconds,
+        metavar="S",
+        help="spline its gaps up to so many seconds; 0.15, 0 leaves all gaps open",
+    )
+    group.add_argument("--smooth", type=cut_off, metavar="HZ", help="take out of its markers what moves faster")
     group.add_argument("--body-map", type=Path, metavar="FILE.json", help="joints by part, as `info --json` prints")
 
 
@@ -32,8 +43,43 @@ def import_options(arguments: Namespace) -> ImportOptions:
         floor=arguments.floor,
         reference=arguments.reference,
         marker_map=read_map(arguments.marker_map) if arguments.marker_map else None,
+        marker_steps=_marker_steps(arguments),
         body_map=_read_body_map(arguments.body_map) if arguments.body_map else None,
     )
+
+
+def seconds(text: str) -> float:
+    """A time that is not negative."""
+    return _number(text, 0.0, 60.0, "seconds, 0 to 60")
+
+
+def cut_off(text: str) -> float:
+    """A frequency above zero."""
+    return _number(text, 0.01, 1000.0, "Hz, 0.01 to 1000")
+
+
+def _number(text: str, least: float, most: float, words: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not least <= value <= most:
+        raise ArgumentTypeError(f"'{text}' is not a number of {words}")
+    return value
+
+
+def _marker_steps(arguments: Namespace) -> tuple[Step, ...] | None:
+    """The steps of the markers dialog, in its order; None where nothing was said of them."""
+    if not (arguments.undo_swaps or arguments.fill_gaps is not None or arguments.smooth is not None):
+        return None
+    steps: list[Step] = [UndoSwaps()] if arguments.undo_swaps else []
+    if arguments.fill_gaps != 0.0:
+        steps += (
+            USUAL_STEPS if arguments.fill_gaps is None else (FillShortGaps(longest=arguments.fill_gaps), FillLongGaps())
+        )
+    if arguments.smooth is not None:
+        steps.append(LowPass(cutoff=arguments.smooth))
+    return tuple(steps)
 
 
 def _read_body_map(path: Path) -> dict[str, str]:

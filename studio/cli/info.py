@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from studio.cli.adaptation import MOTION_ID, spans_by_foot
+from studio.cli.adaptation import MOTION_ID, cleaning_records, spans_by_foot
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
 from studio.core.capture import Capture, Guess
@@ -94,11 +94,11 @@ def _capture(path: Path, options: ImportOptions) -> Record:
         "first_frame": capture.first_frame,
         "floor": capture.floor,
         "end_sites": int(np.count_nonzero(capture.skeleton.end_sites)),
-        **({"markers": _markers(capture.markers)} if capture.markers else {}),
+        **({"markers": _markers(capture.markers, capture)} if capture.markers else {}),
     }
 
 
-def _markers(take: MarkerTake) -> Record:
+def _markers(take: MarkerTake, capture: Capture) -> Record:
     """What an optical capture recorded beside the body, and which marker was taken for what."""
     trial = take.trial
     events = [{"label": f"{e.context} {e.label}".strip(), "time": e.time} for e in trial.events]
@@ -110,6 +110,7 @@ def _markers(take: MarkerTake) -> Record:
         "signal_rate": trial.analog.rate if trial.analog.labels else None,
         "force_plates": [plate.kind for plate in trial.plates],
         "events": events,
+        "cleaning": cleaning_records(capture),
         "map": {role: list(labels) for role, labels in take.marker_map.markers.items()},
         "joint_centres_mm": {joint: 1000.0 * error for joint, error in centre_errors(take).items()},
     }

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from studio.core.annotations import Annotations, Label
 from studio.core.capture import Capture
+from studio.core.markers.cleaning import USUAL_STEPS
 from studio.core.markers.take import MarkerTake
 from studio.io.c3d import read_c3d
 from studio.io.importing import ImportOptions
@@ -18,7 +19,8 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> Capture:
     progress(0.4, f"Finding the body in {path.name}")
     subject = find_subject(file.trial)
     marker_map = options.marker_map or find_map(file.trial, subject)
-    take = MarkerTake(file.trial, marker_map, subject=subject)
+    steps = USUAL_STEPS if options.marker_steps is None else options.marker_steps
+    take = MarkerTake(file.trial, marker_map, steps, subject)
     repairs = (*file.repairs, *unreadable_maps())
     capture = capture_of_take(take, options, repairs, lambda share, text: progress(0.4 + 0.6 * share, text))
     progress(1.0, f"Loaded {path.name}")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
+from studio.core.markers.cleaning import Step
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.normalized.normalize import detected_contacts
 from studio.io.registry import Progress, ReadCharacter, format_of
@@ -28,6 +29,8 @@ class ImportOptions:
     """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
     marker_map: MarkerMap | None = None
     """Which markers of an optical capture lie at which places of the body."""
+    marker_steps: tuple[Step, ...] | None = None
+    """How its markers are cleaned; None fills gaps."""
 
 
 GUESS_ALL = ImportOptions()

@@ -12,7 +12,7 @@ from studio.core.kinematics import joint_world
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
-from studio.core.markers.trial import MARKER, METRES, VIRTUAL, bare_label, subject_of, whole
+from studio.core.markers.trial import MARKER, METRES, VIRTUAL, Trial, bare_label, subject_of, whole
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
@@ -212,6 +212,12 @@ def _body_guesses(
     return guesses
 
 
+def _contents(trial: Trial, markers: int) -> str:
+    """``8 markers, 1 force plate``."""
+    counts = {"marker": markers, "force plate": len(trial.plates), "signal": len(trial.analog.labels)}
+    return ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for word, count in counts.items() if count)
+
+
 def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list[Guess]) -> Capture:
     """Every marker as a joint of its own under one root: what is known, until somebody says which is which."""
     trial = take.trial
@@ -240,7 +246,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
         Guess(
             "marker map",
             "not complete",
-            f"Which markers are which is not known: {lacking}. "
+            f"The file holds {_contents(trial, len(labels))}. Which markers are which is not known: {lacking}. "
             "Say it under Markers; the map can be saved and used again.",
         ),
         Guess("up axis", up_axis, "Without a body nothing tells what is up; most laboratories have Z up."),

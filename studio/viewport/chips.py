@@ -65,15 +65,16 @@ class Chips:
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
         self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
+        self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
         self.work.setAccessibleName("Bodies and the time to adapt each")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
         self._view = parent
-        self._wide = True
+        self._wide, self._recorded = True, False
         self._arrange(parent)
-        for hidden in (self.problem, self.constrain, self.work):
+        for hidden in (self.problem, self.constrain, self.work, self.markers):
             hidden.hide()
 
     def _arrange(self, parent: QWidget) -> None:
@@ -81,7 +82,7 @@ class Chips:
         grid.setContentsMargins(12, 12, 12, 12)
         top, bottom = QHBoxLayout(), QHBoxLayout()
         top.setSpacing(8)
-        for chip in (self.view, self.shading, self.ghost, self.trails):
+        for chip in (self.view, self.shading, self.ghost, self.trails, self.markers):
             top.addWidget(chip)
         top.addStretch(1)
         top.addWidget(self.work)
@@ -93,10 +94,16 @@ class Chips:
 
     def fit(self, width: int) -> None:
         """Leave out what a narrow view has no room for, the least important first."""
-        for chip, needed in ((self.ghost, 340), (self.trails, 430)):
-            chip.setVisible(width >= needed)
+        for chip, needed in ((self.ghost, 340), (self.trails, 430), (self.markers, 540)):
+            chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
         self._wide = width >= 620
         self.work.setVisible(self._wide and bool(self.work.text()))
+
+    def tell_recorded(self, recorded: bool) -> None:
+        """Offer the markers where there are some."""
+        if recorded != self._recorded:
+            self._recorded = recorded
+            self.fit(self._view.width())
 
     def tell_work(self, milliseconds: float | None, bodies: int) -> None:
         """Show how many bodies are seen and how long a whole solve of one takes."""

@@ -1,6 +1,6 @@
 """What is painted over the picture: constraint handles, the picked joint and the gizmo."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,13 @@ from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import AXES, BALL, PLANES, Gizmo
 from studio.viewport.handles import Handle
+from studio.viewport.recording import Recording
 
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED = "#ffe08a"
 SHADOW = QColor(12, 14, 17, 170)
 GHOST = QColor(196, 204, 214, 215)
+MARKER, OTHER_MARKER, CHOSEN_MARKER = QColor("#f0f4f8"), QColor(142, 152, 164, 170), QColor(colours.PLAYHEAD)
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
 
 NOTICE_ABOVE = 110.0
@@ -60,6 +62,30 @@ class Overlay:
         self._painter.setBrush(GHOST)
         for x, y in pixels:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
+
+    def markers(self, recording: Recording, marked: Collection[str], named: bool) -> None:
+        """Dots seen through everything, those that no map names fainter; names at the marked ones, or at all."""
+        if not len(recording.points):
+            return
+        pixels, depth = self._camera.project(recording.points, self._size)
+        self._painter.setPen(Qt.PenStyle.NoPen)
+        for label, used, pixel, ahead in zip(recording.labels, recording.used, pixels, depth, strict=True):
+            if ahead <= 0:
+                continue
+            chosen = label in marked
+            self._disc(pixel, 5.5 if chosen else 3.2, CHOSEN_MARKER if chosen else MARKER if used else OTHER_MARKER)
+            if chosen or named:
+                self._name(pixel, label, chosen)
+
+    def _name(self, place: FloatArray, words: str, strong: bool) -> None:
+        font = self._painter.font()
+        font.setPixelSize(12 if strong else 10)
+        self._painter.setFont(font)
+        where = QPointF(*place) + QPointF(8.0, -5.0)
+        self._painter.setPen(SHADOW)
+        self._painter.drawText(where + QPointF(1.0, 1.0), words)
+        self._painter.setPen(CHOSEN_MARKER if strong else MARKER)
+        self._painter.drawText(where, words)
 
     def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
         """A ring round a joint: strong for the picked one, thin for the one under the mouse."""

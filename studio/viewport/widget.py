@@ -33,6 +33,7 @@ from studio.viewport.overlay import Overlay
 from studio.viewport.paths import StagePath, selection_rings, stage_paths
 from studio.viewport.picking import PickedJoint
 from studio.viewport.problem import Problem, worst_problem
+from studio.viewport.recording import Recording, RecordingView, recorded_of
 from studio.viewport.shots import View
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ class Viewport(Canvas):
         self.joint_hovered: PickedJoint | None = None
         self.gizmo_part_hovered: str | None = None
         self.gesture: Gesture | None = None
+        self.recording = RecordingView(self.show_again)
+        self._recorded: Recording | None = None
         self._bones = False
         self._framed = False
         self._opening: OrbitCamera | None = None
@@ -76,6 +79,7 @@ class Viewport(Canvas):
                 "shading": self.toggle_bones,
                 "ghost": self.show_again,
                 "trails": self.show_again,
+                "markers": self.show_again,
                 "problem": self.go_to_problem,
                 "constrain": self.add_constraint_at_pick,
             },
@@ -100,6 +104,7 @@ class Viewport(Canvas):
     def frame_all(self) -> None:
         """Show all performers, as large as they fit."""
         points = [pose.points for pose in (self.posed | self.resting).values()]
+        points += [self._recorded.points] if self._recorded else []
         if points:
             self._frame(np.concatenate(points))
 
@@ -142,6 +147,16 @@ class Viewport(Canvas):
         """Whether the ghost of the source is on."""
         return self._chips.ghost.isChecked()
 
+    def set_markers_shown(self, shown: bool) -> None:
+        """The markers, plates and forces that the active performer's motion was recorded from, on or off."""
+        self._chips.markers.setChecked(shown)
+        self.show_again()
+
+    @property
+    def markers_shown(self) -> bool:
+        """Whether they are on."""
+        return self._chips.markers.isChecked()
+
     def go_to_problem(self) -> None:
         """Go to the frame of the most important problem and select who and what it is about."""
         if self._problem is not None:
@@ -180,7 +195,7 @@ class Viewport(Canvas):
     @property
     def notice(self) -> str:
         """What is said while nobody performs: what is under way, else what to do."""
-        if self.posed:
+        if self.posed or self._recorded is not None:
             return ""
         return self._progress[0] or empty_words(self._document.project)
 
@@ -255,6 +270,9 @@ class Viewport(Canvas):
             self._open()
         if self._problem_stale:
             self._problem, self._problem_stale = worst_problem(project, self._live.result), False
+        self._recorded = self.recording.at(self._document, self.posed, shown=self.markers_shown)
+        pose = self.posed.get(self._document.active_performer_id or "")
+        self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         scene.sync(project, self.posed | self.resting, self._bones, self._paths())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
@@ -278,6 +296,8 @@ class Viewport(Canvas):
         ghost = self._ghost()
         if ghost is not None:
             overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
+        if self._recorded is not None:
+            overlay.markers(self._recorded, self.recording.marked, self.recording.named)
         overlay.handles(self.handles(), set(self._document.selection.of("constraints")))
         for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
             pose = self.posed.get(picked.performer_id) if picked else None
@@ -313,7 +333,8 @@ class Viewport(Canvas):
     def _paths(self) -> list[StagePath]:
         project, selected = self._document.project, self._document.selection.of("performers")
         rings = selection_rings(project, self.posed, selected)
-        return [*stage_paths(project, self.posed, self._trail_point()), *rings]
+        recorded = self._recorded.paths if self._recorded else ()
+        return [*stage_paths(project, self.posed, self._trail_point()), *rings, *recorded]
 
     @property
     def view(self) -> View:

@@ -3,16 +3,20 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from studio.cli.main import main
 from studio.core.contacts import ContactPoint
+from studio.io.c3d_writer import write_c3d
 from studio.io.export import write_capture
 from studio.io.project_file import new_document_id, write_project
 from studio.resources_folder import resources_folder
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture, make_project
+from tests.core.markers.made import made_trial
 
 KEYS = {
     *("file", "ok", "error", "kind", "frames", "frame_rate", "joints", "unit", "up_axis", "body_map", "contacts"),
@@ -144,3 +148,58 @@ def test_real_captures_are_read_as_they_were_made(captures, capsys, name, joints
     assert (record["joints"], record["frames"], record["unit"], record["up_axis"]) == (joints, frames, unit, up_axis)
     assert record["round_trip"]["position_mm"] < 0.1
     assert record["round_trip"]["rotation_deg"] < 0.01
+
+
+@pytest.fixture
+def gappy(tmp_path):
+    """A C3D with two markers that are hidden for a while, a tenth and half a second, and its map."""
+    trial, marker_map = made_trial()
+    points = trial.points.copy()
+    knee, toe = (trial.labels.index(label) for label in ("leftknee", "righttoe"))
+    points[40:50, knee] = np.nan
+    points[60:110, toe] = np.nan
+    write_c3d(tmp_path / "walk.c3d", replace(trial, points=points))
+    record = {"name": "Made", "markers": {role: list(labels) for role, labels in marker_map.markers.items()}}
+    (tmp_path / "map.json").write_text(json.dumps(record))
+    return tmp_path / "walk.c3d", "--marker-map", tmp_path / "map.json"
+
+
+@pytest.mark.parametrize(
+    ("options", "steps", "first"),
+    [
+        ([], ["Fill short gaps", "Fill long gaps"], "1 gap filled on a spline, 10 frames in all."),
+        (["--fill-gaps", "0.05"], ["Fill short gaps", "Fill long gaps"], "Nothing filled."),
+        (["--fill-gaps", "0"], [], ""),
+        (["--fill-gaps", "0", "--smooth", "6"], ["Smooth"], "Smoothed at 6 Hz; no marker moved more than"),
+        (
+            ["--undo-swaps"],
+            ["Undo swaps", "Fill short gaps", "Fill long gaps"],
+            "No two markers took each other's name.",
+        ),
+    ],
+)
+def test_markers_are_cleaned_as_the_options_say_and_the_reports_are_printed(capsys, gappy, options, steps, first):
+    code, [record] = info(capsys, *gappy, *options)
+    assert code == 0
+    reports = record["markers"]["cleaning"]
+    assert [each["step"] for each in reports] == steps
+    assert (reports or [{"summary": ""}])[0]["summary"].startswith(first)
+
+
+@pytest.mark.parametrize(
+    ("option", "text"), [("--fill-gaps", "-1"), ("--fill-gaps", "long"), ("--smooth", "0"), ("--smooth", "nan")]
+)
+def test_a_step_that_is_none_is_refused(capsys, gappy, option, text):
+    with pytest.raises(SystemExit):
+        main(["info", str(gappy[0]), f"{option}={text}"])
+    assert f"argument {option}: '{text}' is not a number of" in capsys.readouterr().err
+
+
+def test_convert_and_adapt_tell_what_was_cleaned_too(capsys, gappy, tmp_path):
+    asked = [*map(str, gappy[1:]), "--smooth", "8", "--json"]
+    assert main(["convert", str(gappy[0]), str(tmp_path / "out.bvh"), *asked]) == 0
+    converted = json.loads(capsys.readouterr().out)
+    assert main(["adapt", str(gappy[0]), "--character", "child", "--out", str(tmp_path / "out"), *asked]) == 0
+    adapted = json.loads(capsys.readouterr().out)
+    assert [each["step"] for each in converted["cleaning"]] == ["Fill short gaps", "Fill long gaps", "Smooth"]
+    assert adapted["cleaning"] == converted["cleaning"]

@@ -177,7 +177,7 @@ def test_a_small_window_keeps_every_menu_and_leaves_the_stage_more_than_half(qtb
     bar = window.top_bar.menus
     assert bar.width() >= bar.sizeHint().width()
     assert bar.actionGeometry(bar.actions()[-1]).right() <= bar.width()
-    assert window.docks["Timeline"].height() <= 0.46 * window.height()
+    qtbot.waitUntil(lambda: window.docks["Timeline"].height() <= 0.46 * window.height(), timeout=PATIENCE)
 
 
 def test_the_sheet_of_shortcuts_is_whole_and_says_what_always_is(qtbot, window):

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from studio.app.application import make_application, make_window
+from studio.app.application import make_application, make_window, show_views
 from studio.app.marker_dialog import open_markers
 from studio.app.settings import Settings
 from studio.core.markers.cleaning import LowPass
@@ -199,3 +199,46 @@ def test_a_body_is_read_otherwise_without_its_file(qtbot, window, dialog, tmp_pa
     window.inspector.reimport_wanted.emit(dialog._capture_id, {"floor": 0.25})
     qtbot.waitUntil(lambda: capture_of(window, dialog).floor == 0.25, timeout=PATIENCE)
     assert capture_of(window, dialog).markers.marker_map == dialog.assistant.marker_map
+
+
+@pytest.fixture
+def view(window, dialog):
+    """The 3D view of the window with the nameless trial."""
+    show_views(window)
+    return window.bench.viewport
+
+
+def test_markers_that_show_no_body_are_seen_in_the_3d_view_and_the_chosen_one_stands_out(qtbot, dialog, view):
+    qtbot.waitUntil(lambda: view._recorded is not None, timeout=PATIENCE)
+    assert len(view._recorded.points) == len(nameless().markers)
+    assert view.notice == ""
+    put(dialog, KNEE)
+    assert view.recording.marked == (MARKER[::-1],)
+    dialog.assistant.choose_role("right_knee")
+    assert view.recording.marked == ()
+    dialog.tabs.setCurrentWidget(dialog.signals)
+    dialog.signals.tick(MARKER[::-1])
+    assert view.recording.marked == (MARKER[::-1],)
+    dialog.close()
+    assert view.recording.marked == ()
+
+
+def test_the_markers_behind_a_motion_are_shown_on_demand(qtbot, window, dialog, view):
+    for role in LEGS:
+        put(dialog, role)
+    dialog.apply.click()
+    qtbot.waitUntil(lambda: capture_of(window, dialog).body_map is not None, timeout=PATIENCE)
+    dialog.close()
+    window.bench.document.selection.clear()
+    actions = window.actions_by_id.by_id
+    assert window.bench.live.wait(120.0)
+    qtbot.waitUntil(lambda: view.posed and view._chips.markers.isVisibleTo(view), timeout=PATIENCE)
+    assert view._recorded is None
+    actions["recorded_markers"].trigger()
+    qtbot.waitUntil(lambda: view._recorded is not None, timeout=PATIENCE)
+    assert actions["recorded_markers"].isChecked()
+    assert view._recorded.used.sum() == len(LEGS)
+    actions["marker_names"].trigger()
+    assert view.recording.named
+    actions["recorded_markers"].trigger()
+    qtbot.waitUntil(lambda: view._recorded is None, timeout=PATIENCE)

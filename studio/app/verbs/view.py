@@ -39,6 +39,16 @@ def toggle_ghost(bench: Workbench) -> None:
     bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
 
 
+def toggle_markers(bench: Workbench) -> None:
+    """Markers, plates and forces of an optical capture, as they were recorded."""
+    bench.viewport.set_markers_shown(not bench.viewport.markers_shown)
+
+
+def toggle_marker_names(bench: Workbench) -> None:
+    """Every marker with its name."""
+    bench.viewport.recording.name(not bench.viewport.recording.named)
+
+
 def select_tool(bench: Workbench) -> None:
     """Click to select."""
     _take_tool(bench, "select")

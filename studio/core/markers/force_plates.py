@@ -4,24 +4,65 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.markers.trial import ForcePlate, Trial
+from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
+_LEAST = 20.0
+"""Newtons below which a plate counts as empty: its centre of pressure is noise."""
+
 
 def plate_force(trial: Trial, plate: ForcePlate) -> FloatArray:
-    """(N, 3) in the units of the channels: along x and y of the plate, and down into it.
+    """(N, 3) in the units of the channels: along x and y of the plate, and across it.
 
     Kinds 1 and 2 give the force itself, 3 has eight sensors (x12, x34, y14, y23, z1 to z4), 4 needs its calibration.
     """
-    raw = trial.analog.samples[:, list(plate.channels)]
+    raw = _calibrated(trial, plate)
     if plate.kind == 3:
         x, y = raw[:, 0] + raw[:, 1], raw[:, 2] + raw[:, 3]
         return np.stack([x, y, raw[:, 4:8].sum(axis=1)], axis=1)
-    if plate.kind == 4 and plate.calibration is not None:
-        raw = raw @ plate.calibration.T
     return np.asarray(raw[:, :3])
+
+
+def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatArray]:
+    """Where the ground pushes (N, 3), in file units and axes, and with what force (N, 3).
+
+    NaN while nobody stands there. The plate's x runs from corner 2 to corner 1, its y from corner 4 to corner 1 (C3D
+    user guide). With the sensors h below the surface the centre of pressure lies at x = -(My + h Fx) / Fz,
+    y = (Mx - h Fy) / Fz; kind 1 gives it outright, kind 3 by the loads of its four corners, which stand ``origin`` away
+    from the middle. Files disagree whether a foot pushes or is pushed: the ground pushes up.
+    """
+    corners, force, raw = plate.corners, plate_force(trial, plate), _calibrated(trial, plate)
+    sides = np.stack([corners[0] - corners[1], corners[0] - corners[3]])
+    half = 0.5 * np.linalg.norm(sides, axis=1)
+    if not half.all():
+        return np.full_like(force, np.nan), np.full_like(force, np.nan)
+    x, y = normalized(sides)
+    axes = np.stack([x, y, np.cross(x, y)])
+    across = np.where(np.abs(force[:, 2:]) >= _LEAST, force[:, 2:], np.nan)
+    height = abs(float(plate.origin[2]))
+    if plate.kind == 1:
+        centre = raw[:, 3:5]
+    elif plate.kind == 3:
+        z1, z2, z3, z4 = raw[:, 4:8].T
+        centre = np.abs(plate.origin[:2]) * np.stack([z1 - z2 - z3 + z4, z1 + z2 - z3 - z4], axis=1) / across
+    else:
+        centre = np.stack([-raw[:, 4] - height * force[:, 0], raw[:, 3] - height * force[:, 1]], axis=1) / across
+    places = corners.mean(axis=0) + np.clip(centre, -half, half) @ axes[:2]
+    up = axes[2] * np.sign(axes[2][np.argmax(np.abs(axes[2]))])
+    pushed = force @ axes
+    pushed *= np.sign(np.sum(pushed @ up))
+    seen = np.isfinite(across)
+    return np.where(seen, places, np.nan), np.where(seen, pushed, np.nan)
 
 
 def sample_times(trial: Trial) -> FloatArray:
     """(N,) seconds of the analog samples from frame 0 of the trial."""
     return np.arange(len(trial.analog.samples)) / trial.analog.rate
+
+
+def _calibrated(trial: Trial, plate: ForcePlate) -> FloatArray:
+    raw = trial.analog.samples[:, list(plate.channels)]
+    if plate.kind == 4 and plate.calibration is not None:
+        raw = raw @ plate.calibration.T
+    return np.asarray(raw)

@@ -23,6 +23,7 @@ from studio.core.contacts import (
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
 from studio.core.kernels.normalize import encode_frames
+from studio.core.kinematics import joint_world
 from studio.core.morphology import Morphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.alignment import find_alignments, level_feet
@@ -66,6 +67,18 @@ def normalize(
     channels = _channels(body, points, rotations, capture.frame_rate)
     motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine))
     return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
+
+
+def motion_origin(capture: Capture) -> NDArray[np.float64]:
+    """(3,) where the motion's space lies in the capture's: on the ground under the pelvis as the motion begins.
+
+    Raises StudioError when the capture has no body map.
+    """
+    if capture.body_map is None:
+        raise StudioError(f"'{capture.name}' has no body map, so its motion begins nowhere.")
+    begin = capture.poses.frames(capture.first_frame, capture.first_frame)
+    pelvis = joint_world(capture.skeleton, begin)[0][0, capture.body_map.spine[0]]
+    return np.array([*pelvis[:2], capture.floor])
 
 
 def capture_contacts(capture: Capture) -> Contacts:

@@ -25,6 +25,8 @@ class MarkerAssistant(QWidget):
 
     changed = Signal()
     """The map or the subject is another one now."""
+    marked = Signal(object)
+    """Labels, without subject, of the markers at the chosen place."""
 
     def __init__(self, take: MarkerTake, up_axis: str) -> None:
         super().__init__()
@@ -188,6 +190,7 @@ class MarkerAssistant(QWidget):
         self.figure.show_map(markers, self._role)
         role = ROLE[self._role]
         own = markers.get(self._role, ())
+        self.marked.emit(own)
         self._place.setText(f"{role.words}: {', '.join(own) if own else 'no marker'}")
         self._hint.setText(f"{role.hint}. Click its marker in the list or among the recorded ones.")
         self._clear.setEnabled(bool(own))

@@ -6,12 +6,12 @@ from functools import partial
 import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
-from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.force_plates import plate_force, sample_times
-from studio.core.markers.trial import MARKER, VIRTUAL, ForcePlate, Trial
+from studio.core.markers.trial import MARKER, VIRTUAL, ForcePlate, Trial, bare_label
 from studio.document import colours
 from studio.panels.fields import SIDE, labelled
 
@@ -25,6 +25,9 @@ AXES = ("x", "y", "z")
 
 class SignalPlot(QWidget):
     """Tick signals in the list; the plot shows them, the events as lines, and the playhead."""
+
+    marked = Signal(object)
+    """Labels, without subject, of the marker that is selected in the list and of those that are ticked."""
 
     def __init__(self, trial: Trial, seek: Callable[[float], object]) -> None:
         super().__init__()
@@ -54,8 +57,11 @@ class SignalPlot(QWidget):
         self.note = labelled(_events_words(trial), "hint")
         column.addWidget(self.note)
         self._sources: list[tuple[QTreeWidgetItem, Callable[[], Curves], str]] = []
+        self._markers: dict[str, QTreeWidgetItem] = {}
         self._fill()
         self.list.itemChanged.connect(lambda *_: self.refresh())
+        for signal in (self.list.itemChanged, self.list.currentItemChanged):
+            signal.connect(lambda *_: self._mark())
         self.refresh()
         self.plot.setXRange(0.0, trial.frame_count / trial.frame_rate, padding=0.01)
 
@@ -88,10 +94,19 @@ class SignalPlot(QWidget):
                     number += 1
         self.plot.setLabel("left", " · ".join(dict.fromkeys(filter(None, units))))
         for event in self._trial.events:
-            self._mark(event.label, event.context, self._trial.event_frame(event) / self._trial.frame_rate)
+            self._draw_event(event.label, event.context, self._trial.event_frame(event) / self._trial.frame_rate)
         self.plot.addItem(self._playhead)
 
-    def _mark(self, label: str, context: str, seconds: float) -> None:
+    def _mark(self) -> None:
+        current = self.list.currentItem()
+        chosen = [
+            bare_label(label)
+            for label, item in self._markers.items()
+            if item is current or item.checkState(0) is Qt.CheckState.Checked
+        ]
+        self.marked.emit(tuple(chosen))
+
+    def _draw_event(self, label: str, context: str, seconds: float) -> None:
         colour = {"Left": colours.CHARACTERS[3], "Right": colours.CHARACTERS[2]}.get(context, colours.TEXT_THIRD)
         line = pg.InfiniteLine(
             seconds,
@@ -110,6 +125,7 @@ class SignalPlot(QWidget):
                 name = f"Plate {place + 1}"
                 unit = trial.analog.units[plate.channels[0]]
                 self._add(plates, name, partial(self._force, name, plate), unit, ticked=True)
+            markers = self._group("Markers", bool(trial.markers))
             analog = self._group("Signals", bool(trial.analog.labels))
             times = sample_times(trial)
             for column, (label, unit) in enumerate(zip(trial.analog.labels, trial.analog.units, strict=True)):
@@ -118,10 +134,12 @@ class SignalPlot(QWidget):
             points = self._group("Computed by a model", any(kind not in (MARKER, VIRTUAL) for kind in trial.kinds))
             frames = np.arange(trial.frame_count) / trial.frame_rate
             for column, (label, kind) in enumerate(zip(trial.labels, trial.kinds, strict=True)):
-                if kind not in (MARKER, VIRTUAL):
-                    track = trial.points[:, column]
+                track = trial.points[:, column]
+                if kind == MARKER and trial.ever_seen[column]:
+                    self._markers[label] = self._add(markers, label, partial(_axes, label, frames, track), trial.unit)
+                elif kind not in (MARKER, VIRTUAL):
                     self._add(points, label, partial(_axes, label, frames, track), kind)
-        for group in (plates, analog, points):
+        for group in (plates, markers, analog, points):
             group.setExpanded(group.childCount() <= 24)
 
     def _group(self, name: str, shown: bool) -> QTreeWidgetItem:
@@ -133,12 +151,13 @@ class SignalPlot(QWidget):
 
     def _add(
         self, group: QTreeWidgetItem, name: str, make: Callable[[], Curves], unit: str, ticked: bool = False
-    ) -> None:
+    ) -> QTreeWidgetItem:
         item = QTreeWidgetItem([name])
-        item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsUserCheckable)
+        item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsUserCheckable)
         item.setCheckState(0, Qt.CheckState.Checked if ticked else Qt.CheckState.Unchecked)
         group.addChild(item)
         self._sources.append((item, make, unit))
+        return item
 
     def _force(self, name: str, plate: ForcePlate) -> Curves:
         return _axes(name, sample_times(self._trial), plate_force(self._trial, plate))

@@ -5,11 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from studio.core.markers.force_plates import plate_force, sample_times
+from studio.core.markers.force_plates import plate_force, plate_reactions, sample_times
 from studio.core.markers.trial import AnalogSignals, ForcePlate
 from studio.io.c3d import read_c3d
 from tests.io.trials import make_trial
+
+FloatArray = NDArray[np.float64]
 
 
 @pytest.mark.parametrize("name", ["btk_PiG_FullBody_walk", "btk_PiG_LowerBody_walk"])
@@ -30,3 +33,52 @@ def test_a_calibrated_plate_mixes_its_channels_and_eight_sensors_are_summed() ->
     ones = AnalogSignals(tuple("abcdefgh"), ("N",) * 8, 400.0, np.tile(np.arange(8.0), (48, 1)))
     eight = ForcePlate(3, corners, np.zeros(3), tuple(range(8)))
     np.testing.assert_allclose(plate_force(replace(trial, analog=ones), eight), np.tile([1.0, 5.0, 22.0], (48, 1)))
+
+
+CORNERS = np.array([[0.6, 0.4, 0.0], [0.0, 0.4, 0.0], [0.0, 0.0, 0.0], [0.6, 0.0, 0.0]])
+PUSHED_AT = np.array([0.4, 0.1, 0.0])
+
+
+def pressed(kind: int, sign: float) -> tuple[FloatArray, FloatArray]:
+    """Where and how the ground pushes when 700 N press on ``PUSHED_AT``, told by a plate of some kind.
+
+    Its x and y run along those of the file; the sensors of kinds 2 and 4 lie 4 cm below the surface.
+    """
+    x, y = PUSHED_AT[:2] - [0.3, 0.2]
+    force = np.array([30.0, -20.0, 700.0])
+    if kind == 3:
+        a, b = 0.25, 0.15
+        along, across = x / a, y / b
+        loads = 175.0 * np.array([
+            (1 + along) * (1 + across), (1 - along) * (1 + across),
+            (1 - along) * (1 - across), (1 + along) * (1 - across),
+        ])  # fmt: skip
+        channels, origin = np.array([30.0, 0.0, -20.0, 0.0, *loads]), np.array([a, b, 0.0])
+    elif kind == 1:
+        channels, origin = np.array([*force, x, y, 0.0]), np.array([0.0, 0.0, 0.04])
+    else:
+        turning = np.array([y * force[2] + 0.04 * force[1], -x * force[2] - 0.04 * force[0], 0.0])
+        channels, origin = np.array([*force, *turning]), np.array([0.0, 0.0, -0.04])
+    samples = np.stack([sign * channels, np.zeros_like(channels)])
+    if kind == 1:
+        samples[0, 3:5] = x, y
+    labels = tuple("abcdefgh"[: len(channels)])
+    trial = replace(make_trial(), analog=AnalogSignals(labels, ("N",) * len(labels), 100.0, samples))
+    return plate_reactions(trial, ForcePlate(kind, CORNERS, origin, tuple(range(len(labels)))))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("kind", [1, 2, 3, 4])
+def test_the_ground_pushes_up_where_the_foot_presses(kind: int, sign: float) -> None:
+    places, forces = pressed(kind, sign)
+    np.testing.assert_allclose(places[0], PUSHED_AT, atol=1e-9)
+    np.testing.assert_allclose(np.abs(forces[0]), [30.0, 20.0, 700.0])
+    assert forces[0, 2] == 700.0
+    assert np.isnan(places[1]).all()
+    assert np.isnan(forces[1]).all()
+
+
+def test_a_plate_without_an_area_pushes_nobody() -> None:
+    trial = make_trial()
+    flat = ForcePlate(2, np.zeros((4, 3)), np.zeros(3), tuple(range(6)))
+    assert np.isnan(plate_reactions(trial, flat)).all()

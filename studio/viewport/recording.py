@@ -1,0 +1,144 @@
+"""What an optical capture recorded at a moment, on the stage: markers that were seen, force plates and their forces."""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.capture import Capture
+from studio.core.markers.force_plates import plate_reactions
+from studio.core.markers.marker_map import seen_labels
+from studio.core.markers.trial import Trial
+from studio.core.normalized.normalize import motion_origin
+from studio.core.placement import Placement
+from studio.document import colours
+from studio.document.document import Document
+from studio.engine.performance import Posed
+from studio.io.guessing import AXES
+from studio.viewport.paths import StagePath
+
+FloatArray = NDArray[np.float64]
+
+METRES_A_NEWTON = 0.001
+PLATE_COLOUR = colours.TEXT_THIRD
+FORCE_COLOUR = colours.kind_colour("balance")
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One moment: ``points`` (N, 3) of the markers that are seen, by bare label; lines of plates and forces."""
+
+    labels: tuple[str, ...]
+    used: NDArray[np.bool_]
+    """(N,) whether the map says what they are."""
+    points: FloatArray
+    paths: tuple[StagePath, ...]
+
+
+class RecordedBy:
+    """An optical capture in the space of its motion, or over the floor where it shows no body."""
+
+    def __init__(self, capture: Capture) -> None:
+        assert capture.markers is not None
+        self.capture, trial = capture, capture.markers.trial
+        self._turn = trial.metres * AXES[capture.up_axis].T
+        body = capture.body_map is not None
+        self._origin = motion_origin(capture) if body else np.array([0.0, 0.0, capture.floor])
+        self.labels = seen_labels(trial, capture.markers.subject)
+        self._places = [trial.labels.index(label) for label in self.labels]
+        self._used = np.array([bare in capture.markers.marker_map.labels for bare in self.labels.values()], dtype=bool)
+        self._plates = [self._to_motion(plate.corners[[0, 1, 2, 3, 0]]) for plate in trial.plates]
+        self._forces = [_pushes(trial, place) for place in range(len(trial.plates))]
+
+    def at(self, frame: int, placement: Placement) -> Recording:
+        """What was recorded in a frame of the capture, at a place of the stage; frames beyond its ends are its ends."""
+        assert self.capture.markers is not None
+        trial = self.capture.markers.trial
+        frame = min(max(frame, 0), trial.frame_count - 1)
+        points = placement.to_stage(self._to_motion(trial.points[frame, self._places]))
+        seen = np.isfinite(points).all(axis=1)
+        bare = tuple(self.labels.values())
+        return Recording(
+            tuple(bare[place] for place in np.flatnonzero(seen)),
+            self._used[seen],
+            points[seen],
+            tuple(self._lines(trial, frame, placement)),
+        )
+
+    def _lines(self, trial: Trial, frame: int, placement: Placement) -> list[StagePath]:
+        lines = [StagePath(placement.to_stage(plate), PLATE_COLOUR, np.full(5, 0.8)) for plate in self._plates]
+        for pushes in self._forces:
+            if pushes is not None:
+                places, forces = pushes
+                sample = min(round(frame * trial.analog.rate / trial.frame_rate), len(places) - 1)
+                begin = self._to_motion(places[sample])
+                end = begin + METRES_A_NEWTON * forces[sample] @ (self._turn / trial.metres)
+                if np.isfinite(end).all():
+                    lines.append(StagePath(placement.to_stage(np.stack([begin, end])), FORCE_COLOUR, np.ones(2)))
+        return lines
+
+    def _to_motion(self, points: FloatArray) -> FloatArray:
+        return np.asarray(points @ self._turn - self._origin)
+
+
+class RecordingView:
+    """Chooses what recording is shown, and keeps what was made of it."""
+
+    def __init__(self, changed: Callable[[], object]) -> None:
+        """``changed`` is called when something else is to be seen."""
+        self.marked: Collection[str] = ()
+        """Bare labels that stand out, and are shown with their names."""
+        self.named = False
+        """Whether every marker is shown with its name."""
+        self._changed = changed
+        self._made: RecordedBy | None = None
+
+    def mark(self, labels: Collection[str]) -> None:
+        """Let markers stand out, by their bare labels; with none, all are alike."""
+        self.marked = tuple(labels)
+        self._changed()
+
+    def name(self, all_of_them: bool) -> None:
+        """Show every marker with its name, or only those that stand out."""
+        self.named = all_of_them
+        self._changed()
+
+    def at(self, document: Document, posed: Mapping[str, Posed], *, shown: bool) -> Recording | None:
+        """A selected capture that shows no body, for there is nothing else to see of it; else, if ``shown`` or some
+        marker is marked, what the active performer's motion was recorded from.
+        """
+        bare = bare_capture(document)
+        if bare is not None:
+            return self._by(bare).at(round(document.playhead.time * bare.frame_rate), Placement())
+        pose = posed.get(document.active_performer_id or "")
+        capture = recorded_of(document, pose)
+        if pose is None or capture is None or not (shown or self.marked):
+            return None
+        return self._by(capture).at(pose.row + pose.motion.first_frame, pose.placement)
+
+    def _by(self, capture: Capture) -> RecordedBy:
+        if self._made is None or self._made.capture is not capture:
+            self._made = RecordedBy(capture)
+        return self._made
+
+
+def bare_capture(document: Document) -> Capture | None:
+    """The selected capture if it has markers and no body."""
+    chosen = document.selection.of("captures")
+    capture = document.project.captures.get(chosen[-1]) if chosen else None
+    return capture if capture is not None and capture.markers is not None and capture.body_map is None else None
+
+
+def recorded_of(document: Document, pose: Posed | None) -> Capture | None:
+    """The optical capture that a performer plays, if it is one."""
+    motion = document.project.motions.get(pose.motion_id or "") if pose else None
+    capture = document.project.captures.get(motion.capture_id) if motion else None
+    return capture if capture is not None and capture.markers is not None and capture.body_map is not None else None
+
+
+def _pushes(trial: Trial, place: int) -> tuple[FloatArray, FloatArray] | None:
+    """Where and how the ground pushes on a plate, in newtons; None where the file has another unit."""
+    plate = trial.plates[place]
+    newtons = trial.analog.units[plate.channels[0]].lower().startswith("n")
+    return plate_reactions(trial, plate) if newtons and len(trial.analog.samples) else None
