@@ -16,11 +16,10 @@ from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
 from studio.io.body_maps import find_body
 from studio.io.bvh import read_bvh
-from studio.io.capture_guesses import body_guesses, floor_of, reference_of
+from studio.io.capture_guesses import body_guesses, stood_capture
 from studio.io.guessing import (
     AXES,
     Scale,
-    guess_first_frame,
     guess_frame_rate,
     guess_unit,
     guess_up_axis,
@@ -79,26 +78,21 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_world(skeleton, poses)[0]
-    first_frame, guess = guess_first_frame(positions, frame_rate)
-    guesses += [guess] if guess else []
-    floor = floor_of(skeleton, positions[first_frame:], found.body_map, options, guesses)
-    reference = reference_of(skeleton, poses, found.body_map, options, guesses)
-    progress(1.0, f"Loaded {path.name}")
-    return Capture(
-        name=path.stem,
-        source=path.name,
-        skeleton=skeleton,
-        poses=poses,
+    capture = stood_capture(
+        path,
+        skeleton,
+        poses,
+        positions,
+        found,
+        options,
+        guesses,
         frame_rate=frame_rate,
-        body_map=found.body_map,
-        reference_rotations=reference,
-        floor=floor,
         unit=scale.unit,
         up_axis=up_axis,
-        first_frame=first_frame,
-        guesses=tuple(guesses),
         repairs=file.repairs,
     )
+    progress(1.0, f"Loaded {path.name}")
+    return capture
 
 
 def to_world(

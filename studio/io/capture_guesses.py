@@ -1,11 +1,12 @@
 """What every reader of captures has to find out when the file does not say it: the body, the ground, who stands how."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.capture import Guess
+from studio.core.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.humanoid import BodyMap
 from studio.core.pose import PoseSequence
@@ -13,7 +14,7 @@ from studio.core.reference_pose import ReferencePose, find_reference_pose, stand
 from studio.core.rotations import IDENTITY, normalized
 from studio.core.skeleton import Skeleton
 from studio.io.body_maps import FoundBody, similar_joints
-from studio.io.guessing import guess_floor
+from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
 
 FloatArray = NDArray[np.float64]
@@ -30,6 +31,45 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
     parts = len(found.body_map.parts)
     reason = f"Names as in {found.family}; topology, constant bones and symmetry agree."
     return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)]
+
+
+def stood_capture(
+    path: Path,
+    skeleton: Skeleton,
+    poses: PoseSequence,
+    positions: FloatArray,
+    found: FoundBody,
+    options: ImportOptions,
+    guesses: list[Guess],
+    *,
+    frame_rate: float,
+    unit: str,
+    up_axis: str,
+    repairs: tuple[str, ...] = (),
+) -> Capture:
+    """The capture of joints in world axes and metres, when its first frame, ground and reference pose are found.
+
+    ``positions`` (F, J, 3) is where the poses place the joints; ``unit`` and ``up_axis`` are those of the file.
+    """
+    first_frame, guess = guess_first_frame(positions, frame_rate)
+    guesses += [guess] if guess else []
+    floor = floor_of(skeleton, positions[first_frame:], found.body_map, options, guesses)
+    reference = reference_of(skeleton, poses, found.body_map, options, guesses)
+    return Capture(
+        name=path.stem,
+        source=path.name,
+        skeleton=skeleton,
+        poses=poses,
+        frame_rate=frame_rate,
+        body_map=found.body_map,
+        reference_rotations=reference,
+        floor=floor,
+        unit=unit,
+        up_axis=up_axis,
+        first_frame=first_frame,
+        guesses=tuple(guesses),
+        repairs=repairs,
+    )
 
 
 def floor_of(

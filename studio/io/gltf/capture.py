@@ -12,13 +12,13 @@ from studio.core.pose import PoseSequence
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.skeleton import Skeleton
 from studio.io.body_maps import find_body
-from studio.io.capture_guesses import body_guesses, floor_of, reference_of
+from studio.io.capture_guesses import body_guesses, stood_capture
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import Track, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.nodes import Nodes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
-from studio.io.guessing import AXES, guess_first_frame, guess_frame_rate, leg_length, unit_called
+from studio.io.guessing import AXES, guess_frame_rate, leg_length, unit_called
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
 
@@ -74,26 +74,20 @@ def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture
         metres = unit_called(options.unit, leg_length(sample, found.body_map) if found.body_map else None).metres
     skeleton = Skeleton(figure.names, skeleton.parents, metres * offsets, skeleton.end_sites)
     poses = PoseSequence(local, metres * moves)
-    first_frame, guess = guess_first_frame(metres * places, rate)
-    guesses += [guess] if guess else []
-    floor = floor_of(skeleton, metres * places[first_frame:], found.body_map, options, guesses)
-    reference = reference_of(skeleton, poses, found.body_map, options, guesses)
-    progress(1.0, f"Loaded {path.name}")
-    return Capture(
-        name=path.stem,
-        source=path.name,
-        skeleton=skeleton,
-        poses=poses,
+    capture = stood_capture(
+        path,
+        skeleton,
+        poses,
+        metres * places,
+        found,
+        options,
+        guesses,
         frame_rate=rate,
-        body_map=found.body_map,
-        reference_rotations=reference,
-        floor=floor,
         unit=options.unit or "m",
         up_axis=axis,
-        first_frame=first_frame,
-        guesses=tuple(guesses),
-        repairs=(),
     )
+    progress(1.0, f"Loaded {path.name}")
+    return capture
 
 
 def _first_animation(file: GltfFile, accessors: Accessors, node_count: int) -> tuple[list[Track], list[Guess]]:
