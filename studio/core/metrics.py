@@ -11,9 +11,11 @@ from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
 from studio.core.morphology import at_frames, sole_rows
 from studio.core.solver.carrying import clearance, track_of
+from studio.core.solver.footing import foot_states
 from studio.core.solver.footprints import planes_under, soles_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.support import mass_path
+from studio.core.solver.swing import Sole, worn_height
 
 FloatArray = NDArray[np.float64]
 
@@ -107,6 +109,22 @@ def _standing_foot(
     else:
         heights = (sole[:, 2] - ground.height_at(sole)) * normal[2]
     return _slide(ankle if point.is_heel else toe, normal), heights
+
+
+def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FloatArray:
+    """(2, F) metres by which a foot in the air is below the ground with some part of its sole; negative above it.
+
+    NaN where heel or toe stand. Within 5 mm of a riser or an edge counts as beside it.
+    """
+    body, count = adapted.body, adapted.first_frame + adapted.frame_count
+    frames, depths = np.arange(adapted.first_frame, count), np.empty((2, adapted.frame_count))
+    states = foot_states(contacts, count)[:, adapted.first_frame :]
+    for side in range(2):
+        foot, ankle = body.layout.spine_count + 12 + 4 * side, adapted.positions[:, body.layout.ankle(side)]
+        turns, measures = adapted.rotations[:, foot : foot + 2], at_frames(sole_rows(body, side), frames)
+        points = Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points
+        depths[side] = (worn_height(ground, points) - points[..., 2]).max(axis=1)
+    return np.where(states == 0, depths, np.nan)
 
 
 def knee_speeds(adapted: AdaptedMotion) -> FloatArray:

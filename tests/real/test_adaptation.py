@@ -9,7 +9,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Chain
 from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, contact_quality
+from studio.core.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -41,6 +41,7 @@ def _faults(path: Path, name: str) -> list[str]:
     measured = (
         ("slide mm", 1e3 * quality.slide, 1.0), ("rise mm", 1e3 * quality.rise, 2.0),
         ("penetration mm", 1e3 * quality.penetration, 2.0), ("acceleration ratio", ratio, 3.0),
+        ("depth in swing mm", 1e3 * float(np.nanmax(swing_depths(adapted, contacts_of(capture), Ground()))), 1.0),
     )  # fmt: skip
     return [f"{path.stem} on {name}: {what} {value:.2f}" for what, value, most in measured if value > most]
 

@@ -9,7 +9,7 @@ import pytest
 
 from studio.core.ground import Ground
 from studio.core.grounds import Bumps, Slope, Steps
-from studio.core.metrics import acceleration_ratio, contact_quality
+from studio.core.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -23,6 +23,8 @@ STEMS = (
     "bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180",
     "accad_female1_B21_PutDownBoxToWalk", "accad_female1_C20_RunToJumpToWalk",
 )  # fmt: skip
+MOST_BRUSHING = {"up": 0.01, "down": 0.0, "across": 0.0, "stairs up": 0.05, "stairs down": 0.05, "bumps": 0.01}
+"""Parts of the frames of feet in the air, of all characters, in which one is more than 2 mm below the ground."""
 TILT = math.radians(15.0)
 
 
@@ -53,8 +55,10 @@ def _faults(path: Path) -> list[str]:
     motion, source, first = _source(path)
     contacts, found = contacts_of(taken(path)[0]), []
     for where, ground in _grounds(source.positions[first:, 0]).items():
+        depths = []
         for name, body in BODIES.items():
             adapted = adapt(AdaptRequest(motion, body, contacts, (), ground), first)
+            depths.append(swing_depths(adapted, contacts, ground))
             quality = contact_quality(adapted, contacts, ground)
             measured = (
                 ("slide mm", 1e3 * quality.slide, 1.0), ("float mm", 1e3 * quality.rise, 2.0),
@@ -62,6 +66,9 @@ def _faults(path: Path) -> list[str]:
                 ("acceleration ratio", acceleration_ratio(adapted, source), 3.0),
             )  # fmt: skip
             found += [f"{where} on {name}: {what} {value:.2f}" for what, value, most in measured if value > most]
+        brushing = float((np.array(depths) > 0.002).sum() / np.isfinite(depths).sum())
+        if brushing > MOST_BRUSHING[where]:
+            found.append(f"{where}: {100.0 * brushing:.2f} % of the frames of feet in the air below the ground")
     return found
 
 

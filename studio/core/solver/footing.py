@@ -14,9 +14,11 @@ from studio.core.kernels import feet as kernel
 from studio.core.kernels import layout as at
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.legs import hip_heights
+from studio.core.kernels.swing import keep_above
 from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.footprints import drape, find_footprints, lift_over_edges
+from studio.core.solver.footprints import drape, find_footprints
+from studio.core.solver.swing import Sole, led_clear
 
 FloatArray = NDArray[np.float64]
 
@@ -30,8 +32,10 @@ LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
 LEASH = 0.3
 """Part of its length by which a limb's leash has run out when its contact becomes free."""
-FOLDED, FOLD_ROOM = 0.35, 0.08
-"""Part of its length by which a folded leg's ankle hangs below the hip, and metres by which it may come nearer."""
+FOLDED, FOLD_ROOM = 0.35, 0.12
+"""Part of its length by which a folded leg's ankle hangs below the hip, and parts by which it may come nearer; less
+the farther it is from below the hip, nothing at a leg's length.
+"""
 CLIMB_SMOOTHING = 0.12
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
@@ -77,7 +81,9 @@ def find_footing(
     carry, ``carried`` (F,); ``drops`` take that off.
     """
     states = foot_states(contacts, motion.frame_count)
-    plans = [_plan_foot(side, morphology, states[side], ground, positions, rotations) for side in range(2)]
+    plans = [
+        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, positions, rotations) for side in range(2)
+    ]
     if ground.is_level:
         ankles, feet, toes = _stacked(plans)
         relative = ankles - positions[:, 0]
@@ -122,11 +128,13 @@ def _keep_below_hips(
     Over a flight of steps taken in long strides they would, and the leg would swing round; on the floor they stay.
     """
     for side in range(2):
-        hips = positions[:, morphology.layout.hip(side), 2]
+        hips = positions[:, morphology.layout.hip(side)]
         legs = morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2].sum(axis=1)
-        own = positions[:, morphology.layout.ankle(side), 2] - hips
-        beyond = ankles[side, :, 2] - (hips - drops) - np.maximum(own, -FOLDED * legs)
-        softened = FOLD_ROOM * -np.expm1(-np.maximum(beyond, 0.0) / FOLD_ROOM)
+        own = positions[:, morphology.layout.ankle(side), 2] - hips[:, 2]
+        aside = np.linalg.norm(ankles[side, :, :2] - hips[:, :2], axis=1) / legs
+        least = -FOLDED * legs * (1.0 - np.minimum(aside, 1.0) ** 2) ** 2
+        beyond = ankles[side, :, 2] - (hips[:, 2] - drops) - np.maximum(own, least)
+        softened = FOLD_ROOM * legs * -np.expm1(-np.maximum(beyond, 0.0) / (FOLD_ROOM * legs))
         ankles[side, :, 2] -= freedom(states[side] != 0, frame_rate) * (np.maximum(beyond, 0.0) - softened)
 
 
@@ -168,6 +176,7 @@ def _plan_foot(
     morphology: AnyMorphology,
     states: NDArray[np.int64],
     ground: Ground,
+    frame_rate: float,
     positions: FloatArray,
     rotations: FloatArray,
 ) -> Plan:
@@ -183,6 +192,7 @@ def _plan_foot(
     local_toes = np.swapaxes(source, 1, 2) @ rotations[:, segment + 1]
     kernel.level_toes(feet, local_toes, states, toes)
     kernel.plant_ankles(ankles, feet, states, soles, np.full(len(ankles), ground.height), out_ankles)
+    keep_above(soles, states, ground.height, frame_rate, out_ankles, feet, toes)
     return out_ankles, feet, toes
 
 
@@ -205,11 +215,12 @@ def _drape_foot(
     if prints.hanging.any():
         for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
             states[first : last + 1][states[first : last + 1] == kernel.HEEL] = kernel.FLAT
-        plan = _plan_foot(side, morphology, states, ground, positions, rotations)
+        plan = _plan_foot(side, morphology, states, ground, frame_rate, positions, rotations)
         prints = find_footprints(states, plan[0], plan[1], soles, ground)
     draped = drape(prints, *plan, ground, frame_rate)
-    draped.ankles[:, 2] += lift_over_edges(plan[:2], draped, states, soles, ground)
-    return _DrapedFoot((draped.ankles, draped.feet, draped.toes), plan[0], draped.heights)
+    level, foot = Sole.of(*plan, soles), Sole.of(draped.ankles, draped.feet, draped.toes, soles)
+    led = led_clear(level, foot, states, ground, frame_rate)
+    return _DrapedFoot((led.ankles, led.feet, led.toes), plan[0], draped.heights)
 
 
 def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64]) -> FloatArray:

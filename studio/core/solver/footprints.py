@@ -26,15 +26,10 @@ LONGEST_FLIGHT = 1.0
 WAYPOINT = 0.5
 SHORTEST_RAMP = 0.25
 """Seconds before the first and after the last contact that are too short to follow the ground."""
-MIDDLE = 0.5
-"""Height of the arch (0 at both contacts, 1 between) above which it must clear the ground; below, a foot that
-leaves or comes down close to an edge may brush it: to clear that too it would have to jerk."""
-RISE_EARLY, SINK_LATE = 0.2, 0.05
+RISE_EARLY, SINK_LATE = 0.2, 0.18
 """Parts of a flight by which a foot is up earlier, or begins to sink later, at most, than over all of the flight."""
 CLIMB_TIME = 0.36
 """Seconds that it takes for that at least: in a short flight a foot has no time to hurry."""
-GREATEST_LIFT = 0.12
-"""Metres of extra lift that are neared and never passed."""
 _SETTLING = 4
 
 
@@ -157,41 +152,6 @@ def drape(
     return Draped(
         pivots + moves + np.einsum("fij,fj->fi", turns, ankles - pivots), turns @ feet, turns @ toes, moves[:, 2]
     )
-
-
-def lift_over_edges(
-    level: tuple[FloatArray, FloatArray],
-    draped: Draped,
-    states: NDArray[np.int64],
-    measures: FloatArray,
-    ground: Ground,
-) -> FloatArray:
-    """(F,) metres by which a foot in the air is raised so that it clears what lies between its footprints.
-
-    ``level`` the ankles (F, 3) and feet (F, 3, 3) as planned on the level floor: a foot comes no nearer to the ground
-    than it did there, as far as one smooth arch a flight can do that: it and its first two derivatives are zero at
-    every contact.
-    """
-    forward, left, _, height, heel, toe = measures.T
-    sole = np.stack(
-        [
-            np.column_stack([-heel, 0.0 * heel, -height]),
-            np.column_stack([forward, left, -height]),
-            np.column_stack([forward + toe, left, -height]),
-        ],
-        axis=1,
-    )
-    before = level[0][:, None] + np.einsum("fij,fpj->fpi", level[1], np.broadcast_to(sole, (len(states), 3, 3)))
-    after = draped.ankles[:, None] + np.einsum("fij,fpj->fpi", draped.feet, np.broadcast_to(sole, (len(states), 3, 3)))
-    nearer = ground.height_at(after) - after[..., 2] - np.maximum(ground.height - before[..., 2], 0.0)
-    needs, lift = nearer.max(axis=1), np.zeros(len(states))
-    for first, last in _runs(states == 0):
-        share = np.arange(1, last - first + 2) / (last - first + 2)
-        arch = (4.0 * share * (1.0 - share)) ** 3
-        high = arch >= MIDDLE
-        needed = max(float((needs[first : last + 1][high] / arch[high]).max(initial=0.0)), 0.0)
-        lift[first : last + 1] = GREATEST_LIFT * np.tanh(needed / GREATEST_LIFT) * arch
-    return lift
 
 
 def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
