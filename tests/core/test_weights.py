@@ -156,7 +156,7 @@ def test_a_weight_that_means_nothing_is_refused_under_the_name_of_its_constraint
     [
         ((("thorax", 1.5),), "A chain's weight lies between 0 and 1: thorax is 1.5."),
         ((("thorax", float("nan")),), "thorax is nan"),
-        ((("left_thigh", 0.5),), "The left thigh has no weight of its own: use limb or end_segment."),
+        ((("left_foot", 0.5),), "The left foot has no weight of its own: use end_segment."),
         ((("thorax", 0.5), ("thorax", 0.6)), "two weights"),
     ],
 )

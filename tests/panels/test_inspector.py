@@ -193,6 +193,21 @@ def test_a_tie_that_would_double_a_constraint_is_refused_in_a_sentence(inspector
     assert document.history == ()
 
 
+def test_the_segments_of_the_points_own_limb_get_weights_of_their_own(inspector, document):
+    document.selection.set(("constraints", "constraint 0"))  # a right wrist
+    add = named(inspector, QComboBox, "Segment to weigh")
+    offered = {add.itemText(place) for place in range(add.count())}
+    assert {"Right upper arm", "Right forearm", "Head"} <= offered
+    assert not {"Left forearm", "Right thigh", "Right hand"} & offered
+    place = add.findText("Right forearm")
+    add.setCurrentIndex(place)
+    add.activated.emit(place)
+    chain = lambda: document.project.constraints["constraint 0"].chain  # noqa: E731
+    assert chain().segments == ((BodyPart.RIGHT_FOREARM, 1.0),)
+    QTest.mouseClick(inspector.findChild(BodyFigure), LEFT, pos=segment_place(BodyPart.RIGHT_FOREARM))
+    assert (chain().segments, chain().limb) == (((BodyPart.RIGHT_FOREARM, 0.0),), 1.0)
+
+
 def test_a_segment_gets_a_weight_of_its_own_and_loses_it_again(inspector, document):
     document.selection.set(("constraints", "constraint 0"))
     segments = lambda: document.project.constraints["constraint 0"].chain.segments  # noqa: E731

@@ -27,9 +27,9 @@ def test_free_limbs_help_to_balance(captures: Path, stem: str, name: str) -> Non
     contacts = contacts_of(capture)
     standing = stand(motion, BODIES[name], contacts, Ground())
     first = capture.first_frame
-    for chain in (WHOLE, ALONE):  # limbs alone are asked for much that is out of their reach
+    for chain in (WHOLE, ALONE):  # limbs alone are thrown out for much that is out of reach
         wish = BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), chain, 0, ALWAYS, place=Support())
         solved = hold(standing, (wish,), first)
         assert chain is ALONE or np.nanmax(solved.residuals) < 5e-4
         assert contact_quality(solved, contacts, Ground()).slide < 1e-6
-        assert acceleration_ratio(solved, hold(standing, (), first)) < (3.0 if chain is WHOLE else 5.0)
+        assert acceleration_ratio(solved, hold(standing, (), first)) < (3.0 if chain is WHOLE else 10.0)

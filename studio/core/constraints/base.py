@@ -38,8 +38,21 @@ TRUNK = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX)
 CLAVICLES = (BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE)
 UPPER_ARMS = (BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM)
 THIGHS = (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH)
-SINGLE = (*TRUNK, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD)
+FOREARMS = (BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)
+SHANKS = (BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK)
+BONES = (*UPPER_ARMS, *FOREARMS, *THIGHS, *SHANKS)
+SINGLE = (*TRUNK, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD, *BONES)
 """Segments that may have a weight of their own."""
+
+
+def limb_bones(part: BodyPart) -> tuple[BodyPart, ...]:
+    """The upper and the lower segment of the limb that a part is of; none for other parts."""
+    side, _, bone = part.value.partition("_")
+    if bone in ("upper_arm", "forearm", "hand"):
+        return BodyPart(f"{side}_upper_arm"), BodyPart(f"{side}_forearm")
+    if bone in ("thigh", "shank", "foot", "toe"):
+        return BodyPart(f"{side}_thigh"), BodyPart(f"{side}_shank")
+    return ()
 
 
 @dataclass(frozen=True)
@@ -47,10 +60,11 @@ class Chain:
     """Which parts may move for a constraint, as weights: 0 is locked, 1 moves freely, between is stiffer.
 
     ``segments`` gives single segments a weight of their own in place of that of their group; the abdomen stands for
-    all inner vertebrae. The segments of arms and legs have none: a limb is bent in closed form, as one.
+    all inner vertebrae. Of a limb that is to bring a point somewhere, the upper segment's is how much of what it would
+    turn it turns, the lower one's how much of what it would bend it bends; the rest of the chain does what is left.
 
     ``free_arms`` and ``free_legs`` are for a balance alone: how freely it turns, about shoulders and hips, the arms of
-    which nothing else is asked and the leg whose foot is in the air.
+    which nothing else is asked and the leg whose foot is in the air. An upper arm or thigh may there have its own.
     """
 
     limb: float = 1.0
@@ -71,14 +85,14 @@ class Chain:
         parts = [part for part, _ in own]
         for part in parts:
             if part not in SINGLE:
-                raise ValueError(f"The {part.label.lower()} has no weight of its own: use limb or end_segment.")
+                raise ValueError(f"The {part.label.lower()} has no weight of its own: use end_segment.")
             if parts.count(part) > 1:
                 raise ValueError(f"A chain gives the {part.label.lower()} two weights. Keep one of them.")
         if not any(getattr(self, link) for link in LINKS) and not any(weight for _, weight in own):
             raise ValueError("A chain without any free part cannot move its point.")
 
     def weight(self, part: BodyPart) -> float:
-        """How freely a joint turns a segment and all that it carries: the segment's own weight, or that of its group.
+        """How freely a segment moves: its own weight, or that of its group.
 
         The pelvis turns only with a weight of its own; neck and head are the limb of the head.
         """
@@ -89,13 +103,16 @@ class Chain:
                 usual = max(self.limb, self.clavicle)
             case BodyPart.HEAD:
                 usual = max(self.limb, self.end_segment)
-            case _ if part in UPPER_ARMS:
-                usual = self.free_arms
-            case _ if part in THIGHS:
-                usual = self.free_legs
+            case _ if part in BONES:
+                usual = self.limb
             case _:
                 usual = self.clavicle if part in CLAVICLES else self.trunk
         return dict(self.segments).get(part, usual)
+
+    def recruited(self, part: BodyPart) -> float:
+        """How freely a balance turns an upper arm or a thigh: its own weight where its group has any, or that."""
+        usual = self.free_arms if part in UPPER_ARMS else self.free_legs
+        return dict(self.segments).get(part, usual) if usual > 0.0 else 0.0
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 
 from studio.core.canonical import BodyPart
-from studio.core.constraints.base import TRUNK, BodyPoint, Chain, Constraint
+from studio.core.constraints.base import TRUNK, BodyPoint, Chain, Constraint, limb_bones
 from studio.core.constraints.follow import FollowBody
 
 _EVERYWHERE = {"motion_id", "name", "chain", "priority", "activation", "enabled", "weight"}
@@ -68,11 +68,11 @@ def _moves(chain: Chain, part: BodyPart) -> bool:
         case BodyPart.HEAD:
             carriers += [BodyPart.NECK, BodyPart.HEAD]
         case "thigh" | "shank" | "foot" | "toe":
-            links += ["limb", "end_segment"]
-            carriers = [BodyPart.PELVIS]
+            links += ["end_segment"]
+            carriers = [BodyPart.PELVIS, *limb_bones(part)[: 1 if bone == "thigh" else 2]]
         case "clavicle" | "upper_arm" | "forearm" | "hand":
-            links += ["limb"] * (bone != "clavicle") + ["end_segment"] * (bone == "hand")
-            carriers += [BodyPart(f"{side}_clavicle")]
+            links += ["end_segment"] * (bone == "hand")
+            carriers += [BodyPart(f"{side}_clavicle"), *limb_bones(part)[: 1 if bone == "upper_arm" else 2]]
     return any(getattr(chain, link) > 0.0 for link in links) or any(chain.weight(each) > 0.0 for each in carriers)
 
 

@@ -159,7 +159,7 @@ def make_work(constraint_count, joint_count, point_count):
         np.empty(4, np.int64),
         np.empty((8, 3)),
         np.empty((segments + 1, 4)),
-        np.empty((4, 3, 3)),
+        np.empty((6, 3, 3)),
     )
 
 

@@ -7,7 +7,7 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``body`` (measures, masses (S, 2), leashes (2,), legs): leashes are the parts of their lengths to which the root may
   stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet, toes and scratch.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (2, N, 3) state and the one before, grips (4,), points (8, 3),
-  sums (S + 1, 4), turns (4, 3, 3)): scratch, the first two as in ``kernels.priorities``.
+  sums (S + 1, 4), turns (6, 3, 3)): scratch, the first two as in ``kernels.priorities``.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
@@ -34,6 +34,7 @@ from studio.core.kernels.priorities import find_step, move_joints
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import note_balances
 from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
+from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 TRIES = 8
@@ -81,15 +82,22 @@ def wants_level(level, asked):
 @inlined_kernel
 def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     """Newton's steps on one level with those above held; in the end those above get back what it cost them."""
+    stiff = free_stiff(level, asked)
     if chain[1].shape[0] == 0:
         if not fresh:
             carry_body(chain, body, work, start, pose)
         place_limbs(level, asked, areas, chain, body, work, start, pose)
+        if stiff:
+            stiffen(level, asked)
+            place(level, False, asked, areas, chain, body, work, start, pose)
         return
     turned = work[3]
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[1, joint])
     place(level, fresh, asked, areas, chain, body, work, start, pose)
+    if stiff:
+        stiffen(level, asked)
+        place(level, False, asked, areas, chain, body, work, start, pose)
     note_balances(level, asked, chain, body, work, pose)
     for _ in range(TRIES):
         if not step(level, False, asked, chain, body, work, start, pose) > STILL:

@@ -12,6 +12,7 @@ from studio.core.kernels.goals import AREA, ORIENTATION, POSITION, end_place
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_range, bend_to, swivel_to
 from studio.core.kernels.rotation import multiply_by_transposed
+from studio.core.kernels.stiffness import stiff_span, turn_back
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 CLOSE_ENOUGH = 5e-5
@@ -104,6 +105,8 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
             if not free and row.freedoms[end, 1] == 0.0:
                 continue
             end_place(row, end, pose, point)
+            if row.stiff:
+                copy_matrix(rotations[upper + 1 if held_upper else upper], turns[5])
             if free and solved == 0:
                 held_upper = segment == upper
                 reach_with_limb(row, end, limb >= 2 or turning, turns, points, pose)
@@ -111,6 +114,10 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
                 aim_at(target, point, upper + 1, spine_count, positions[root + 1], turns[0], positions, rotations)
             elif free and solved == 1:
                 swivel_to(target, point, first, upper, spine_count, positions[root], turns[0], positions, rotations)
+            if free and solved == 1 and row.stiff:
+                joint = 1 if held_upper else 0
+                part = row.parts[end, joint]
+                turn_back(part, math.inf, upper + joint, root + joint, turns[5], turns[0], points[0], pose)
             end_place(row, end, pose, point)
             if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not turning:
                 aim_end(row.freedoms[end, 1], target, point, root + 2, upper + 2, turns[0], points[4], pose)
@@ -144,12 +151,16 @@ def reach_with_limb(row, end, holds_end, turns, points, pose):
             copy_point(positions[tip], point)
     if segment != upper:
         span = comfortable(row, end, distance(goal, positions[root]))
+        if row.stiff:
+            span = stiff_span(row, end, distance(point, positions[root]), span)
         bend_to(span, upper, spine_count, root, point, turns[0], positions, rotations)
         if holds_end and segment >= upper + 2:
             copy_point(positions[tip], point)
         else:
             body_point(row.ends[end, 0], segment, row.offsets[end], positions, rotations, point)
     aim_at(goal, point, upper, spine_count, positions[root], turns[0], positions, rotations)
+    if row.stiff:
+        row.change[end, 0] = turn_back(1.0, row.most[end, 0], upper, root, turns[5], turns[0], points[0], pose)
     if holds_end:
         for other in range(past):
             copy_matrix(turns[1 + other], rotations[upper + 2 + other])

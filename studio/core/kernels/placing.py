@@ -25,6 +25,7 @@ from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
 from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, multiply_by_transposed, shortest_arc
+from studio.core.kernels.stiffness import carry_leg
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 ENGAGED = 1e-6
@@ -86,7 +87,7 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
 
     Once more where a point ends in an area that it may not be in, or a distance is not shared well.
     """
-    busy, moving = 0, False
+    busy, stiff, moving = 0, 0, False
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted == 1 and row.rank <= level:
@@ -95,11 +96,17 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
             for end in range(2):
                 if row.ends[end, 2] >= 0:
                     busy |= 1 << row.ends[end, 2]
+                    stiff |= row.stiff << row.ends[end, 2]
     for attempt in range(1 + AGAIN):
         if moving:
             follow(level, asked, areas, work, pose)
         for limb in range(4):
             if busy >> limb & 1:
+                if stiff >> limb & 1:
+                    if attempt > 0:
+                        put_back(limb, chain, body, work, start, pose)
+                    if limb >= 2:
+                        carry_leg(limb - 2, start, work[2], pose)
                 solve_limb(limb, level, asked, work[4], work[7], work[5], pose)
         if not moving or attempt == AGAIN:
             return

@@ -11,7 +11,7 @@ from studio.core.kernels.goals import BALANCE
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.vectors import copy_point
 
-MASS_COMFORT, MASS_REACH = 0.6, 0.85
+MASS_COMFORT, MASS_REACH = 0.5, 0.65
 """Part of what joints can do for the centre of mass that is asked of them freely, and of what their levers promise that
 they can do.
 """

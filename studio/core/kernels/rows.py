@@ -59,9 +59,11 @@ def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
         for end in range(2):
             if row.ends[end, 0] < 0:
                 continue
-            if row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0:
+            free = row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0
+            aims = not row.stiff or row.parts[end, 0] == 1.0
+            if free and aims:
                 count = add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, pose)
-            elif row.kind != DISTANCE:
+            elif free or row.kind != DISTANCE:
                 count = add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose)
     if is_held:
         for other in range(first, count):
@@ -173,6 +175,9 @@ def add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, p
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     x, y, z = x / span, y / span, z / span
     reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
+    if row.stiff:
+        fold = max(fold, row.own[end] - row.most[end, 1])
+        reach = max(min(reach, row.own[end] + row.most[end, 1]), fold)
     if not is_held:
         error = span - min(max(span, fold), reach)
         if error == 0.0:

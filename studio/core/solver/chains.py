@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout
+from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import CLAVICLES, THIGHS, UPPER_ARMS, Chain
 from studio.core.kernels.joints import ROOT, joint_table
 
@@ -60,7 +60,12 @@ def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyL
     limits = [*trunk, *[SHOULDER_LIMIT] * 2, *[HIP_LIMIT] * 2, np.pi / 2]
     parts = [layout.part(segment) for segment in segments[:-1]]
     usual = np.array([*(_USUAL.get(part, 1.0) for part in parts), ROOT_MOBILITY])
-    weights = np.array([[*map(chain.weight, parts), chain.root] for chain in chains]).reshape(-1, len(segments)) * usual
+    weights = (
+        np.array([[*(_weight(chain, part) for part in parts), chain.root] for chain in chains]).reshape(
+            -1, len(segments)
+        )
+        * usual
+    )
     free = weights.any(axis=0)
     free[-1] |= free[0]  # a pelvis that turns must not pull the feet away: the root, freed by nobody, follows them
     levels = [weights[ranks <= level].max(axis=0) for level in range(ranks.max(initial=-1) + 1)]
@@ -72,6 +77,11 @@ def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyL
         slots,
         np.tan(0.5 * np.array(limits))[free],
     )
+
+
+def _weight(chain: Chain, part: BodyPart) -> float:
+    """How freely a chain lets a joint turn a segment; limbs are bent in closed form, but for those of a balance."""
+    return chain.recruited(part) if part in (*UPPER_ARMS, *THIGHS) else chain.weight(part)
 
 
 def segment_masses(layout: BodyLayout) -> FloatArray:

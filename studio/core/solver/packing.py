@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
-from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Constraint
+from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Constraint, limb_bones
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
@@ -54,6 +54,11 @@ class Rows:
         if limb >= 0:
             carriers = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK
             row["helped"] |= chain.root > 0.0 or any(chain.weight(part) > 0.0 for part in carriers)
+            bones = limb_bones(point.part)
+            parts = [chain.weight(part) for part in bones]
+            row["parts"][end] = parts
+            row["freedoms"][end, 0] = max(parts[:1] if point.part == bones[0] else parts)
+            row["stiff"] |= row["freedoms"][end, 0] > 0.0 and min(parts) < 1.0
 
     @property
     def wishes(self) -> tuple[FloatArray, ...]:

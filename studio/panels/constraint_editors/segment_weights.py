@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from studio.core.canonical import BodyPart
-from studio.core.constraints.base import SINGLE, Chain
+from studio.core.constraints.base import BONES, SINGLE, THIGHS, UPPER_ARMS, BodyPoint, Chain, Constraint, limb_bones
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, labelled, press_button
 
@@ -19,6 +19,16 @@ def weight_field(name: str) -> NumberField:
     field.setFixedWidth(56)
     field.setAlignment(Qt.AlignmentFlag.AlignRight)
     return field
+
+
+def weighable(constraint: Constraint) -> tuple[BodyPart, ...]:
+    """The segments whose own weights count for a constraint: of limbs, those of its points, or that a balance turns."""
+    other = getattr(constraint, "other", None)
+    points = (constraint.point, other) if isinstance(other, BodyPoint) else (constraint.point,)
+    bones = [bone for each in points for bone in limb_bones(each.part)]
+    if constraint.kind == "balance":
+        bones = [*UPPER_ARMS, *THIGHS]
+    return (*(part for part in SINGLE if part not in BONES), *dict.fromkeys(bones))
 
 
 class SegmentWeights(QWidget):
@@ -55,9 +65,10 @@ class SegmentWeights(QWidget):
             for widget in row:
                 widget.setVisible(part in own)
             row[1].show_value(own.get(part, 0.0))
-        self._add.offer([(part, part.label) for part in SINGLE if part not in own])
+        left = [(part, part.label) for part in weighable(self._editor.entity) if part not in own]
+        self._add.offer(left)
         self._add.show_value(None)
-        self._add.setVisible(len(own) < len(SINGLE))
+        self._add.setVisible(bool(left))
 
     def put(self, part: BodyPart, weight: float) -> None:
         """Give a segment a weight of its own, as one step or a part of the gesture's."""
@@ -67,8 +78,10 @@ class SegmentWeights(QWidget):
         )
 
     def _give(self, part: BodyPart) -> None:
+        balances = self._editor.entity.kind == "balance" and part in BONES
         self._change(
-            lambda chain: (*chain.segments, (part, chain.weight(part))), f"Give {part.label.lower()} its own weight"
+            lambda chain: (*chain.segments, (part, chain.recruited(part) if balances else chain.weight(part))),
+            f"Give {part.label.lower()} its own weight",
         )
 
     def _remove(self, part: BodyPart) -> None:
