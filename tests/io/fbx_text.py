@@ -12,7 +12,7 @@ TICKS = 46_186_158_000
 RATE = 30
 WORLD_TO_FILE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 """Y up, Z forward."""
-ARMATURE, ROOT, ATTRIBUTE, TRAVEL, TURNS = 999, 1000, 2000, 9000, 10_000
+BESIDE, ARMATURE, ROOT, ATTRIBUTE, TRAVEL, TURNS = 100, 999, 1000, 2000, 9000, 10_000
 """Where the numbers of each kind of object begin."""
 
 HEAD = """; FBX 7.4.0 project file
@@ -36,7 +36,12 @@ MODEL = """Model: {number}, "Model::{name}", "{kind}" {{ Version: 232
 Properties70: {{
 P: "Lcl Translation", "Lcl Translation", "", "A",{place}
 P: "Lcl Scaling", "Lcl Scaling", "", "A",{scale},{scale},{scale}
+P: "RotationActive", "bool", "", "",1
+P: "RotationOrder", "enum", "", "",{order}
+P: "PreRotation", "Vector3D", "Vector", "",{before}
 }} }}"""
+ORDERS = ("xyz", "xzy", "yzx", "yxz", "zxy", "zyx")
+PLAIN = {"order": 0, "before": "0,0,0"}
 STACK = """AnimationStack: 1, "AnimStack::Take", "" {{ Properties70: {{
 P: "LocalStart", "KTime", "Time", "",0
 P: "LocalStop", "KTime", "Time", "",{stop}
@@ -55,27 +60,42 @@ def body() -> tuple[Skeleton, PoseSequence]:
     return skeleton, make_poses(skeleton, 20)
 
 
-def fbx_text(scale: float = 1.0, armature: bool = False) -> str:
-    """``body`` in centimetres; below an armature of that scale, as Blender has it."""
+def fbx_text(
+    scale: float = 1.0,
+    armature: bool = False,
+    beside: tuple[str, ...] = (),
+    order: str = "xyz",
+    before: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> str:
+    """``body`` in centimetres; below an armature of that scale, as Blender has it; empty things ``beside`` it.
+
+    ``order`` is that of the angles; ``before`` is how every joint is turned before them, as Maya and Mixamo have it.
+    """
     skeleton, poses = body()
+    axes = Rotation.from_euler("xyz", before, degrees=True)
+    turns = {"order": ORDERS.index(order), "before": _numbers(np.array(before))}
     objects = [STACK.format(stop=round((poses.frame_count - 1) / RATE * TICKS))]
     links = ['C: "OO",2,1']
     for joint, parent in enumerate(skeleton.parents.tolist()):
         place = _numbers(WORLD_TO_FILE @ skeleton.offsets[joint] * 100 / scale)
         name = skeleton.names[joint]
-        objects.append(MODEL.format(number=ROOT + joint, name=name, kind="LimbNode", place=place, scale=1))
+        objects.append(MODEL.format(number=ROOT + joint, name=name, kind="LimbNode", place=place, scale=1, **turns))
         objects.append(f'NodeAttribute: {ATTRIBUTE + joint}, "NodeAttribute::", "LimbNode" {{ TypeFlags: "Skeleton" }}')
         above = ROOT + parent if parent >= 0 else ARMATURE if armature else 0
         links += [f'C: "OO",{ATTRIBUTE + joint},{ROOT + joint}', f'C: "OO",{ROOT + joint},{above}']
         turned = WORLD_TO_FILE @ Rotation.from_quat(poses.local_rotations[:, joint]).as_matrix() @ WORLD_TO_FILE.T
-        angles = np.degrees(np.unwrap(Rotation.from_matrix(turned).as_euler("xyz"), axis=0))
+        angles = np.degrees(np.unwrap((axes.inv() * Rotation.from_matrix(turned)).as_euler(order), axis=0))
+        angles = angles[:, [order.index(axis) for axis in "xyz"]]
         _animate(objects, links, TURNS + 10 * joint, ROOT + joint, "Lcl Rotation", angles)
     _animate(
         objects, links, TRAVEL, ROOT, "Lcl Translation", poses.local_translations[:, 0] @ WORLD_TO_FILE.T * 100 / scale
     )
     if armature:
-        objects.append(MODEL.format(number=ARMATURE, name="Armature", kind="Null", place="0,0,0", scale=scale))
+        objects.append(MODEL.format(number=ARMATURE, name="Armature", kind="Null", place="0,0,0", scale=scale, **PLAIN))
         links.append(f'C: "OO",{ARMATURE},0')
+    for number, name in enumerate(beside, BESIDE):
+        objects.append(MODEL.format(number=number, name=name, kind="Null", place="0,0,0", scale=1, **PLAIN))
+        links.append(f'C: "OO",{number},0')
     return HEAD + "\n".join(objects) + "\n}\nConnections: {\n" + "\n".join(links) + "\n}\n"
 
 

@@ -11,7 +11,7 @@ from studio.core.kinematics import joint_world
 from studio.io import fbx_capture
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP
-from tests.io.fbx_text import body, fbx_text
+from tests.io.fbx_text import ORDERS, body, fbx_text
 
 INSTEAD = r"Export the animation as BVH or GLB from the program that made it\.$"
 
@@ -27,6 +27,32 @@ def test_its_body_is_found_and_moves_as_it_did(tmp_path: Path, scale: float, arm
     expected, places = joint_world(skeleton, poses)[0], joint_world(capture.skeleton, capture.poses)[0]
     same = [capture.skeleton.index(name) for name in skeleton.names]
     assert np.abs(places[:, same] - expected).max() < 1e-5
+
+
+@pytest.mark.parametrize("beside", [("Camera",), ("Camera", "Light", "Skin"), tuple(f"Prop{k}" for k in range(40))])
+def test_cameras_lights_and_skins_beside_the_body_bring_nothing_down(tmp_path: Path, beside: tuple[str, ...]) -> None:
+    """Of a second thing beside the skeleton ufbx's objects died too early, and the process with them."""
+    (tmp_path / "take.fbx").write_text(fbx_text(beside=beside))
+    capture = load_capture(tmp_path / "take.fbx")
+    skeleton, poses = body()
+    assert capture.body_map is not None
+    assert not set(beside) & set(capture.skeleton.names)
+    places, expected = joint_world(capture.skeleton, capture.poses)[0], joint_world(skeleton, poses)[0]
+    same = [capture.skeleton.index(name) for name in skeleton.names]
+    assert np.abs(places[:, same] - expected).max() < 1e-5
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("before", [(0.0, 0.0, 0.0), (20.0, -35.0, 90.0)])
+def test_joints_may_turn_in_any_order_from_axes_of_their_own(
+    tmp_path: Path, order: str, before: tuple[float, float, float]
+) -> None:
+    (tmp_path / "take.fbx").write_text(fbx_text(order=order, before=before))
+    capture = load_capture(tmp_path / "take.fbx")
+    skeleton, poses = body()
+    places, expected = joint_world(capture.skeleton, capture.poses)[0], joint_world(skeleton, poses)[0]
+    same = [capture.skeleton.index(name) for name in skeleton.names]
+    assert np.abs(places[:, same] - expected).max() < 1e-4
 
 
 def test_what_the_user_knows_better_than_the_file_holds(tmp_path: Path) -> None:
