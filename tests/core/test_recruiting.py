@@ -24,7 +24,7 @@ from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.pose import PoseSequence
-from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.adapt import Bound, Standing, hold, stand
 from studio.core.solver.chains import free_joints, segment_masses
 from studio.core.solver.footing import FREED_AFTER
 from studio.core.solver.recruiting import leg_room, limb_freedoms
@@ -225,6 +225,14 @@ def test_the_whole_body_moves_its_root_less_when_limbs_help(name: str) -> None:
             assert solved.residuals[0, 0] < MET
             moved.append(np.linalg.norm(solved.positions[0, 0] - standing.positions[frame, 0]))
         assert moved[1] < 0.97 * moved[0]
+
+
+def test_any_window_of_frames_gives_the_poses_of_the_whole_clip_and_no_limits_give_a_body_too() -> None:
+    standing = STANDING["child"]
+    whole, part = hold(standing, (_support(WHOLE),)), hold(standing, (_support(WHOLE),), 25, 50)
+    assert part.positions == pytest.approx(whole.positions[25:51], abs=1e-12)
+    for chain in (WHOLE, ARMS):
+        assert np.isfinite(hold(standing, (_support(chain),), bound=Bound(by_limits=False)).positions).all()
 
 
 @pytest.mark.parametrize("link", ["free_arms", "free_legs"])

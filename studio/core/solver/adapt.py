@@ -195,7 +195,7 @@ def _solve(
     joints = joints if bound.by_limits else joints.without_limits
     limbs = rows.asked["ends"][len(held) :, :, 2]
     recruits = find_recruits(
-        joints, body.layout.spine_count, lambda: _freedoms(standing, limbs, everywhere[order], bound)[:, window]
+        joints, body.layout.spine_count, lambda: _freedoms(standing, window, limbs, everywhere[order], bound)
     )
     clearance = pack_clearance(
         [constraints[c] for c in clear_rows], everything, len(held), given[clear_rows],
@@ -225,11 +225,13 @@ def _solve(
         release_hands(standing.arms, standing.holds, body, channels, rate, window, positions, rotations)
 
 
-def _freedoms(standing: Standing, limbs: NDArray[np.int64], activations: FloatArray, bound: Bound) -> FloatArray:
-    """(4, F) how far each limb is a balance's to turn; ``limbs`` (C, 2) of the wishes with ``activations`` (C, F)."""
+def _freedoms(
+    standing: Standing, window: slice, limbs: NDArray[np.int64], activations: FloatArray, bound: Bound
+) -> FloatArray:
+    """(4, F) how far each limb is a balance's to turn; ``limbs`` (C, 2) of the wishes, ``activations`` (C, all)."""
     contacts = standing.contacts if bound.by_contacts else ()
-    free = limb_freedoms(limbs, activations, contacts, standing.motion.frame_rate)
-    free[2:] *= leg_room(standing.morphology, standing.ground, standing.positions)
+    free = limb_freedoms(limbs, activations, contacts, standing.motion.frame_rate)[:, window]
+    free[2:] *= leg_room(standing.morphology, standing.ground, standing.positions, window)
     return free
 
 

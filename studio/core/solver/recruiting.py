@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.contacts import ContactInterval, contact_mask
 from studio.core.ground import Ground
-from studio.core.morphology import AnyMorphology, sole_rows
+from studio.core.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.solver.chains import HIP_LIMIT, FreeJoints
 from studio.core.solver.footing import freedom
 
@@ -50,15 +50,15 @@ def limb_freedoms(
     return np.array(found)
 
 
-def leg_room(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
+def leg_room(body: AnyMorphology, ground: Ground, positions: FloatArray, window: slice = slice(None)) -> FloatArray:
     """(2, F) part of its limit to which each leg may turn about its hip, however it turns, and not enter the ground.
 
     A point c metres above the ground and h beside the hip may turn c / h. Of the limit and what ankle, ball and tip of
-    the foot may turn it is the smooth minimum. ``positions`` (F, P, 3).
+    the foot may turn it is the smooth minimum. Of ``positions`` (all, P, 3) the F frames of ``window`` count.
     """
-    found = []
+    found, positions = [], positions[window]
     for side in range(2):
-        hip, soles = body.layout.hip(side), sole_rows(body, side)
+        hip, soles = body.layout.hip(side), at_frames(sole_rows(body, side), window)
         points = positions[:, hip + 2 : hip + 5]
         soles_above = np.stack([soles[:, 3], np.maximum(soles[:, 3] + soles[:, 2], 0.0), np.zeros(len(soles))], axis=1)
         above = np.maximum(points[..., 2] - ground.height_at(points) - soles_above, 1e-9)
