@@ -19,7 +19,7 @@ from studio.document.recovery import Session
 from studio.io import registry
 from studio.timeline.timeline import Timeline
 from tests.builders import make_project
-from tests.gui.window_use import drop, same, wait_until_idle
+from tests.gui.window_use import PATIENCE, drop, same, wait_until_idle
 
 LEFT = Qt.MouseButton.LeftButton
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
