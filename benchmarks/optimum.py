@@ -51,7 +51,7 @@ class _Frame:
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]
         ranks = np.zeros(len(constraints), dtype=np.int64)
-        joints = free_joints([each.chain for each in constraints], ranks, self.layout)
+        joints = free_joints(tuple(each.chain for each in constraints), tuple(ranks.tolist()), self.layout)
         trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6}
         free = dict(zip(joints.joints[:, 0].tolist(), 2.0 * np.arctan(joints.limits), strict=True))
         self.segments = sorted(trunk & free.keys())

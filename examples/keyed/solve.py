@@ -159,19 +159,17 @@ class _Body:
         x /= np.linalg.norm(x, axis=1, keepdims=True)
         frames = np.stack([x, np.cross(z, x), z], axis=2)
         lower_twist = np.broadcast_to(twist, distance.shape)
-        points, scratch = np.empty((2, 3)), np.empty((3, 3))
+        points = np.empty((2, 3))
         for frame in range(len(distance)):
             place_limb(
                 start[frame],
-                frames[frame],
+                tuple(frames[frame].ravel()),
                 distance[frame],
-                lengths[0],
-                lengths[1],
+                tuple(lengths),
                 0.0,
                 1.0,
-                np.array([0.0, lower_twist[frame]]),
-                scratch,
-                points,
+                (0.0, lower_twist[frame]),
+                *points,
                 self.world[frame, segment],
                 self.world[frame, segment + 1],
             )

@@ -32,8 +32,8 @@ def limb_frame() -> Figure:
     """An arm in its own frame, from the side and along the line from shoulder to wrist."""
     upper, lower, distance, aside = 0.30, 0.26, 0.47, 0.06
     points, turns = np.empty((2, 3)), np.empty((2, 3, 3))
-    twist = np.zeros(2)
-    place_limb(np.zeros(3), np.eye(3), distance, upper, lower, aside, 1.0, twist, np.empty((3, 3)), points, *turns)
+    frame, straight = tuple(np.eye(3).ravel()), (0.0, 0.0)
+    place_limb(np.zeros(3), frame, distance, (upper, lower), aside, 1.0, straight, *points, *turns)
     (x, y, z), radius = points[0], float(np.hypot(points[0, 0], points[0, 1]))
     figure = Figure(figsize=(9.0, 3.4), layout="constrained")
     side, front = figure.subplots(1, 2, width_ratios=[1.6, 1.0])

@@ -1,5 +1,6 @@
 """What a process of the studio sets up before anything else is imported."""
 
+import ctypes
 import faulthandler
 import hashlib
 import os
@@ -10,11 +11,14 @@ from pathlib import Path
 
 import platformdirs
 
+LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
+"""Bytes of the largest piece of memory that is kept when it is freed, and of all that is."""
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 KERNELS = Path(__file__).resolve().parents[1] / "core" / "kernels"
 
 
 def prepare_process() -> None:
-    """Name the folder of compiled kernels, let a crash in C++ print every stack, draw without a display.
+    """Name the folder of compiled kernels, keep memory, let a crash in C++ print every stack, draw without a display.
 
     Must run before numba and VTK are imported: both read the environment once.
     """
@@ -25,6 +29,19 @@ def prepare_process() -> None:
         os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
     if not has_display():
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    keep_freed_memory()
+
+
+def keep_freed_memory() -> None:
+    """Let glibc hand out again what was freed instead of giving it back to the system.
+
+    Poses of a clip are a few megabytes. By itself glibc returns them when a clip has been solved and asks for them anew
+    for the next: the pages that the system then has to bring and clear cost more than to retarget the clip.
+    """
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform.startswith("linux") else None
+    if mallopt is not None:
+        mallopt(_MMAP_THRESHOLD, LARGEST_KEPT)
+        mallopt(_TRIM_THRESHOLD, MOST_KEPT)
 
 
 def writable_kernel_cache() -> Path:

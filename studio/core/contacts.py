@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,30 +31,30 @@ class ContactPoint(StrEnum):
     RIGHT_KNEE = "right_knee"
     SEAT = "seat"
 
-    @property
+    @cached_property
     def side(self) -> int:
         """0 left, 1 right; the seat counts as left."""
         return 1 if self.value.startswith("right") else 0
 
-    @property
+    @cached_property
     def member(self) -> str:
         """What it is on either side: ``heel``, ``toe``, ``hand``, ``knee`` or ``seat``."""
         return self.value.rpartition("_")[2]
 
-    @property
+    @cached_property
     def is_heel(self) -> bool:
         return self.member == "heel"
 
-    @property
+    @cached_property
     def is_foot(self) -> bool:
         return self.member in ("heel", "toe")
 
-    @property
+    @cached_property
     def limb(self) -> int:
         """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
         return -1 if self.member == "seat" else self.side + (0 if self.member == "hand" else 2)
 
-    @property
+    @cached_property
     def words(self) -> str:
         """``left heel``."""
         return self.value.replace("_", " ")

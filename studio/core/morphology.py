@@ -1,7 +1,7 @@
 """Morphology: the measures of one body, all that a character adds to a morphology-independent motion."""
 
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Self
 
 import numpy as np
@@ -204,6 +204,7 @@ class AnimatedMorphology:
 AnyMorphology = Morphology | AnimatedMorphology
 
 
+@lru_cache(maxsize=64)
 def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
     """(F or 1, 6) of one foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the ankle,
     length of the toe along the ground.

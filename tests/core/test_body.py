@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from studio.core.canonical import BodyLayout
 from studio.core.kernels import body as kernel
+from studio.core.kernels.turns import turn_in
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
 from tests.core.motions import random_rotations, walk
@@ -20,7 +21,7 @@ POSITIONS, ROTATIONS = (array[17] for array in realize(walk(20)[0], BODY))
 def test_turning_a_part_carries_all_that_hangs_on_it_and_keeps_every_bone(seed: int, segment: int) -> None:
     turn, positions, rotations = random_rotations(np.random.default_rng(seed)), POSITIONS.copy(), ROTATIONS.copy()
     pivot = POSITIONS[BODY.layout.proximal_points()[segment]].copy()
-    kernel.turn_part(turn, segment, BODY.layout.spine_count, pivot, positions, rotations)
+    kernel.turn_part(turn_in(turn), segment, BODY.layout.spine_count, pivot, positions, rotations)
     moved, turned = twin.turn_part(BODY.layout, turn, segment, POSITIONS, ROTATIONS)
     assert np.allclose(positions, moved, atol=1e-12)
     assert np.allclose(rotations, turned, atol=1e-12)

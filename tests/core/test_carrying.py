@@ -219,7 +219,7 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     way = random.normal(size=3)
     wrist = positions[shoulder] + random.uniform(0.2, 1.3) * BODY.arm[side].sum() * way / np.linalg.norm(way)
     hand, clavicle = random_rotations(random), rotations[upper - 1].copy()
-    kernel.place_arm(row, BODY.packed, side, wrist, hand, 1.0, np.empty((3, 3, 3)), positions, rotations)
+    kernel.place_arm(row, BODY.packed, side, wrist, hand, 1.0, positions, rotations)
 
     rest = _frame_along(BODY.clavicle_rest[side])
     frame = clavicle @ rest.T @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
@@ -267,7 +267,7 @@ def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
     assume(0.5 * (upper + lower) < span < 0.9 * (upper + lower))
     row, foot, toe = WALK.channels[0], random_rotations(random), random_rotations(random)
     target = np.array([*ankle, *knee, 1.0])
-    place_leg(row, BODY.packed, side, 0.97, target, foot, toe, np.empty((3, 3, 3)), positions, rotations)
+    place_leg(row, BODY.packed, side, 0.97, target, foot, toe, positions, rotations)
     assert np.allclose(positions[layout.ankle(side)], ankle, atol=1e-9)
     assert np.allclose(positions[layout.hip(side) + 1], knee, atol=1e-9)
 

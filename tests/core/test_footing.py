@@ -111,7 +111,7 @@ class _Leg:
         self.foot, self.toe = random_rotations(random), random_rotations(random)
         self.before = self.positions.copy(), self.rotations.copy()
         place_leg(
-            self.row, BODY.packed, self.side, self.comfort, self.ankle, self.foot, self.toe, np.empty((3, 3, 3)),
+            self.row, BODY.packed, self.side, self.comfort, self.ankle, self.foot, self.toe,
             self.positions, self.rotations,
         )  # fmt: skip
         first, upper = BODY.layout.hip(self.side), BODY.layout.spine_count + 10 + 4 * self.side

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.kernels import limb as kernel
+from studio.core.kernels.turns import put_turn
 from tests.core.motions import random_rotations
 from tests.core.twins import limb as twin
 
@@ -25,8 +26,8 @@ class _Limb:
         self.bend, self.twist = random.choice([-1.0, 1.0]), random.uniform(-3, 3, size=2)
         self.points, self.upper, self.lower = np.empty((2, 3)), np.empty((3, 3)), np.empty((3, 3))
         kernel.place_limb(
-            self.root, self.frame, self.distance, *self.bones, self.off_plane, self.bend, self.twist,
-            np.empty((3, 3)), self.points, self.upper, self.lower,
+            self.root, tuple(self.frame.ravel()), self.distance, self.bones, self.off_plane, self.bend,
+            tuple(self.twist), *self.points, self.upper, self.lower,
         )  # fmt: skip
 
 
@@ -95,3 +96,13 @@ def test_soft_reach_rises_smoothly_at_the_comfort(comfort: float) -> None:
     assert slope == pytest.approx(1.0, abs=1e-5)
     samples = [kernel.soft_reach(needed, comfort) for needed in np.linspace(0.0, 1.5, 60)]
     assert (np.diff(samples) >= 0.0).all()
+
+
+@given(seeds, st.floats(-12, 0))
+def test_a_bone_that_nearly_points_back_is_still_a_rotation(seed: int, nearness: float) -> None:
+    random = np.random.default_rng(seed)
+    frame, bone, turn = random_rotations(random), 0.3 * np.array([0.0, 0.0, -1.0]), np.empty((3, 3))
+    bone[:2] = 10.0**nearness * random.normal(size=2)
+    put_turn(kernel.bone_turn(tuple(frame.ravel()), *bone, random.uniform(-3, 3)), turn)
+    assert np.allclose(turn.T @ turn, np.eye(3), atol=1e-12)
+    assert np.allclose(turn[:, 2] * np.linalg.norm(bone), frame @ bone, atol=1e-12)

@@ -45,7 +45,7 @@ def test_a_held_row_that_says_what_a_higher_one_has_settled_gives_in() -> None:
 
 @pytest.mark.parametrize("segment", ENDS)
 def test_levers_are_what_small_turns_show(segment: int) -> None:
-    free = free_joints([Chain(1.0, 1.0, 1.0, 1.0, 1.0)], np.zeros(1, dtype=np.int64), LAYOUT)
+    free = free_joints((Chain(1.0, 1.0, 1.0, 1.0, 1.0),), (0,), LAYOUT)
     direction = np.array([0.36, -0.48, 0.8])
     row, point = np.zeros((len(free.joints), 3)), ENDS[segment]
     add_point_row(POSITIONS[point], *direction, segment, free.joints, POSITIONS, row)
@@ -64,7 +64,7 @@ class _Search:
         random = np.random.default_rng(seed)
         chain = chain or Chain(1.0, 1.0, 1.0, 1.0, 0.5)
         self.held, self.count = held, count + held
-        self.free = free_joints([chain] * self.count, np.zeros(self.count, dtype=np.int64), LAYOUT)
+        self.free = free_joints((chain,) * self.count, (0,) * self.count, LAYOUT)
         segments = random.choice(np.array(list(ENDS)), size=self.count, replace=False)
         self.segments = [int(segment) for segment in segments]
         self.points = [ENDS[segment] for segment in self.segments]

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.kernels import layout as at
+from studio.core.kernels.realize import sample_spine
 from studio.core.morphology import Proportions
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize, spine_sampling
+from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.core.twins import body as body_twin
@@ -89,7 +90,7 @@ def test_however_many_vertebrae_wrists_keep_their_place_under_the_neck(seed: int
 
 def test_the_pelvis_takes_the_pelvis_and_the_thorax_the_thorax() -> None:
     for spine_count in (2, 3, 5, 9):
-        start, share = spine_sampling(np.array([0.0, 0.3, 0.8, 1.0]), make_morphology(spine_count=spine_count).spine)
+        start, share = sample_spine(np.array([0.0, 0.3, 0.8, 1.0]), make_morphology(spine_count=spine_count).packed)
         assert (start[0], share[0]) == (0, 0.0)
         assert (start[-1], share[-1]) == (3, 0.0)
         assert (np.diff(start + share) > 0.0).all()
@@ -98,7 +99,7 @@ def test_the_pelvis_takes_the_pelvis_and_the_thorax_the_thorax() -> None:
 def test_its_own_vertebrae_are_taken_as_they_are() -> None:
     spine = np.array([[0.0, 0.0, 0.1], [0.02, 0.0, 0.2], [0.0, 0.0, 0.15], [0.0, 0.0, 0.3]])
     places = np.cumsum([0.0, *np.linalg.norm(spine[:-1], axis=1)])
-    start, share = spine_sampling(places / places[-1], spine)
+    start, share = sample_spine(places / places[-1], replace(make_morphology(), spine=spine).packed)
     assert start.tolist() == [0, 1, 2, 3]
     assert not share.any()
 

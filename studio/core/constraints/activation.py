@@ -18,7 +18,7 @@ class EaseShape(StrEnum):
 
 def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:
     """Rise from 0 to 1 over ``progress`` in [0, 1] (clipped): 3t^2-2t^3 for smooth, 6t^5-15t^4+10t^3 for quintic."""
-    t = np.clip(np.asarray(progress, dtype=np.float64), 0.0, 1.0)
+    t = np.minimum(np.maximum(np.asarray(progress, dtype=np.float64), 0.0), 1.0)
     match shape:
         case EaseShape.LINEAR:
             return t
@@ -56,9 +56,8 @@ class ActivationCurve:
     def at(self, times: ArrayLike) -> NDArray[np.float64]:
         """Activation in [0, 1] at ``times`` (seconds), same shape."""
         t = np.asarray(times, dtype=np.float64)
-        rise = ease(_progress(t, self.start, self.full), self.shape)
-        fall = ease(_progress(-t, -self.end, -self.full_end), self.shape)
-        return np.minimum(rise, fall)
+        rise, fall = _progress(t, self.start, self.full), _progress(-t, -self.end, -self.full_end)
+        return ease(np.minimum(rise, fall), self.shape)
 
     def moved(self, seconds: float) -> "ActivationCurve":
         """The same curve ``seconds`` later."""

@@ -11,7 +11,7 @@ from studio.core.kernels.clearance import clear_after, clear_before, make_clear_
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
-from studio.core.kernels.legs import place_leg
+from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.placing import miss_of, turn_error
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
@@ -21,18 +21,18 @@ from studio.core.kernels.vectors import copy_point, distance
 @allocating_kernel
 def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positions, rotations):
     """Lower the root by ``drops`` (F,) and put both legs on their ankles (2, F, 3), in place."""
-    work = np.empty((3, 3, 3))
     for frame in range(channels.shape[0]):
-        move_all(0.0, 0.0, -drops[frame], positions[frame])
+        if drops[frame] != 0.0:
+            move_all(0.0, 0.0, -drops[frame], positions[frame])
         row = frame if measures.shape[0] > 1 else 0
         for side in range(2):
-            place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, work, positions, rotations)
+            place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, positions, rotations)
 
 
 @kernel
-def place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, work, positions, rotations):
-    """One leg of one frame of ``place_frames`` with the measures of ``row``; ``work`` (3, 3, 3) is scratch."""
-    place_leg(
+def place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, positions, rotations):
+    """One leg of one frame of ``place_frames`` with the measures of ``row``."""
+    leg = (
         channels[frame],
         measures[row],
         side,
@@ -40,10 +40,11 @@ def place_side(frame, row, side, channels, measures, comforts, ankles, feet, toe
         ankles[side, frame],
         feet[side, frame],
         toes[side, frame],
-        work,
         positions[frame],
         rotations[frame],
     )
+    if not is_placed(*leg):
+        place_leg(*leg)
 
 
 @allocating_kernel
@@ -78,49 +79,60 @@ def solve_frames(
     constraint_count, frame_count = activations.shape
     work = make_work(constraint_count, chain[1].shape[0], positions.shape[1])
     clear_work, clears = make_clear_work(clearance), clearance[2].shape[0] > 0
-    legs = (*stance, np.empty((3, 3, 3)))
     motion = (start_positions, start_rotations, positions, rotations)
     for frame in range(frame_count):
         if clears:
             clear_before(frame, clearance, clear_work, (start_positions[frame], start_rotations[frame]))
             positions[frame], rotations[frame] = start_positions[frame], start_rotations[frame]
         acts = solve_one(
-            frame, asked, areas, chain, recruits, wishes, activations, leashes, legs, body, work, motion, out_residuals
+            frame,
+            asked,
+            areas,
+            chain,
+            recruits,
+            wishes,
+            activations,
+            leashes,
+            stance,
+            body,
+            work,
+            motion,
+            out_residuals,
         )
         if clears:
             clear_after(frame, acts, asked, clearance, clear_work, (positions[frame], rotations[frame]))
-            note_misses(frame, asked, areas, leashes, legs, body, work, motion, out_residuals)
+            note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
 
 
 @kernel
 def solve_one(
-    frame, asked, areas, chain, recruits, wishes, activations, leashes, legs, body, work, motion, out_residuals
+    frame, asked, areas, chain, recruits, wishes, activations, leashes, stance, body, work, motion, out_residuals
 ):
     """One frame of ``solve_frames``; whether anything acts. ``motion`` is what was, and what is being solved."""
     start, pose = (motion[0][frame], motion[1][frame]), (motion[2][frame], motion[3][frame])
-    frame_body = body_at(frame, leashes, legs, body)
+    frame_body = body_at(frame, leashes, stance, body)
     acts = set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose)
     if acts:
         free_limbs(frame, recruits, chain)
         solve_frame(chain[0].shape[0] - asked.shape[0], asked, areas, chain, frame_body, work, start, pose)
-    note_misses(frame, asked, areas, leashes, legs, body, work, motion, out_residuals)
+    note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
     return acts
 
 
 @kernel
-def body_at(frame, leashes, legs, body):
+def body_at(frame, leashes, stance, body):
     """The ``body`` of ``kernels.constraints`` at one frame."""
-    channels, comforts, ankles, feet, toes, scratch = legs
+    channels, comforts, ankles, feet, toes = stance
     row = body[0][frame if body[0].shape[0] > 1 else 0]
-    stance = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame], scratch)
-    return row, body[1], leashes[:, frame], stance
+    legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame])
+    return row, body[1], leashes[:, frame], legs
 
 
 @kernel
-def note_misses(frame, asked, areas, leashes, legs, body, work, motion, out_residuals):
+def note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals):
     """By how much each constraint is missed at one frame."""
     pose = (motion[2][frame], motion[3][frame])
-    frame_body = body_at(frame, leashes, legs, body)
+    frame_body = body_at(frame, leashes, stance, body)
     for c in range(asked.shape[0]):
         out_residuals[c, frame] = math.nan
         if asked[c].wanted:

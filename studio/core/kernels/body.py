@@ -1,7 +1,8 @@
 """Moving parts of a posed body: everything distal to a segment is one contiguous range of points and segments."""
 
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.rotation import add_rotated
+from studio.core.kernels.turns import product, put_beside, put_turn, turn_in
 
 
 @kernel
@@ -21,18 +22,14 @@ def distal_range(segment, spine_count):
 
 @kernel
 def turn_part(turn, segment, spine_count, pivot, positions, rotations):
-    """Turn ``segment`` and all that hangs on it by ``turn`` (3, 3, world) about ``pivot`` (3,), in place."""
+    """Turn ``segment`` and what hangs on it by ``turn`` (``kernels.turns``, world) about ``pivot`` (3,), in place."""
     first, past, first_point, past_point = distal_range(segment, spine_count)
+    x, y, z = pivot[0], pivot[1], pivot[2]
     for point in range(first_point, past_point):
-        x = positions[point, 0] - pivot[0]
-        y = positions[point, 1] - pivot[1]
-        z = positions[point, 2] - pivot[2]
-        add_rotated(pivot, turn, x, y, z, positions[point])
+        place = positions[point]
+        put_beside((x, y, z), turn, place[0] - x, place[1] - y, place[2] - z, place)
     for other in range(first, past):
-        for column in range(3):
-            x, y, z = rotations[other, 0, column], rotations[other, 1, column], rotations[other, 2, column]
-            for axis in range(3):
-                rotations[other, axis, column] = turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z
+        put_turn(product(turn, turn_in(rotations[other])), rotations[other])
 
 
 @kernel
@@ -44,7 +41,7 @@ def move_all(x, y, z, positions):
         positions[point, 2] += z
 
 
-@kernel
+@small_kernel
 def body_point(point, segment, offset, positions, rotations, out_point):
     """Where a point fixed to a segment is: (3,) = positions[point] + rotations[segment] @ offset."""
     add_rotated(positions[point], rotations[segment], offset[0], offset[1], offset[2], out_point)

@@ -8,15 +8,8 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.body import move_all, turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limb import place_limb, soft_reach
-from studio.core.kernels.rotation import (
-    add_rotated,
-    frame_along,
-    multiply,
-    orthonormalize,
-    quaternion_to_matrix,
-    rotation_vector_to_matrix,
-    shortest_arc,
-)
+from studio.core.kernels.rotation import add_rotated, rotation_vector_to_matrix
+from studio.core.kernels.turns import aimed, along, inverse, product, put_beside, put_turn, turn_by, turn_in, turn_of
 
 TRIES = 12
 LONGEST_STEP = 0.05
@@ -109,12 +102,11 @@ def solve_in_place(matrix):
 @allocating_kernel
 def move_bodies(moves, positions, rotations):
     """Turn every frame's body about its root and move it, in place; ``moves`` (F, 6) as in ``settle_frames``."""
-    turn = np.empty((3, 3))
     spine_count = positions.shape[1] - 23
     for frame in range(positions.shape[0]):
         move = moves[frame]
         if move[3] != 0.0 or move[4] != 0.0 or move[5] != 0.0:
-            rotation_vector_to_matrix(move[3], move[4], move[5], turn)
+            turn = turn_by(move[3], move[4], move[5])
             turn_part(turn, 0, spine_count, positions[frame, 0], positions[frame], rotations[frame])
         move_all(move[0], move[1], move[2], positions[frame])
 
@@ -126,7 +118,6 @@ def place_arms(channels, measures, wrists, hands, bends, firm, positions, rotati
     ``wrists`` (2, F, 3); ``hands`` (2, F, 3, 3) world rotations; ``bends`` (2, F) sign of the side to which the elbow
     bends. An arm stretches freely as far as the motion's own does, but for ``soft_reach``.
     """
-    work = np.empty((3, 3, 3))
     for frame in range(positions.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         for side in range(2):
@@ -138,52 +129,44 @@ def place_arms(channels, measures, wrists, hands, bends, firm, positions, rotati
                     wrists[side, frame],
                     hands[side, frame],
                     bends[side, frame],
-                    work,
                     positions[frame],
                     rotations[frame],
                 )
 
 
 @kernel
-def place_arm(channels, measures, side, wrist, hand, bend, work, positions, rotations):
+def place_arm(channels, measures, side, wrist, hand, bend, positions, rotations):
     """One arm of one frame: shoulder from the clavicle, wrist (3,) at its target, hand (3, 3) as given."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     shoulder, upper_arm = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    m, q, t = at.M_CLAVICLE_REST + 3 * side, at.LIMB_FRAME + 4 * side, at.LIMB_TWIST + 2 * side
-    frame_along(measures[m], measures[m + 1], measures[m + 2], work[0])
-    multiply(rotations[upper_arm - 1], work[0].T, work[1])
-    quaternion_to_matrix(channels[q : q + 4], work[0])
-    frame, aimed = work[2], work[1]
-    multiply(work[1], work[0], frame)
+    m, t = at.M_CLAVICLE_REST + 3 * side, at.LIMB_TWIST + 2 * side
+    rest = along(measures[m], measures[m + 1], measures[m + 2])
+    carrier = product(turn_in(rotations[upper_arm - 1]), inverse(rest))
+    frame = product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * side))
     origin = positions[shoulder]
     upper, lower = measures[at.M_ARM + 2 * side], measures[at.M_ARM + 2 * side + 1]
     length = upper + lower
     x, y, z = wrist[0] - origin[0], wrist[1] - origin[1], wrist[2] - origin[2]
-    distance = max(math.sqrt(x * x + y * y + z * z), 1e-9)
-    shortest_arc(frame[0, 2], frame[1, 2], frame[2, 2], x / distance, y / distance, z / distance, work[0])
-    multiply(work[0], frame, aimed)
-    orthonormalize(aimed)
-    comfort = arm_comfort(channels, side)
-    place_limb(
+    distance = math.sqrt(x * x + y * y + z * z)
+    if distance > 1e-9:
+        frame = aimed(frame, x / distance, y / distance, z / distance)
+    end, _ = place_limb(
         origin,
-        aimed,
-        max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6),
-        upper,
-        lower,
+        frame,
+        max(length * soft_reach(distance / length, arm_comfort(channels, side)), abs(upper - lower) + 1e-6),
+        (upper, lower),
         channels[at.LIMB_OFF_PLANE + side] * length,
         bend,
-        channels[t : t + 2],
-        work[0],
-        positions[shoulder + 1 : shoulder + 3],
+        (channels[t], channels[t + 1]),
+        positions[shoulder + 1],
+        positions[shoulder + 2],
         rotations[upper_arm],
         rotations[upper_arm + 1],
     )
-    for row in range(3):
-        for column in range(3):
-            rotations[upper_arm + 2, row, column] = hand[row, column]
+    turn = turn_in(hand)
+    put_turn(turn, rotations[upper_arm + 2])
     m = at.M_HAND + 3 * side
-    wrist_point = positions[shoulder + 2]
-    add_rotated(wrist_point, hand, measures[m], measures[m + 1], measures[m + 2], positions[shoulder + 3])
+    put_beside(end, turn, measures[m], measures[m + 1], measures[m + 2], positions[shoulder + 3])
 
 
 @kernel

@@ -15,8 +15,9 @@ from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.goals import ORIENTATION
 from studio.core.kernels.limb import soft_reach
-from studio.core.kernels.reach import aim_at, bend_to, longest_reach
-from studio.core.kernels.rotation import add_rotated, rotation_vector_to_matrix
+from studio.core.kernels.reach import aim_at, bend_to, span_range
+from studio.core.kernels.rotation import add_rotated
+from studio.core.kernels.turns import turn_by
 
 PROBES = 5
 BLEND = 0.02
@@ -251,20 +252,19 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
     positions[shoulder : shoulder + 4], rotations[upper : upper + 3] = saved[0], saved[1]
     root, wrist = positions[shoulder], positions[shoulder + 2]
     target = saved[0][2] + share * shift
-    reach = longest_reach(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)
+    reach = span_range(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)[1]
     now, needed = 0.0, 0.0
     for axis in range(3):
         now += (saved[0][2, axis] - root[axis]) ** 2
         needed += (target[axis] - root[axis]) ** 2
     now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
     needed = soft_reach(needed, min(max(now, COMFORT), 0.9999))
-    bend_to(needed * reach, upper, spine_count, shoulder, wrist, turn, positions, rotations)
-    aim_at(target, wrist, upper, spine_count, root, turn, positions, rotations)
+    bend_to(needed * reach, upper, spine_count, shoulder, wrist, positions, rotations)
+    aim_at(target, wrist, upper, spine_count, root, positions, rotations)
     angle = MOST_SWIVEL * math.tanh(share * swivel / MOST_SWIVEL)
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
     scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
-    rotation_vector_to_matrix(scale * ax, scale * ay, scale * az, turn)
-    turn_part(turn, upper, spine_count, root, positions, rotations)
+    turn_part(turn_by(scale * ax, scale * ay, scale * az), upper, spine_count, root, positions, rotations)
     rotations[upper + 2] = saved[1][2]
     positions[shoulder + 3] = positions[shoulder + 2] + saved[0][3] - saved[0][2]
 

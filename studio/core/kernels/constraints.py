@@ -5,7 +5,7 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``chain`` the tuple (mobilities (C + L, N), joints (N, 5), slots (S + 1,), limits (N,)) of ``kernels.joints``: how
   freely each constraint moves each joint, and after the C constraints each of the L levels any down to it.
 ``body`` (measures, masses (S, 2), leashes (2,), legs): leashes are the parts of their lengths to which the root may
-  stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet, toes and scratch.
+  stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (2, N, 3) state and the one before, grips (4,), points (8, 3),
   sums (S + 1, 4), turns (6, 3, 3)): scratch, the first two as in ``kernels.priorities``.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.

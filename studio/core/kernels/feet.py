@@ -8,8 +8,10 @@ import math
 
 import numpy as np
 
-from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, rotation_vector_to_matrix
+from studio.core.kernels.turns import inverse, product, put_turn, turn_by, turn_in
+from studio.core.kernels.vectors import copy_matrix, copy_point
 
 HEEL = 1
 TOE = 2
@@ -22,6 +24,45 @@ STEEP = -0.7
 def smoothstep(t):
     """Quintic ease 6t^5 - 15t^4 + 10t^3 of t in [0, 1]: level, without velocity or acceleration at both ends."""
     return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
+
+
+@allocating_kernel
+def plan_foot(states, soles, height, ankle, foot, positions, rotations, out_ankles, out_feet, out_toes):
+    """What one foot does on a level floor (METHOD 4): ankles (F, 3), foot and toe rotations (F, 3, 3) in the world.
+
+    ``states`` (F,); ``soles`` (F or 1, 5 or more); ``height`` of the floor in metres; ``ankle`` the point and ``foot``
+    the segment, the toe next, of ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) as retargeted.
+    """
+    count = states.shape[0]
+    stands = False
+    for frame in range(count):
+        stands = stands or states[frame] != 0
+        copy_point(positions[frame, ankle], out_ankles[frame])
+        copy_matrix(rotations[frame, foot], out_feet[frame])
+        copy_matrix(rotations[frame, foot + 1], out_toes[frame])
+    if not stands:
+        return
+    ankles, source, toes = out_ankles.copy(), out_feet.copy(), np.empty_like(out_toes)
+    for frame in range(count):
+        put_turn(product(inverse(turn_in(source[frame])), turn_in(out_toes[frame])), toes[frame])
+    level_soles(source, states, out_feet)
+    keep_pitch_on_ground(soles, states, out_feet)
+    level_toes(out_feet, toes, states, out_toes)
+    plant_ankles(ankles, out_feet, states, soles, np.full(count, height), out_ankles)
+
+
+@kernel
+def free_feet(planted, reach, out_free):
+    """0 in frames that are ``planted`` (F,), eased to 1 within ``reach`` frames before and after, (F,)."""
+    count = planted.shape[0]
+    last = -math.inf
+    for frame in range(count):
+        last = frame if planted[frame] else last
+        out_free[frame] = frame - last
+    next_one = math.inf
+    for frame in range(count - 1, -1, -1):
+        next_one = frame if planted[frame] else next_one
+        out_free[frame] = smoothstep(min(min(out_free[frame], next_one - frame) / reach, 1.0))
 
 
 @kernel
@@ -71,8 +112,14 @@ def level_soles(rotations, states, out_rotations):
         frame = end
     fill_gaps(corrections, known)
     for frame in range(count):
-        rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
-        multiply(turn, rotations[frame], out_rotations[frame])
+        put_turn(corrected(corrections[frame], turn_in(rotations[frame])), out_rotations[frame])
+
+
+@small_kernel
+def corrected(correction, turn):
+    """A turn turned on by the rotation vector ``correction`` (3,), itself where that is nought."""
+    x, y, z = correction[0], correction[1], correction[2]
+    return product(turn_by(x, y, z), turn) if x != 0.0 or y != 0.0 or z != 0.0 else turn
 
 
 @allocating_kernel
@@ -100,9 +147,7 @@ def keep_pitch_on_ground(soles, states, rotations):
             multiply(turn, rotations[frame], turned)
     fill_gaps(corrections, states != 0)
     for frame in range(count):
-        rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
-        multiply(turn, rotations[frame], turned)
-        rotations[frame] = turned
+        put_turn(corrected(corrections[frame], turn_in(rotations[frame])), rotations[frame])
 
 
 @kernel
@@ -150,9 +195,8 @@ def level_toes(feet, toes, states, out_toes):
             corrections[frame] *= smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
     fill_gaps(corrections, known)
     for frame in range(count):
-        rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], corrections[frame, 2], turn)
-        multiply(turn, toes[frame], local)
-        multiply(feet[frame], local, out_toes[frame])
+        local_toe = corrected(corrections[frame], turn_in(toes[frame]))
+        put_turn(product(turn_in(feet[frame]), local_toe), out_toes[frame])
 
 
 @allocating_kernel

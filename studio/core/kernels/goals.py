@@ -3,7 +3,7 @@
 import math
 
 from studio.core.kernels.body import body_point
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.vectors import copy_point
 
 POSITION = 0
@@ -15,13 +15,13 @@ AREA = 5
 """Kinds as the solver knows them."""
 
 
-@kernel
+@small_kernel
 def end_place(row, end, pose, out_point):
     """Where one end of a constraint (a record of ``kernels.asked``) is now, (3,)."""
     body_point(row.ends[end, 0], row.ends[end, 1], row.offsets[end], pose[0], pose[1], out_point)
 
 
-@kernel
+@small_kernel
 def ease_goal(start, target, share, out_goal):
     """Goal (3,) between where a point is and where it is to be (METHOD 5: interpolate the target)."""
     for axis in range(3):

@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.feet import smoothstep
 from studio.core.kernels.limb import place_limb, soft_reach
-from studio.core.kernels.realize import place_hip, place_toes
-from studio.core.kernels.rotation import multiply, orthonormalize, quaternion_to_matrix, shortest_arc, turn_columns
+from studio.core.kernels.realize import put_foot, put_hip
+from studio.core.kernels.turns import aimed, product, turn_in, turn_of, twisted
 
 KNEE_GUARD = 0.0004
 """Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
@@ -30,7 +30,7 @@ def hip_heights(channels, measures, rotations, ankles, comforts, states, out_dro
         for side in range(2):
             if states[side, frame] == 0:
                 continue
-            place_hip(channels[frame], row, side, 0.0, root, rotations[frame, 0], hip)
+            put_hip(channels[frame], row, side, 0.0, root, turn_in(rotations[frame, 0]), hip)
             length = row[at.M_LEG + 2 * side] + row[at.M_LEG + 2 * side + 1]
             reach = length * comforts[side, frame]
             x, y = ankles[side, frame, 0] - hip[0], ankles[side, frame, 1] - hip[1]
@@ -40,60 +40,81 @@ def hip_heights(channels, measures, rotations, ankles, comforts, states, out_dro
 
 
 @kernel
-def place_leg(channels, measures, side, comfort, ankle, foot, toe, work, positions, rotations):
+def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, rotations):
     """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
 
     The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
     leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
-    ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; ``work`` (3, 3, 3) scratch; writes into the frame's arrays. An
-    ``ankle`` of 7 numbers goes on with where the knee is to be and how firmly (0 to 1) it is held there.
+    ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; writes into the frame's arrays. An ``ankle`` of 7 numbers goes on
+    with where the knee is to be and how firmly (0 to 1) it is held there.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
-    hip = positions[point]
-    place_hip(channels, measures, side, 0.0, positions[0], rotations[0], hip)
-    q = at.LIMB_FRAME + 4 * (2 + side)
-    quaternion_to_matrix(channels[q : q + 4], work[0])
-    multiply(rotations[0], work[0], work[1])
+    pelvis = turn_in(rotations[0])
+    hip = put_hip(channels, measures, side, 0.0, positions[0], pelvis, positions[point])
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     length = upper + lower
     x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
-    distance = max(math.sqrt(x * x + y * y + z * z), 1e-9)
-    frame = work[1]
-    shortest_arc(frame[0, 2], frame[1, 2], frame[2, 2], x / distance, y / distance, z / distance, work[0])
-    aimed = work[2]
-    multiply(work[0], frame, aimed)
-    orthonormalize(aimed)
+    distance = math.sqrt(x * x + y * y + z * z)
+    frame = product(pelvis, turn_of(channels, at.LIMB_FRAME + 4 * (2 + side)))
+    if distance > 1e-9:
+        frame = aimed(frame, x / distance, y / distance, z / distance)
+    off_plane = channels[at.LIMB_OFF_PLANE + 2 + side] * length
     if ankle.shape[0] > 3 and ankle[6] > 0.0:
-        off_plane = channels[at.LIMB_OFF_PLANE + 2 + side] * length
-        swivel_knee(hip, ankle, upper, lower, min(distance, length), off_plane, aimed)
+        frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, min(distance, length), off_plane, frame))
     t = at.LIMB_TWIST + 2 * (2 + side)
-    place_limb(
+    end, _ = place_limb(
         hip,
-        aimed,
+        frame,
         max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6),
-        upper,
-        lower,
-        channels[at.LIMB_OFF_PLANE + 2 + side] * length,
+        (upper, lower),
+        off_plane,
         1.0,
-        channels[t : t + 2],
-        work[0],
-        positions[point + 1 : point + 3],
+        (channels[t], channels[t + 1]),
+        positions[point + 1],
+        positions[point + 2],
         rotations[segment],
         rotations[segment + 1],
     )
-    for row in range(3):
-        for column in range(3):
-            rotations[segment + 2, row, column] = foot[row, column]
-            rotations[segment + 3, row, column] = toe[row, column]
-    place_toes(measures, side, point + 2, segment + 2, positions, rotations)
+    put_foot(measures, side, end, turn_in(foot), turn_in(toe), point + 3, segment + 2, positions, rotations)
 
 
 @kernel
-def swivel_knee(hip, ankle, upper, lower, distance, off_plane, frame):
-    """Turn a leg's ``frame`` (3, 3) about its z axis until the knee faces its place, as firmly as it is held there.
+def is_placed(channels, measures, side, comfort, ankle, foot, toe, positions, rotations):
+    """Whether a leg as realised is already where ``place_leg`` would put it."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 15 + 5 * side, spine_count + 12 + 4 * side
+    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
+    if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > comfort:
+        return False
+    if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (ankle.shape[0] > 3 and ankle[6] > 0.0):
+        return False
+    return (
+        same_point(ankle, positions[point])
+        and same_turn(foot, rotations[segment])
+        and same_turn(toe, rotations[segment + 1])
+    )
 
-    ``ankle`` (7,) as in ``place_leg``. Hardly at all where the knee is on the line of hip and ankle, or its place is.
+
+@small_kernel
+def same_point(a, b):
+    """Whether two points (3,) are one."""
+    return a[0] == b[0] and a[1] == b[1] and a[2] == b[2]
+
+
+@small_kernel
+def same_turn(a, b):
+    """Whether two matrices (3, 3) are one."""
+    return same_point(a[0], b[0]) and same_point(a[1], b[1]) and same_point(a[2], b[2])
+
+
+@kernel
+def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
+    """Radians by which a leg's ``frame`` (a turn) turns about its z axis until the knee faces its place.
+
+    ``ankle`` (7,) as in ``place_leg``: as firmly as the knee is held there. Hardly at all where the knee is on the line
+    of hip and ankle, or its place is.
     """
     z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
     radius = math.sqrt(max(0.0, upper * upper - z * z))
@@ -101,9 +122,9 @@ def swivel_knee(hip, ankle, upper, lower, distance, off_plane, frame):
     y = math.sqrt(max(0.0, radius * radius - x * x))
     wanted_x, wanted_y = 0.0, 0.0
     for axis in range(3):
-        wanted_x += frame[axis, 0] * (ankle[3 + axis] - hip[axis])
-        wanted_y += frame[axis, 1] * (ankle[3 + axis] - hip[axis])
+        wanted_x += frame[3 * axis] * (ankle[3 + axis] - hip[axis])
+        wanted_y += frame[3 * axis + 1] * (ankle[3 + axis] - hip[axis])
     away = radius * math.hypot(wanted_x, wanted_y)
     angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
-    turn_columns(frame, ankle[6] * smoothstep(min(away / KNEE_GUARD, 1.0)) * angle)
+    return ankle[6] * smoothstep(min(away / KNEE_GUARD, 1.0)) * angle

@@ -2,32 +2,57 @@
 
 import math
 
-from studio.core.kernels.compiling import kernel
-from studio.core.kernels.rotation import add_rotated, multiply, shortest_arc, turn_columns
+from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.turns import put_beside, put_turn, sine_and_cosine
 
 
-@kernel
-def place_limb(root, frame, distance, upper, lower, off_plane, bend, twist, scratch, out_points, out_upper, out_lower):
+@small_kernel
+def place_limb(root, frame, distance, bones, off_plane, bend, twists, out_middle, out_end, out_upper, out_lower):
     """Middle joint and both segments of a limb from its frame and its length (K05 section 8; METHOD 3.4).
 
-    ``root`` (3,), ``frame`` (3, 3) world, z towards the extremity; ``off_plane`` metres; ``twist`` (2,) radians.
-    ``out_points`` (2, 3) middle joint and extremity; ``out_upper``, ``out_lower`` (3, 3) world rotations.
+    ``root`` the place of its root; ``frame`` the turn (``kernels.turns``) whose z axis points to the extremity;
+    lengths of both ``bones``, ``off_plane`` metres; ``twists`` of both, radians. ``out_middle``, ``out_end`` (3,):
+    middle joint and extremity; ``out_upper``, ``out_lower`` (3, 3) rotations. Returns the extremity's place and the
+    lower bone's turn.
     """
+    upper, lower = bones
     d = max(distance, 1e-6)
     z = (upper * upper - lower * lower + d * d) / (2.0 * d)
     radius = math.sqrt(max(0.0, upper * upper - z * z))
     x = min(max(off_plane, -radius), radius)
     y = bend * math.sqrt(max(0.0, radius * radius - x * x))
-    add_rotated(root, frame, x, y, z, out_points[0])
-    add_rotated(root, frame, 0.0, 0.0, d, out_points[1])
-    length = math.sqrt(x * x + y * y + z * z)
-    shortest_arc(0.0, 0.0, 1.0, x / length, y / length, z / length, scratch)
-    multiply(frame, scratch, out_upper)
-    turn_columns(out_upper, twist[0])
-    length = math.sqrt(x * x + y * y + (d - z) * (d - z))
-    shortest_arc(0.0, 0.0, 1.0, -x / length, -y / length, (d - z) / length, scratch)
-    multiply(frame, scratch, out_lower)
-    turn_columns(out_lower, twist[1])
+    put_beside(root, frame, x, y, z, out_middle)
+    put_turn(bone_turn(frame, x, y, z, twists[0]), out_upper)
+    last = bone_turn(frame, -x, -y, d - z, twists[1])
+    put_turn(last, out_lower)
+    return put_beside(root, frame, 0.0, 0.0, d, out_end), last
+
+
+@small_kernel
+def bone_turn(frame, x, y, z, twist):
+    """Turn of a bone along (x, y, z) in the axes of ``frame``: the shortest way there, then twisted about the bone.
+
+    SA of METHOD (1) from z to v takes x to x - x . v / (1 + z . v) h with h = z + v, and y likewise; where they oppose
+    it is half a turn about y.
+    """
+    across = x * x + y * y
+    length = math.sqrt(across + z * z)
+    rise = length + z if z > 0.0 else across / (length - z)
+    opposed = rise < 1e-200 * length
+    k, side = (0.0, -1.0) if opposed else (1.0 / rise, 1.0)
+    inverse = 1.0 / length
+    hx = inverse * (frame[0] * x + frame[1] * y + frame[2] * rise)
+    hy = inverse * (frame[3] * x + frame[4] * y + frame[5] * rise)
+    hz = inverse * (frame[6] * x + frame[7] * y + frame[8] * rise)
+    ax, bx = side * frame[0] - k * x * hx, frame[1] - k * y * hx
+    ay, by = side * frame[3] - k * x * hy, frame[4] - k * y * hy
+    az, bz = side * frame[6] - k * x * hz, frame[7] - k * y * hz
+    sine, cosine = sine_and_cosine(twist)
+    return (
+        cosine * ax + sine * bx, cosine * bx - sine * ax, hx - frame[2],
+        cosine * ay + sine * by, cosine * by - sine * ay, hy - frame[5],
+        cosine * az + sine * bz, cosine * bz - sine * az, hz - frame[8],
+    )  # fmt: skip
 
 
 @kernel

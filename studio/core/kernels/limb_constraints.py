@@ -10,9 +10,9 @@ from studio.core.kernels.body import body_point, turn_part
 from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import AREA, ORIENTATION, POSITION, end_place
 from studio.core.kernels.limb import soft_reach
-from studio.core.kernels.reach import aim_at, bend_range, bend_to, swivel_to
-from studio.core.kernels.rotation import multiply_by_transposed
+from studio.core.kernels.reach import aim_at, bend_to, span_range, swivel_to
 from studio.core.kernels.stiffness import stiff_span, turn_back
+from studio.core.kernels.turns import inverse, product, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 CLOSE_ENOUGH = 5e-5
@@ -69,10 +69,8 @@ def range_of(limb, segment, holds_end, point, pose):
         return span, span
     hinge = rotations[upper, :, 0]
     if holds_end and segment >= upper + 2:
-        c0, c1, _ = bend_range(positions[root], positions[root + 1], hinge, positions[root + 2])
-    else:
-        c0, c1, _ = bend_range(positions[root], positions[root + 1], hinge, point)
-    return math.sqrt(max(0.0, c0 - 2.0 * c1)), math.sqrt(max(0.0, c0 + 2.0 * c1))
+        return span_range(positions[root], positions[root + 1], hinge, positions[root + 2])
+    return span_range(positions[root], positions[root + 1], hinge, point)
 
 
 @kernel
@@ -83,8 +81,8 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
     root, upper = limb_indices(limb, spine_count)
     turning = grips[limb] >= 0 and asked[grips[limb]].wanted == 1
     if turning:
-        multiply_by_transposed(asked[grips[limb]].turn, rotations[upper + 2], turns[0])
-        turn_part(turns[0], upper + 2, spine_count, positions[root + 2], positions, rotations)
+        turn = product(turn_in(asked[grips[limb]].turn), inverse(turn_in(rotations[upper + 2])))
+        turn_part(turn, upper + 2, spine_count, positions[root + 2], positions, rotations)
     first, point = points[2], points[3]
     solved, held_upper = 0, False
     for c in range(asked.shape[0]):
@@ -94,8 +92,8 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
         if row.kind == ORIENTATION:
             segment = row.ends[0, 1]
             if row.ends[0, 2] == limb and segment < upper + 2:
-                multiply_by_transposed(row.turn, rotations[segment], turns[0])
-                turn_part(turns[0], segment, spine_count, positions[root + segment - upper], positions, rotations)
+                turn = product(turn_in(row.turn), inverse(turn_in(rotations[segment])))
+                turn_part(turn, segment, spine_count, positions[root + segment - upper], positions, rotations)
                 solved += 2
             continue
         for end in range(2):
@@ -111,16 +109,16 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
                 held_upper = segment == upper
                 reach_with_limb(row, end, limb >= 2 or turning, turns, points, pose)
             elif free and solved == 1 and held_upper:
-                aim_at(target, point, upper + 1, spine_count, positions[root + 1], turns[0], positions, rotations)
+                aim_at(target, point, upper + 1, spine_count, positions[root + 1], positions, rotations)
             elif free and solved == 1:
-                swivel_to(target, point, first, upper, spine_count, positions[root], turns[0], positions, rotations)
+                swivel_to(target, point, first, upper, spine_count, positions[root], positions, rotations)
             if free and solved == 1 and row.stiff:
                 joint = 1 if held_upper else 0
                 part = row.parts[end, joint]
                 turn_back(part, math.inf, upper + joint, root + joint, turns[5], turns[0], points[0], pose)
             end_place(row, end, pose, point)
             if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not turning:
-                aim_end(row.freedoms[end, 1], target, point, root + 2, upper + 2, turns[0], points[4], pose)
+                aim_end(row.freedoms[end, 1], target, point, root + 2, upper + 2, points[4], pose)
             if solved == 0:
                 end_place(row, end, pose, first)
             solved += 1
@@ -153,12 +151,12 @@ def reach_with_limb(row, end, holds_end, turns, points, pose):
         span = comfortable(row, end, distance(goal, positions[root]))
         if row.stiff:
             span = stiff_span(row, end, distance(point, positions[root]), span)
-        bend_to(span, upper, spine_count, root, point, turns[0], positions, rotations)
+        bend_to(span, upper, spine_count, root, point, positions, rotations)
         if holds_end and segment >= upper + 2:
             copy_point(positions[tip], point)
         else:
             body_point(row.ends[end, 0], segment, row.offsets[end], positions, rotations, point)
-    aim_at(goal, point, upper, spine_count, positions[root], turns[0], positions, rotations)
+    aim_at(goal, point, upper, spine_count, positions[root], positions, rotations)
     if row.stiff:
         row.change[end, 0] = turn_back(1.0, row.most[end, 0], upper, root, turns[5], turns[0], points[0], pose)
     if holds_end:
@@ -178,11 +176,11 @@ def comfortable(row, end, span):
 
 
 @kernel
-def aim_end(weight, target, point, joint, end, turn, goal, pose):
+def aim_end(weight, target, point, joint, end, goal, pose):
     """Turn hand or foot about its joint so that its point faces the target, ``weight`` times the whole way."""
     if distance(point, target) < CLOSE_ENOUGH:
         return
     positions, rotations = pose
     for axis in range(3):
         goal[axis] = point[axis] + weight * (target[axis] - point[axis])
-    aim_at(goal, point, end, positions.shape[0] - 23, positions[joint], turn, positions, rotations)
+    aim_at(goal, point, end, positions.shape[0] - 23, positions[joint], positions, rotations)

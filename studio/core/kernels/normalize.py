@@ -5,8 +5,9 @@ import math
 import numpy as np
 
 from studio.core.kernels import layout as at
+from studio.core.kernels import turns
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.rotation import multiply, multiply_by_transposed, multiply_transposed, shortest_arc
+from studio.core.kernels.rotation import multiply, multiply_by_transposed
 
 TINY = 1e-12
 
@@ -93,7 +94,7 @@ def encode_limb(frame, limb, points, rotations, total, work, out_channels):
     ux, uy, uz, _ = unit_between(points[root], points[root + 1])
     fx, fy, fz, _ = unit_between(points[root + 1], points[root + 2])
     zx, zy, zz, reach = unit_between(points[root], points[root + 2])
-    shortest_arc(ux, uy, uz, zx, zy, zz, arc)
+    turns.put_turn(turns.shortest(ux, uy, uz, zx, zy, zz), arc)
     frame_of_hinge(arc, rotations[upper], zx, zy, zz, limb_frame)
     put_between(out_channels, frame, at.LIMB_FRAME + 4 * limb, carrier, limb_frame, local)
     out[at.LIMB_SLACK + limb] = 1.0 - reach / total
@@ -101,10 +102,9 @@ def encode_limb(frame, limb, points, rotations, total, work, out_channels):
     out[at.LIMB_BEND + limb] = -1.0 if along(points[root], points[root + 1], limb_frame, 1) < 0.0 else 1.0
     for bone in range(2):
         dx, dy, dz = (ux, uy, uz) if bone == 0 else (fx, fy, fz)
-        shortest_arc(zx, zy, zz, dx, dy, dz, arc)
-        multiply(arc, limb_frame, local)
-        multiply_transposed(local, rotations[upper + bone], arc)
-        twist = math.atan2(arc[1, 0] - arc[0, 1], arc[0, 0] + arc[1, 1])
+        straight = turns.product(turns.shortest(zx, zy, zz, dx, dy, dz), turns.turn_in(limb_frame))
+        turn = turns.product(turns.inverse(straight), turns.turn_in(rotations[upper + bone]))
+        twist = math.atan2(turn[3] - turn[1], turn[0] + turn[4])
         column = at.LIMB_TWIST + 2 * limb + bone
         before = out_channels[frame - 1, column] if frame > 0 else twist
         out[column] = twist - 2.0 * math.pi * math.floor((twist - before + math.pi) / (2.0 * math.pi))
@@ -152,7 +152,7 @@ def along(start, end, axes, column):
 @kernel
 def put_between(out_channels, frame, column, carrier, rotation, scratch):
     """``put_turn`` of carrier^T rotation."""
-    multiply_transposed(carrier, rotation, scratch)
+    turns.put_turn(turns.product(turns.inverse(turns.turn_in(carrier)), turns.turn_in(rotation)), scratch)
     put_turn(out_channels, frame, column, scratch)
 
 

@@ -24,8 +24,9 @@ from studio.core.kernels.goals import (
 from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
-from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, multiply_by_transposed, shortest_arc
+from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply_by_transposed
 from studio.core.kernels.stiffness import carry_leg
+from studio.core.kernels.turns import product, put_turn, shortest, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 ENGAGED = 1e-6
@@ -50,7 +51,7 @@ def put_back(limb, chain, body, work, start, pose):
         carry_arm(limb, turned, slots, start, turn, work[2], pose)
         return
     positions, rotations = pose
-    channels, comforts, ankles, feet, toes, scratch = body[3]
+    channels, comforts, ankles, feet, toes = body[3]
     side = limb - 2
     spine_count = positions.shape[0] - 23
     thigh = spine_count + 10 + 4 * side
@@ -58,15 +59,13 @@ def put_back(limb, chain, body, work, start, pose):
     if slots[slots.shape[0] - 1] < 0 and slots[0] < 0 and joint < 0:
         copy_leg(side, start, pose)
         return
-    place_leg(
-        channels, body[0], side, comforts[side], ankles[side], feet[side], toes[side], scratch, positions, rotations
-    )
+    place_leg(channels, body[0], side, comforts[side], ankles[side], feet[side], toes[side], positions, rotations)
     if joint < 0:
         return
     x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
     if x != 0.0 or y != 0.0 or z != 0.0:
         gibbs_matrix(x, y, z, turn)
-        turn_part(turn, thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
+        turn_part(turn_in(turn), thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
 
 
 @kernel
@@ -121,7 +120,7 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
 @kernel
 def follow(level, asked, areas, work, pose):
     """Goals that depend on where things are now: both ends of distances, areas, the line of sight (METHOD 5)."""
-    points, turn = work[5], work[7][0]
+    points = work[5]
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted != 1 or row.rank > level:
@@ -135,8 +134,8 @@ def follow(level, asked, areas, work, pose):
             end_place(row, 0, pose, points[0])
             gaze_goal(row.places[1], row.places[0], points[0], row.distance, points[1])
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
-            shortest_arc(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z, turn)
-            multiply(turn, rotation, row.turn)
+            turn = shortest(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z)
+            put_turn(product(turn, turn_in(rotation)), row.turn)
         elif row.kind == AREA and not row.engaged:
             engage_one(c, asked, areas, points, pose)
 

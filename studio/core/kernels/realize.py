@@ -5,116 +5,106 @@ import math
 import numpy as np
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.limb import place_limb
-from studio.core.kernels.rotation import add_rotated, frame_along, multiply, quaternion_to_matrix
+from studio.core.kernels.turns import along, product, put_beside, put_turn, sine_and_cosine, turn_of
 
 
 @allocating_kernel
-def realize_frames(channels, measures, spine_from, spine_share, play, out_positions, out_rotations):
+def realize_frames(channels, places, measures, play, out_positions, out_rotations):
     """Pose a body at every frame (METHOD 3; eq. 2 of K05).
 
-    ``channels`` (F, 89 + 4 K_motion); ``measures`` (F or 1, 57 + 3 K); ``spine_from`` (K,) and ``spine_share``
-    (K,) say between which of the motion's spine segments each segment of the body lies; ``play`` 1 keeps the
-    actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
+    ``channels`` (F, 89 + 4 K_motion); ``places`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K); ``play``
+    1 keeps the actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
     """
-    work = np.empty((4, 3, 3))
+    spine_from, spine_share = sample_spine(places, measures[0])
     for frame in range(channels.shape[0]):
-        row = frame if measures.shape[0] > 1 else 0
-        realize_frame(frame, row, channels, measures, spine_from, spine_share, play, work, out_positions, out_rotations)
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        realize_frame(channels[frame], row, spine_from, spine_share, play, out_positions[frame], out_rotations[frame])
 
 
-@kernel
-def realize_frame(frame, row, channels, measures, spine_from, spine_share, play, work, out_positions, out_rotations):
-    """One frame of ``realize_frames`` with the measures of ``row``; ``work`` (4, 3, 3) is scratch."""
-    channel, measure, points, turns = channels[frame], measures[row], out_positions[frame], out_rotations[frame]
-    scratch, carriers = work[0], work[2:4]
-    realize_trunk(channel, measure, spine_from, spine_share, play, scratch, carriers, points, turns)
-    for limb in range(4):
-        carrier = carriers[limb] if limb < 2 else turns[0]
-        realize_limb(channel, measure, limb, play, carrier, scratch, work[1], points, turns)
+@allocating_kernel
+def sample_spine(places, measures):
+    """For each of a body's K spine segments: after which of the motion's it lies, and how far to the next (0 to 1).
 
-
-@kernel
-def realize_trunk(channels, measures, spine_from, spine_share, play, scratch, carriers, out_positions, out_rotations):
-    """Root, spine, neck, head and clavicles of one frame (METHOD 3.1 to 3.3).
-
-    Neck and clavicles turn away from their own rest in the thorax, because bodies (and captures) draw them along
-    other lines: what a motion carries over is the turn, not the line. ``carriers`` (2, 3, 3) becomes the thorax
-    carried along by each clavicle, in which arms lie.
+    The pelvis takes the pelvis and the thorax the thorax; what lies between is sampled by its place along the
+    trunk, so arms hang the same however many vertebrae a body has. ``places`` (K_motion,) from 0 to 1.
     """
-    spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    place_root(channels, measures, scratch, out_positions, out_rotations)
-    for k in range(spine_count):
-        if k > 0:
-            spine_rotation(channels, spine_from[k], spine_share[k], scratch)
-            multiply(out_rotations[0], scratch, out_rotations[k])
-        place_offset(measures, at.M_SPINE + 3 * k, out_positions[k], out_rotations[k], out_positions[k + 1])
-    thorax, neck = spine_count - 1, spine_count
-    carrier = carriers[0]
-    m, length = at.M_NECK_REST, measures[at.M_NECK]
-    turn_from_rest(channels, at.NECK, measures, m, out_rotations[thorax], scratch, carrier, out_rotations[neck])
-    stray = play * length
-    add_rotated(
-        out_positions[neck],
-        out_rotations[neck],
-        stray * channels[at.HEAD_PLAY],
-        stray * channels[at.HEAD_PLAY + 1],
-        length + stray * channels[at.HEAD_PLAY + 2],
-        out_positions[neck + 1],
-    )
-    quaternion_to_matrix(channels[at.HEAD : at.HEAD + 4], scratch)
-    multiply(carrier, scratch, out_rotations[neck + 1])
-    head, along = out_rotations[neck + 1], measures[at.M_HEAD]
-    add_rotated(out_positions[neck + 1], head, 0.0, 0.0, along, out_positions[neck + 2])
+    count, last = (measures.shape[0] - at.M_SPINE) // 3, places.shape[0] - 1
+    own, index, share = np.zeros(count), np.zeros(count, np.int64), np.zeros(count)
+    for k in range(1, count):
+        m = at.M_SPINE + 3 * (k - 1)
+        own[k] = own[k - 1] + math.sqrt(measures[m] ** 2 + measures[m + 1] ** 2 + measures[m + 2] ** 2)
+    for k in range(count):
+        place = own[k] / own[count - 1]
+        while index[k] < last and places[index[k] + 1] <= place + 1e-9:
+            index[k] += 1
+        begin = places[index[k]]
+        span = places[index[k] + 1] - begin if index[k] < last else 1.0
+        part = min(max((place - begin) / span, 0.0), 1.0)
+        share[k] = part if part >= 1e-6 else 0.0
+    return index, share
+
+
+@kernel
+def realize_frame(channels, measures, spine_from, spine_share, play, positions, rotations):
+    """One frame of ``realize_frames``."""
+    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, spine_from, spine_share, positions, rotations)
+    realize_head(channels, measures, play, neck_base, thorax, positions, rotations)
     for side in range(2):
-        point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
-        m, q = at.M_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side
-        base = at.M_COLLAR_BASE + 3 * side
-        place_offset(measures, base, out_positions[neck], out_rotations[thorax], out_positions[point])
-        thorax_turn, clavicle = out_rotations[thorax], out_rotations[segment]
-        turn_from_rest(channels, q, measures, m, thorax_turn, scratch, carriers[side], clavicle)
-        along = measures[at.M_CLAVICLE + side]
-        add_rotated(out_positions[point], clavicle, 0.0, 0.0, along, out_positions[point + 1])
+        realize_arm(channels, measures, side, neck_base, thorax, positions, rotations)
+        realize_leg(channels, measures, side, play, root, pelvis, positions, rotations)
 
 
-@kernel
-def place_root(channels, measures, scratch, out_positions, out_rotations):
-    """Rotation and place of the pelvis of one frame: the middle of the hips stands where the channels say."""
-    leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
-    quaternion_to_matrix(channels[at.PELVIS : at.PELVIS + 4], scratch)
-    c, s = math.cos(channels[at.YAW]), math.sin(channels[at.YAW])
-    for column in range(3):
-        out_rotations[0, 0, column] = c * scratch[0, column] - s * scratch[1, column]
-        out_rotations[0, 1, column] = s * scratch[0, column] + c * scratch[1, column]
-        out_rotations[0, 2, column] = scratch[2, column]
-    m = at.M_HIP_OFFSET
-    for axis in range(3):
-        out_positions[0, axis] = channels[at.HIPS + axis] * leg
-        for column in range(3):
-            middle = 0.5 * (measures[m + column] + measures[m + 3 + column])
-            out_positions[0, axis] -= out_rotations[0, axis, column] * middle
-    out_positions[0, 2] += 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1])
+@small_kernel
+def realize_trunk(channels, measures, spine_from, spine_share, positions, rotations):
+    """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax."""
+    pelvis = pelvis_turn(channels)
+    leg, m = mean_leg(measures), at.M_HIP_OFFSET
+    hips = (
+        channels[at.HIPS] * leg,
+        channels[at.HIPS + 1] * leg,
+        channels[at.HIPS + 2] * leg + 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1]),
+    )
+    root = put_beside(
+        hips,
+        pelvis,
+        -0.5 * (measures[m] + measures[m + 3]),
+        -0.5 * (measures[m + 1] + measures[m + 4]),
+        -0.5 * (measures[m + 2] + measures[m + 5]),
+        positions[0],
+    )
+    place, turn = root, pelvis
+    for k in range(spine_from.shape[0]):
+        if k > 0:
+            turn = product(pelvis, spine_turn(channels, spine_from[k], spine_share[k]))
+        put_turn(turn, rotations[k])
+        m = at.M_SPINE + 3 * k
+        place = put_beside(place, turn, measures[m], measures[m + 1], measures[m + 2], positions[k + 1])
+    return root, pelvis, place, turn
 
 
-@kernel
-def place_offset(measures, m, origin, rotation, out_point):
-    """Point (3,) at the measures ``m`` to ``m + 2`` from ``origin``, in the axes of ``rotation`` (3, 3)."""
-    add_rotated(origin, rotation, measures[m], measures[m + 1], measures[m + 2], out_point)
+@small_kernel
+def mean_leg(measures):
+    """Metres from hip to ankle, the mean of both legs."""
+    return 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
 
 
-@kernel
-def turn_from_rest(channels, q, measures, m, thorax, scratch, out_carrier, out_rotation):
-    """Neck or clavicle: the thorax carried along (3, 3), and the segment that lies in it along its rest (3, 3)."""
-    quaternion_to_matrix(channels[q : q + 4], scratch)
-    multiply(thorax, scratch, out_carrier)
-    frame_along(measures[m], measures[m + 1], measures[m + 2], scratch)
-    multiply(out_carrier, scratch, out_rotation)
+@small_kernel
+def pelvis_turn(channels):
+    """The heading, and the pelvis relative to it."""
+    a = turn_of(channels, at.PELVIS)
+    s, c = sine_and_cosine(channels[at.YAW])
+    return (
+        c * a[0] - s * a[3], c * a[1] - s * a[4], c * a[2] - s * a[5],
+        s * a[0] + c * a[3], s * a[1] + c * a[4], s * a[2] + c * a[5],
+        a[6], a[7], a[8],
+    )  # fmt: skip
 
 
-@kernel
-def spine_rotation(channels, index, share, out_matrix):
-    """Orientation of a spine segment relative to the pelvis: normalised blend of two neighbours' quaternions."""
+@small_kernel
+def spine_turn(channels, index, share):
+    """Turn of a spine segment relative to the pelvis: normalised blend of two neighbours' quaternions."""
     a = at.SPINE + 4 * (index - 1)
     ax, ay, az, aw = 0.0, 0.0, 0.0, 1.0
     if index > 0:
@@ -131,63 +121,86 @@ def spine_rotation(channels, index, share, out_matrix):
             keep * aw + take * bw,
         )
     scale = 1.0 / math.sqrt(ax * ax + ay * ay + az * az + aw * aw)
-    quaternion_to_matrix((ax * scale, ay * scale, az * scale, aw * scale), out_matrix)
+    return turn_of((ax * scale, ay * scale, az * scale, aw * scale), 0)
 
 
-@kernel
-def realize_limb(channels, measures, limb, play, carrier, scratch, work, out_positions, out_rotations):
-    """One arm (limb 0, 1) or leg (2, 3) of one frame with its hand or foot (METHOD 3.3 to 3.5)."""
+@small_kernel
+def realize_head(channels, measures, play, neck_base, thorax, positions, rotations):
+    """Neck and head (METHOD 3.3). The neck turns away from its own rest in the thorax, because bodies (and captures)
+    draw it along other lines: what a motion carries over is the turn, not the line. So do clavicles.
+    """
+    neck, m = (measures.shape[0] - at.M_SPINE) // 3, at.M_NECK_REST
+    carrier = product(thorax, turn_of(channels, at.NECK))
+    turn = product(carrier, along(measures[m], measures[m + 1], measures[m + 2]))
+    put_turn(turn, rotations[neck])
+    length = measures[at.M_NECK]
+    stray, c = play * length, at.HEAD_PLAY
+    x, y, z = stray * channels[c], stray * channels[c + 1], stray * channels[c + 2]
+    joint = put_beside(neck_base, turn, x, y, length + z, positions[neck + 1])
+    turn = product(carrier, turn_of(channels, at.HEAD))
+    put_turn(turn, rotations[neck + 1])
+    put_beside(joint, turn, 0.0, 0.0, measures[at.M_HEAD], positions[neck + 2])
+
+
+@small_kernel
+def realize_arm(channels, measures, side, neck_base, thorax, positions, rotations):
+    """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the clavicle."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    side, is_leg = limb % 2, limb >= 2
-    if is_leg:
-        point, segment, m = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, at.M_LEG + 2 * side
-        place_hip(channels, measures, side, play, out_positions[0], out_rotations[0], out_positions[point])
-    else:
-        point, segment, m = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side, at.M_ARM + 2 * side
-    upper, lower = measures[m], measures[m + 1]
-    q, t = at.LIMB_FRAME + 4 * limb, at.LIMB_TWIST + 2 * limb
-    quaternion_to_matrix(channels[q : q + 4], scratch)
-    multiply(carrier, scratch, work)
-    place_limb(
-        out_positions[point],
-        work,
-        (1.0 - channels[at.LIMB_SLACK + limb]) * (upper + lower),
-        upper,
-        lower,
-        channels[at.LIMB_OFF_PLANE + limb] * (upper + lower),
-        channels[at.LIMB_BEND + limb],
-        channels[t : t + 2],
-        scratch,
-        out_positions[point + 1 : point + 3],
-        out_rotations[segment],
-        out_rotations[segment + 1],
+    point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
+    carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
+    m = at.M_COLLAR_BASE + 3 * side
+    collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], positions[point])
+    m = at.M_CLAVICLE_REST + 3 * side
+    turn = product(carrier, along(measures[m], measures[m + 1], measures[m + 2]))
+    put_turn(turn, rotations[segment])
+    shoulder = put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], positions[point + 1])
+    m = at.M_ARM + 2 * side
+    wrist, forearm = realize_limb(
+        channels, measures, m, side, carrier, shoulder, point + 1, segment + 1, positions, rotations
     )
-    q = (at.FOOT if is_leg else at.HAND) + 4 * side
-    quaternion_to_matrix(channels[q : q + 4], scratch)
-    multiply(out_rotations[0 if is_leg else segment + 1], scratch, out_rotations[segment + 2])
-    if is_leg:
-        q = at.TOE + 4 * side
-        quaternion_to_matrix(channels[q : q + 4], scratch)
-        multiply(out_rotations[segment + 2], scratch, out_rotations[segment + 3])
-        place_toes(measures, side, point + 2, segment + 2, out_positions, out_rotations)
-    else:
-        m = at.M_HAND + 3 * side
-        add_rotated(
-            out_positions[point + 2],
-            out_rotations[segment + 2],
-            measures[m],
-            measures[m + 1],
-            measures[m + 2],
-            out_positions[point + 3],
-        )
+    hand = product(forearm, turn_of(channels, at.HAND + 4 * side))
+    put_turn(hand, rotations[segment + 3])
+    m = at.M_HAND + 3 * side
+    put_beside(wrist, hand, measures[m], measures[m + 1], measures[m + 2], positions[point + 4])
 
 
-@kernel
-def place_hip(channels, measures, side, play, root, pelvis, out_hip):
-    """Hip joint (3,): its place in the pelvis and, for the actor, its stray from there."""
-    leg = 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
-    m, c, stray = at.M_HIP_OFFSET + 3 * side, at.HIP_PLAY + 3 * side, play * leg
-    add_rotated(
+@small_kernel
+def realize_leg(channels, measures, side, play, root, pelvis, positions, rotations):
+    """Leg, foot and toe (METHOD 3.4, 3.5); the foot lies in the pelvis."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
+    hip = put_hip(channels, measures, side, play, root, pelvis, positions[point])
+    m = at.M_LEG + 2 * side
+    ankle, _ = realize_limb(channels, measures, m, 2 + side, pelvis, hip, point, segment, positions, rotations)
+    foot = product(pelvis, turn_of(channels, at.FOOT + 4 * side))
+    toe = product(foot, turn_of(channels, at.TOE + 4 * side))
+    put_foot(measures, side, ankle, foot, toe, point + 3, segment + 2, positions, rotations)
+
+
+@small_kernel
+def realize_limb(channels, measures, m, limb, carrier, root, point, segment, positions, rotations):
+    """Both bones of arm (limb 0, 1) or leg (2, 3), their lengths at measure ``m``; place and turn at their end."""
+    length = measures[m] + measures[m + 1]
+    return place_limb(
+        root,
+        product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)),
+        (1.0 - channels[at.LIMB_SLACK + limb]) * length,
+        (measures[m], measures[m + 1]),
+        channels[at.LIMB_OFF_PLANE + limb] * length,
+        channels[at.LIMB_BEND + limb],
+        (channels[at.LIMB_TWIST + 2 * limb], channels[at.LIMB_TWIST + 2 * limb + 1]),
+        positions[point + 1],
+        positions[point + 2],
+        rotations[segment],
+        rotations[segment + 1],
+    )
+
+
+@small_kernel
+def put_hip(channels, measures, side, play, root, pelvis, out_hip):
+    """Write the hip joint (3,): its place in the pelvis and, for the actor, its stray from there; that place."""
+    m, c, stray = at.M_HIP_OFFSET + 3 * side, at.HIP_PLAY + 3 * side, play * mean_leg(measures)
+    return put_beside(
         root,
         pelvis,
         measures[m] + stray * channels[c],
@@ -197,24 +210,12 @@ def place_hip(channels, measures, side, play, root, pelvis, out_hip):
     )
 
 
-@kernel
-def place_toes(measures, side, ankle, foot, out_positions, out_rotations):
-    """Toe joint and toe end from the ankle and the rotations of foot and toe, written into one frame's arrays."""
+@small_kernel
+def put_foot(measures, side, ankle, foot, toe, point, segment, positions, rotations):
+    """Foot and toe by their turns from the ankle on, as ``segment`` and the next, ``point`` and the next."""
+    put_turn(foot, rotations[segment])
+    put_turn(toe, rotations[segment + 1])
     m = at.M_FOOT + 3 * side
-    add_rotated(
-        out_positions[ankle],
-        out_rotations[foot],
-        measures[m],
-        measures[m + 1],
-        measures[m + 2],
-        out_positions[ankle + 1],
-    )
+    joint = put_beside(ankle, foot, measures[m], measures[m + 1], measures[m + 2], positions[point])
     m = at.M_TOE + 3 * side
-    add_rotated(
-        out_positions[ankle + 1],
-        out_rotations[foot + 1],
-        measures[m],
-        measures[m + 1],
-        measures[m + 2],
-        out_positions[ankle + 2],
-    )
+    put_beside(joint, toe, measures[m], measures[m + 1], measures[m + 2], positions[point + 1])

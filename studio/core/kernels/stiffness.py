@@ -11,12 +11,8 @@ import math
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import carry_point
-from studio.core.kernels.rotation import (
-    matrix_to_rotation_vector,
-    multiply,
-    multiply_by_transposed,
-    rotation_vector_to_matrix,
-)
+from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, multiply_by_transposed
+from studio.core.kernels.turns import turn_by
 from studio.core.kernels.vectors import copy_matrix
 
 LETS_GO = 32
@@ -87,6 +83,6 @@ def turn_back(part, most, segment, pivot, back, turn, vector, pose):
     left = min(part * angle, most)
     if left < angle:
         scale = left / angle - 1.0
-        rotation_vector_to_matrix(scale * vector[0], scale * vector[1], scale * vector[2], turn)
-        turn_part(turn, segment, pose[0].shape[0] - 23, pose[0][pivot], pose[0], pose[1])
+        less = turn_by(scale * vector[0], scale * vector[1], scale * vector[2])
+        turn_part(less, segment, pose[0].shape[0] - 23, pose[0][pivot], pose[0], pose[1])
     return angle

@@ -2,22 +2,22 @@
 
 import math
 
-from studio.core.kernels.compiling import kernel, summing_kernel
+from studio.core.kernels.compiling import small_kernel, summing_kernel
 
 
-@kernel
+@small_kernel
 def distance(a, b):
     """Metres between two points (3,)."""
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
 
 
-@kernel
+@small_kernel
 def copy_point(a, out_point):
     """``out_point`` becomes ``a``, both (3,)."""
     out_point[0], out_point[1], out_point[2] = a[0], a[1], a[2]
 
 
-@kernel
+@small_kernel
 def copy_matrix(a, out_matrix):
     """``out_matrix`` becomes ``a``, both (3, 3)."""
     for row in range(3):

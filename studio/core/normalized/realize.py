@@ -24,23 +24,8 @@ def realize(
     layout = morphology.layout
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
-    start, share = spine_sampling(motion.spine_places, morphology.spine)
-    kernel.realize_frames(motion.channels, morphology.rows, start, share, float(play), positions, rotations)
+    kernel.realize_frames(motion.channels, motion.spine_places, morphology.rows, float(play), positions, rotations)
     return positions, rotations
-
-
-def spine_sampling(places: FloatArray, spine: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
-    """For each of a body's K spine segments: after which of the motion's it lies, and how far to the next (0..1).
-
-    The pelvis takes the pelvis and the thorax the thorax; what lies between is sampled by its place along the
-    trunk, so arms hang the same however many vertebrae a body has.
-    """
-    own = trunk_places(spine)
-    start = np.clip(np.searchsorted(places, own + 1e-9, side="right") - 1, 0, len(places) - 1)
-    span = np.append(np.diff(places), 1.0)[start]
-    share = np.clip((own - places[start]) / np.where(span > 0.0, span, 1.0), 0.0, 1.0)
-    share[share < 1e-6] = 0.0
-    return start.astype(np.int64), share
 
 
 def trunk_places(spine: FloatArray) -> FloatArray:

@@ -31,7 +31,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.settling import Arms, settle
 from studio.core.solver.support import mass_path, standing_points, support_path
 from studio.core.solver.tracks import Targets, Track, Tracks
-from studio.core.volume import BodyVolume, usual_volume
+from studio.core.volume import BodyVolume
 
 FloatArray = NDArray[np.float64]
 
@@ -89,7 +89,8 @@ def stand(
 ) -> Standing:
     """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7)."""
     positions, rotations = realize(motion, morphology)
-    positions[:, :, 2] += ground.height
+    if ground.height:
+        positions[:, :, 2] += ground.height
     carrying = find_carrying(motion, morphology, contacts, ground, positions)
     if carrying is not None:
         positions += carrying.shift[:, None]
@@ -191,7 +192,8 @@ def _solve(
         stands = np.array([each.standing[window] for each in held])
         activations = np.concatenate([stands & (given > 0.0).any(axis=0), activations])
     share_by_weight(rows)
-    joints = free_joints([constraint.chain for constraint in everything], rows.asked["rank"], body.layout)
+    chains = tuple(constraint.chain for constraint in everything)
+    joints = free_joints(chains, tuple(rows.asked["rank"].tolist()), body.layout)
     joints = joints if bound.by_limits else joints.without_limits
     limbs = rows.asked["ends"][len(held) :, :, 2]
     recruits = find_recruits(
@@ -199,7 +201,7 @@ def _solve(
     )
     clearance = pack_clearance(
         [constraints[c] for c in clear_rows], everything, len(held), given[clear_rows],
-        motion, window, standing.actor, standing.volume or usual_volume(body.still), body.layout,
+        motion, window, standing.actor, standing.volume, body.still,
     )  # fmt: skip
     misses = np.full((len(everything), len(positions)), np.nan)
     solve_frames(
@@ -219,7 +221,9 @@ def _solve(
         positions,
         rotations,
     )
-    residuals[order], residuals[clear_rows] = misses[len(held) :], clearance[7]
+    residuals[order] = misses[len(held) :]
+    if clear_rows:
+        residuals[clear_rows] = clearance[7]
     if standing.arms is not None:
         rate, channels = motion.frame_rate, motion.channels[window]
         release_hands(standing.arms, standing.holds, body, channels, rate, window, positions, rotations)

@@ -20,7 +20,7 @@ from studio.core.kernels.feet import fill_gaps
 from studio.core.morphology import AnyMorphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.footing import STANDING_REACH, foot_states, freedom
+from studio.core.solver.footing import STANDING_REACH, foot_states, freedom, hann_window
 
 FloatArray = NDArray[np.float64]
 
@@ -73,7 +73,9 @@ def track_of(point: ContactPoint, body: AnyMorphology, positions: FloatArray) ->
 
 def limb_freedom(contacts: Sequence[ContactInterval], limb: int, frame_count: int, frame_rate: float) -> FloatArray:
     """(F,) 0 while anything of a limb stands, eased to 1 soon after and before; 1 for what is on no limb."""
-    spans = [(each.first, each.last) for each in contacts if each.point.limb == limb >= 0]
+    spans = [(each.first, each.last) for each in contacts if each.point.limb == limb] if limb >= 0 else []
+    if not spans:
+        return np.ones(frame_count)
     return freedom(contact_mask(spans, frame_count), frame_rate)
 
 
@@ -140,8 +142,7 @@ def _shares(holds: Sequence[Hold], states: NDArray[np.int64], frame_rate: float)
 def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
     """``values`` (F, N) averaged over ``reach`` seconds to each side (Hann): smooth to the second derivative."""
     half = max(1, round(reach * frame_rate))
-    window = np.hanning(2 * half + 3)[1:-1]
-    return np.asarray(convolve1d(values, window / window.sum(), axis=0, mode="nearest"))
+    return np.asarray(convolve1d(values, hann_window(half), axis=0, mode="nearest"))
 
 
 def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:

@@ -1,7 +1,7 @@
 """How far each joint may help a constraint: its chain in the words of the solver."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,14 +42,16 @@ class FreeJoints:
 
     @property
     def arrays(self) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64], FloatArray]:
-        return self.mobilities, self.joints, self.slots, self.limits
+        """Kernels write in the first and the last how free limbs are at a frame: these are the caller's own."""
+        return self.mobilities.copy(), self.joints, self.slots, self.limits.copy()
 
     @property
     def without_limits(self) -> "FreeJoints":
         return replace(self, limits=np.full_like(self.limits, np.inf))
 
 
-def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyLayout) -> FreeJoints:
+@lru_cache(maxsize=256)
+def free_joints(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyLayout) -> FreeJoints:
     """Pelvis, spine, clavicles, neck, head, free limbs and the root's translation, as far as ``chains`` free them.
 
     ``ranks`` (C,) is the level of each chain's constraint.
@@ -68,7 +70,8 @@ def free_joints(chains: Sequence[Chain], ranks: NDArray[np.int64], layout: BodyL
     )
     free = weights.any(axis=0)
     free[-1] |= free[0]  # a pelvis that turns must not pull the feet away: the root, freed by nobody, follows them
-    levels = [weights[ranks <= level].max(axis=0) for level in range(ranks.max(initial=-1) + 1)]
+    of_level = [np.array(ranks) <= level for level in range(max(ranks, default=-1) + 1)]
+    levels = [weights[down_to].max(axis=0) for down_to in of_level]
     slots = np.full(layout.segment_count + 1, -1)
     slots[segments[free]] = np.arange(free.sum())
     return FreeJoints(
@@ -84,6 +87,7 @@ def _weight(chain: Chain, part: BodyPart) -> float:
     return chain.recruited(part) if part in (*UPPER_ARMS, *THIGHS) else chain.weight(part)
 
 
+@cache
 def segment_masses(layout: BodyLayout) -> FloatArray:
     """(S, 2) share of the body's mass and its place along each segment (de Leva 1996, male; METHOD 7)."""
     masses = np.zeros((layout.segment_count, 2))

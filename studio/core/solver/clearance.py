@@ -1,13 +1,12 @@
 """What keeps arms out of their own body, in the words of ``kernels.clearance``."""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.kernels import clearance as kernel
@@ -34,18 +33,20 @@ def pack_clearance(
     motion: NormalizedMotion,
     window: slice,
     actor: Morphology | None,
-    volume: BodyVolume,
-    layout: BodyLayout,
+    volume: BodyVolume | None,
+    body: Morphology,
 ) -> tuple[Any, ...]:
     """The tuple ``clearance`` of the kernels for Q constraints; its member 7 (Q, F) becomes what is missed.
 
     ``activations`` (Q, F) in the ``window`` of frames. Above a clear constraint stand the first ``standing`` of the
     others, which are contacts, and those of its priority or a higher one. Where no ``actor`` is known it is taken to
-    touch itself all the time.
+    touch itself all the time; where no ``volume`` is, it is what is usual.
     """
+    if not clears:
+        return _nothing(len(others))
     shape = (activations.shape[1], 2, len(PROBES))
     own, ways = np.zeros(shape), np.zeros((*shape, 3))
-    if clears and actor is not None:
+    if actor is not None:
         own, ways = (np.ascontiguousarray(each[window]) for each in _actor_rooms(motion, actor))
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
     wanted = np.empty((len(asked), *shape))
@@ -54,8 +55,8 @@ def pack_clearance(
         kernel.wanted_rooms(own, each.margin, wanted[row])
         above[row, standing:] = [one.priority <= each.priority for one in others[standing:]]
     return (
-        _packed(volume),
-        np.array(layout.proximal_points()),
+        _packed(volume or usual_volume(body)),
+        np.array(body.layout.proximal_points()),
         wanted,
         np.ascontiguousarray(activations),
         np.array([[float(each.arms.has(side)) for side in range(2)] for each in asked]).reshape(-1, 2),
@@ -65,6 +66,16 @@ def pack_clearance(
         own,
         ways,
     )
+
+
+@cache
+def _nothing(others: int) -> tuple[Any, ...]:
+    """The tuple ``clearance`` where nothing is asked to be clear of anything."""
+    volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
+    none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
+    above = np.empty((0, others), np.bool_)
+    wanted, ways = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3))
+    return _packed(volume), np.empty(0, np.int64), wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d, maximum_filter1d
+from scipy.ndimage import convolve1d, gaussian_filter1d, maximum_filter1d
 
-from studio.core.constraints.activation import EaseShape, ease
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.kernels import feet as kernel
@@ -81,14 +81,14 @@ def find_footing(
     carry, ``carried`` (F,); ``drops`` take that off.
     """
     states = foot_states(contacts, motion.frame_count)
-    plans = [
-        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, positions, rotations) for side in range(2)
-    ]
+    count = motion.frame_count
+    ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
+    plans = [(ankles[side], feet[side], toes[side]) for side in range(2)]
+    for side, plan in enumerate(plans):
+        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, positions, rotations, plan)
     if ground.is_level:
-        ankles, feet, toes = _stacked(plans)
-        relative = ankles - positions[:, 0]
         comforts = leg_comforts(motion, states)
-        drops = _drops(motion, morphology, rotations, relative, comforts, states)
+        drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
         return Footing(states, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate))
     draped = [
         _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, positions, rotations)
@@ -147,6 +147,8 @@ def _drops(
     states: NDArray[np.int64],
 ) -> FloatArray:
     """(F,) metres by which the root must come down for standing legs to reach; ``ankles`` from the root."""
+    if not states.any():
+        return np.zeros(motion.frame_count)
     drops = np.empty(motion.frame_count)
     hip_heights(motion.channels, morphology.rows, rotations, ankles, comforts, states, drops)
     return drops
@@ -179,21 +181,14 @@ def _plan_foot(
     frame_rate: float,
     positions: FloatArray,
     rotations: FloatArray,
-) -> Plan:
+    out: Plan,
+) -> None:
     """What one foot does on the level floor at the ground's own height; ``states`` (F,)."""
     layout = morphology.layout
-    segment = layout.spine_count + 12 + 4 * side
-    source = np.ascontiguousarray(rotations[:, segment])
-    ankles = np.ascontiguousarray(positions[:, layout.ankle(side)])
-    out_ankles, feet, toes = np.empty_like(ankles), np.empty_like(source), np.empty_like(source)
+    ankle, foot = layout.ankle(side), layout.spine_count + 12 + 4 * side
     soles = sole_rows(morphology, side)
-    kernel.level_soles(source, states, feet)
-    kernel.keep_pitch_on_ground(soles, states, feet)
-    local_toes = np.swapaxes(source, 1, 2) @ rotations[:, segment + 1]
-    kernel.level_toes(feet, local_toes, states, toes)
-    kernel.plant_ankles(ankles, feet, states, soles, np.full(len(ankles), ground.height), out_ankles)
-    keep_above(soles, states, ground.height, frame_rate, out_ankles, feet, toes)
-    return out_ankles, feet, toes
+    kernel.plan_foot(states, soles, ground.height, ankle, foot, positions, rotations, *out)
+    keep_above(soles, states, ground.height, frame_rate, *out)
 
 
 def _drape_foot(
@@ -215,7 +210,7 @@ def _drape_foot(
     if prints.hanging.any():
         for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
             states[first : last + 1][states[first : last + 1] == kernel.HEEL] = kernel.FLAT
-        plan = _plan_foot(side, morphology, states, ground, frame_rate, positions, rotations)
+        _plan_foot(side, morphology, states, ground, frame_rate, positions, rotations, plan)
         prints = find_footprints(states, plan[0], plan[1], soles, ground)
     draped = drape(prints, *plan, ground, frame_rate)
     level, foot = Sole.of(*plan, soles), Sole.of(draped.ankles, draped.feet, draped.toes, soles)
@@ -225,8 +220,10 @@ def _drape_foot(
 
 def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64]) -> FloatArray:
     """(2, F) part of its length to which each leg stretches freely: standing, as far as the motion's own leg does."""
+    if not states.any():
+        return np.full(states.shape, SWINGING_REACH)
     own = 1.0 - motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T
-    standing = np.clip(own, STANDING_REACH, 1.0 - 1e-9)
+    standing = np.minimum(np.maximum(own, STANDING_REACH), 1.0 - 1e-9)
     free = np.array([freedom(foot != 0, motion.frame_rate) for foot in states])
     return standing + free * (SWINGING_REACH - standing)
 
@@ -236,22 +233,17 @@ def leashes(footing: Footing, frame_rate: float) -> FloatArray:
 
     A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
     """
+    if not footing.states.any():
+        return np.full(footing.states.shape, np.inf)
     free = np.array([freedom(states != 0, frame_rate) for states in footing.states])
     return np.where(free < 1.0, footing.comforts + LEASH * free, np.inf)
 
 
 def freedom(planted: NDArray[np.bool_], frame_rate: float) -> FloatArray:
     """(F,) 0 while a foot stands, eased to 1 within ``FREED_AFTER`` seconds of the nearest frame that does."""
-    frames = np.arange(len(planted))
-    standing = frames[planted]
-    if not len(standing):
-        return np.ones(len(planted))
-    after = np.searchsorted(standing, frames)
-    gap = np.minimum(
-        np.abs(standing[np.minimum(after, len(standing) - 1)] - frames),
-        np.abs(frames - standing[np.maximum(after - 1, 0)]),
-    )
-    return ease(gap / (FREED_AFTER * frame_rate), EaseShape.QUINTIC)
+    free = np.empty(len(planted))
+    kernel.free_feet(planted, FREED_AFTER * frame_rate, free)
+    return free
 
 
 def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
@@ -259,8 +251,15 @@ def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
 
     The paper's plain minimum of three heights jolts the root (accelerations 3 to 27 times the source's).
     """
+    if not (drops > 0.0).any():
+        return np.zeros(len(drops))
     half = max(1, round(LOOK_AHEAD * frame_rate))
     peaks = maximum_filter1d(np.maximum(drops, 0.0), 2 * half + 1, mode="nearest")
+    return np.asarray(convolve1d(peaks, hann_window(half), mode="nearest"))
+
+
+@cache
+def hann_window(half: int) -> FloatArray:
+    """(2 * half + 1,) weights of an average that is smooth to its second derivative; they add up to 1."""
     window = np.hanning(2 * half + 3)[1:-1]
-    padded = np.pad(peaks, half, mode="edge")
-    return np.convolve(padded, window / window.sum(), mode="valid")
+    return np.asarray(window / window.sum())

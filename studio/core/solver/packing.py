@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ LEAST_WEIGHT = 0.1
 """Part of the heaviest weight of a level that every constraint counts at least: a lighter one would be left off sooner
 than within 0.2 mm, for a search ends when its weighted errors are small.
 """
+_PARTS = tuple(BodyPart)
 
 
 @dataclass(eq=False)
@@ -74,7 +76,7 @@ def in_order(constraints: Sequence[Constraint]) -> list[int]:
 def _rank_among_equals(constraint: Constraint) -> tuple[object, ...]:
     """Hands before elbows, feet before knees."""
     point = constraint.point
-    return -list(BodyPart).index(point.part), not point.at_end, constraint.kind, point.offset, constraint.name
+    return -_PARTS.index(point.part), not point.at_end, constraint.kind, point.offset, constraint.name
 
 
 def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets) -> Rows:
@@ -95,7 +97,8 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
     )
     rows.asked["ends"], rows.asked["axes"] = -1, 2
     rows.asked["weight"] = [constraint.weight for constraint in constraints]
-    rows.asked["rank"] = np.unique([constraint.priority for constraint in constraints], return_inverse=True)[1]
+    levels = sorted({constraint.priority for constraint in constraints})
+    rows.asked["rank"] = [levels.index(constraint.priority) for constraint in constraints]
     for c, constraint in enumerate(constraints):
         write = _WRITERS.get(type(constraint))
         if write is None:
@@ -106,10 +109,12 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
 
 def share_by_weight(rows: Rows) -> None:
     """Weights as parts of the heaviest of their level, so that one alone is asked as without any weight."""
-    weights, ranks = rows.asked["weight"], rows.asked["rank"]
-    heaviest = np.zeros(ranks.max(initial=-1) + 1)
-    np.maximum.at(heaviest, ranks, weights)
-    rows.asked["weight"] = np.maximum(weights / heaviest[ranks], LEAST_WEIGHT)
+    weights, ranks = rows.asked["weight"].tolist(), rows.asked["rank"].tolist()
+    heaviest: dict[int, float] = {}
+    for rank, weight in zip(ranks, weights, strict=True):
+        heaviest[rank] = max(heaviest.get(rank, 0.0), weight)
+    parts = [weight / heaviest[rank] for rank, weight in zip(ranks, weights, strict=True)]
+    rows.asked["weight"] = [max(part, LEAST_WEIGHT) for part in parts]
 
 
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
@@ -192,6 +197,7 @@ _WRITERS: dict[type[Constraint], Callable[[Rows, int, Any], None]] = {
 }
 
 
+@lru_cache(maxsize=1024)
 def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
     """(index of the point an offset counts from, index of the segment in whose axes it stands)."""
     segment = layout.segment(point.part)
@@ -199,6 +205,7 @@ def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
     return ends[segment], segment
 
 
+@cache
 def limb_of(part: BodyPart) -> int:
     """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
     side, _, bone = part.value.partition("_")

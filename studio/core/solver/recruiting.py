@@ -26,9 +26,11 @@ def find_recruits(joints: FreeJoints, spine_count: int, freedoms: Callable[[], F
     limb_of = {k + 3: 0, k + 7: 1, k + 10: 2, k + 14: 3}
     segments = joints.joints[:, 0].tolist()
     found = np.array([joint for joint, segment in enumerate(segments) if segment in limb_of], dtype=np.int64)
+    if not len(found):
+        return found, np.zeros((0, 0)), np.zeros((0, 1))
     usual = np.ascontiguousarray(np.vstack([joints.mobilities, np.nan_to_num(joints.limits)])[:, found])
     limbs = [limb_of[segments[joint]] for joint in found]
-    return found, usual, np.ascontiguousarray(freedoms()[limbs]) if limbs else np.zeros((0, 1))
+    return found, usual, np.ascontiguousarray(freedoms()[limbs])
 
 
 def limb_freedoms(

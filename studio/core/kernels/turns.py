@@ -1,0 +1,193 @@
+"""Rotations as tuples of nine numbers, row by row, and points as tuples of three.
+
+They stay in registers, where small arrays pass through memory: kernels that pose a body at every frame use them.
+"""
+
+import math
+
+from studio.core.kernels.compiling import kernel, small_kernel
+
+
+@small_kernel
+def turn_of(quaternions, first):
+    """Turn of the unit quaternion (x, y, z, w) that begins at index ``first``."""
+    x, y, z, w = quaternions[first], quaternions[first + 1], quaternions[first + 2], quaternions[first + 3]
+    x2, y2, z2 = x + x, y + y, z + z
+    xx, yy, zz = x * x2, y * y2, z * z2
+    xy, xz, yz = x * y2, x * z2, y * z2
+    wx, wy, wz = w * x2, w * y2, w * z2
+    return 1.0 - yy - zz, xy - wz, xz + wy, xy + wz, 1.0 - xx - zz, yz - wx, xz - wy, yz + wx, 1.0 - xx - yy
+
+
+@small_kernel
+def turn_by(x, y, z):
+    """Turn of a rotation vector (radians), by its half-angle quaternion."""
+    angle = math.sqrt(x * x + y * y + z * z)
+    sine, cosine = sine_and_cosine(0.5 * angle)
+    k = sine / angle if angle > 1e-9 else 0.5
+    return turn_of((k * x, k * y, k * z, cosine), 0)
+
+
+@small_kernel
+def turn_in(matrix):
+    """Turn of a matrix (3, 3)."""
+    return (
+        matrix[0, 0], matrix[0, 1], matrix[0, 2],
+        matrix[1, 0], matrix[1, 1], matrix[1, 2],
+        matrix[2, 0], matrix[2, 1], matrix[2, 2],
+    )  # fmt: skip
+
+
+@small_kernel
+def put_turn(turn, out_matrix):
+    """Write a turn into a matrix (3, 3)."""
+    out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = turn[0], turn[1], turn[2]
+    out_matrix[1, 0], out_matrix[1, 1], out_matrix[1, 2] = turn[3], turn[4], turn[5]
+    out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = turn[6], turn[7], turn[8]
+
+
+@small_kernel
+def product(a, b):
+    """Turn a after b."""
+    return (
+        a[0] * b[0] + a[1] * b[3] + a[2] * b[6],
+        a[0] * b[1] + a[1] * b[4] + a[2] * b[7],
+        a[0] * b[2] + a[1] * b[5] + a[2] * b[8],
+        a[3] * b[0] + a[4] * b[3] + a[5] * b[6],
+        a[3] * b[1] + a[4] * b[4] + a[5] * b[7],
+        a[3] * b[2] + a[4] * b[5] + a[5] * b[8],
+        a[6] * b[0] + a[7] * b[3] + a[8] * b[6],
+        a[6] * b[1] + a[7] * b[4] + a[8] * b[7],
+        a[6] * b[2] + a[7] * b[5] + a[8] * b[8],
+    )
+
+
+@small_kernel
+def inverse(a):
+    """The turn back."""
+    return a[0], a[3], a[6], a[1], a[4], a[7], a[2], a[5], a[8]
+
+
+@small_kernel
+def put_beside(origin, turn, x, y, z, out_point):
+    """Write the place (x, y, z) away from ``origin`` in the axes of ``turn`` into ``out_point`` (3,); that place."""
+    place = (
+        origin[0] + turn[0] * x + turn[1] * y + turn[2] * z,
+        origin[1] + turn[3] * x + turn[4] * y + turn[5] * z,
+        origin[2] + turn[6] * x + turn[7] * y + turn[8] * z,
+    )
+    out_point[0], out_point[1], out_point[2] = place
+    return place
+
+
+@kernel
+def shortest(ax, ay, az, bx, by, bz):
+    """The shortest turn from unit a to unit b, SA of METHOD (1); half a turn when they oppose.
+
+    Where they nearly do it is two half turns, about a and then about the middle h of both: 4 (h . a) h a^T - 2 h h^T -
+    2 a a^T + I is a rotation however badly h is known; the usual form divides by 1 + a . b.
+    """
+    cosine = ax * bx + ay * by + az * bz
+    if cosine > -0.9:
+        vx, vy, vz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        k = 1.0 / (1.0 + cosine)
+        xy, xz, yz = k * vx * vy, k * vx * vz, k * vy * vz
+        return (
+            cosine + k * vx * vx, xy - vz, xz + vy,
+            xy + vz, cosine + k * vy * vy, yz - vx,
+            xz - vy, yz + vx, cosine + k * vz * vz,
+        )  # fmt: skip
+    hx, hy, hz = ax + bx, ay + by, az + bz
+    length = math.sqrt(hx * hx + hy * hy + hz * hz)
+    if length < 1e-6:
+        px, py, pz = (-ay, ax, 0.0) if abs(az) < 0.9 else (0.0, -az, ay)
+        length = math.sqrt(px * px + py * py + pz * pz)
+        return half_turn(px / length, py / length, pz / length)
+    return product(half_turn(hx / length, hy / length, hz / length), half_turn(ax, ay, az))
+
+
+@small_kernel
+def half_turn(x, y, z):
+    """Half a turn about a unit axis p: 2 p p^T - I."""
+    xy, xz, yz = 2.0 * x * y, 2.0 * x * z, 2.0 * y * z
+    return 2.0 * x * x - 1.0, xy, xz, xy, 2.0 * y * y - 1.0, yz, xz, yz, 2.0 * z * z - 1.0
+
+
+@small_kernel
+def about(axis, cosine, sine):
+    """Turn about a unit axis (3,) by the angle of that cosine and sine (Rodrigues)."""
+    x, y, z = axis[0], axis[1], axis[2]
+    k = 1.0 - cosine
+    xy, xz, yz = k * x * y, k * x * z, k * y * z
+    return (
+        cosine + k * x * x, xy - sine * z, xz + sine * y,
+        xy + sine * z, cosine + k * y * y, yz - sine * x,
+        xz - sine * y, yz + sine * x, cosine + k * z * z,
+    )  # fmt: skip
+
+
+@small_kernel
+def along(x, y, z):
+    """Turn whose z axis is the unit vector (x, y, z) and whose x axis is as near to world X as that allows."""
+    a, b, c = 1.0 - x * x, -x * y, -x * z
+    length = math.sqrt(a * a + b * b + c * c)
+    if length < 1e-6:
+        a, b, c = (y, -x, 0.0) if abs(z) < 0.9 else (0.0, z, -y)
+        length = math.sqrt(a * a + b * b + c * c)
+    a, b, c = a / length, b / length, c / length
+    return a, y * c - z * b, x, b, z * a - x * c, y, c, x * b - y * a, z
+
+
+@small_kernel
+def aimed(turn, x, y, z):
+    """``turn`` turned on by the shortest way until its z axis is the unit vector (x, y, z).
+
+    Reflected at the plane across the middle h of both z axes, x becomes the x that SA of METHOD (1) makes of it; from
+    the opposite direction it is half a turn about x.
+    """
+    ax, ay, az = turn[0], turn[3], turn[6]
+    hx, hy, hz = turn[2] + x, turn[5] + y, turn[8] + z
+    squared = hx * hx + hy * hy + hz * hz
+    if squared > 1e-12:
+        k = 2.0 * (hx * ax + hy * ay + hz * az) / squared
+        ax, ay, az = ax - k * hx, ay - k * hy, az - k * hz
+    astray = ax * x + ay * y + az * z
+    ax, ay, az = ax - astray * x, ay - astray * y, az - astray * z
+    return ax, y * az - z * ay, x, ay, z * ax - x * az, y, az, x * ay - y * ax, z
+
+
+@small_kernel
+def twisted(turn, angle):
+    """``turn`` turned on about its own z axis."""
+    s, c = sine_and_cosine(angle)
+    return (
+        c * turn[0] + s * turn[1], c * turn[1] - s * turn[0], turn[2],
+        c * turn[3] + s * turn[4], c * turn[4] - s * turn[3], turn[5],
+        c * turn[6] + s * turn[7], c * turn[7] - s * turn[6], turn[8],
+    )  # fmt: skip
+
+
+@small_kernel
+def sine_and_cosine(angle):
+    """Both at once, to the last digit but one: polynomials about the nearest multiple of a right angle.
+
+    Cody and Waite's reduction (1980) in two parts; coefficients of fdlibm's __kernel_sin and __kernel_cos.
+    """
+    if not abs(angle) < 1e5:
+        return math.sin(angle), math.cos(angle)
+    quarters = math.floor(angle * (2.0 / math.pi) + 0.5)
+    r = angle - quarters * 1.57079632673412561417 - quarters * 6.07710050650619224932e-11
+    z = r * r
+    s = 2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)
+    s = r + r * z * (
+        -1.66666666666666324348e-01 + z * (8.33333333332248946124e-03 + z * (-1.98412698298579493134e-04 + z * s))
+    )
+    c = -2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11)
+    c = 4.16666666666666019037e-02 + z * (-1.38888888888741095749e-03 + z * (2.48015872894767294178e-05 + z * c))
+    c = 1.0 - 0.5 * z + z * z * c
+    turned = int(quarters) & 3
+    if turned & 1:
+        s, c = c, -s
+    if turned & 2:
+        s, c = -s, -c
+    return s, c
