@@ -83,14 +83,13 @@ def with_carried_joints(
 
 def _carriers(body: Morphology, actor: Actor) -> tuple[list[int], FloatArray, FloatArray]:
     """For each segment of the actor: the character's joint that carries in its place, C (S, 3, 3), and s (S,)."""
-    own, theirs = actor.morphology.layout, body.layout
+    theirs = body.layout
     away = np.abs(trunk_places(actor.morphology.spine)[:, None] - trunk_places(body.spine))
     after = range(theirs.spine_count, theirs.segment_count)
     segments = [*np.argmin(away, axis=1).tolist(), *after]
     joint_of = {segment: joint for joint, segment in enumerate(joint_segments(theirs)) if segment >= 0}
     turns = t_pose_rotations(body)[segments] @ np.swapaxes(actor.alignments, 1, 2)
     scales = _lengths(body)[segments] / _lengths(actor.morphology)
-    assert len(segments) == own.segment_count
     return [joint_of[segment] for segment in segments], turns, scales
 
 
