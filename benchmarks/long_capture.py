@@ -1,17 +1,20 @@
-"""How long a capture of 60 MB takes to open, and for how long the window is kept from answering meanwhile.
+"""How long a capture of 60 MB takes to open, stage by stage, and for how long the window is kept from answering.
 
     python benchmarks/long_capture.py [CAPTURE.bvh]
 
-The long file is made of a short one, played to and fro, in a temporary folder.
+The long file is made of a short one, played to and fro, in a temporary folder. Stages are measured one by one without
+a window, then what an animator does with it in the window.
 """
 
 import os
 import re
 import sys
 import tempfile
-import threading
 import time
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -24,16 +27,32 @@ prepare_process()
 from PySide6.QtCore import QTimer  # noqa: E402
 from PySide6.QtTest import QTest  # noqa: E402
 
-from studio.app import importing  # noqa: E402
+from benchmarks.machine import machine  # noqa: E402
+from benchmarks.report import table  # noqa: E402
+from studio.app import exporting, importing  # noqa: E402
 from studio.app.application import import_views, make_application, make_window, settle, show_views  # noqa: E402
+from studio.app.main_window import MainWindow  # noqa: E402
 from studio.app.sample import empty_project  # noqa: E402
 from studio.app.settings import Settings  # noqa: E402
+from studio.core.annotations import Annotations  # noqa: E402
+from studio.core.capture import Capture  # noqa: E402
+from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.document.document import Document  # noqa: E402
-from studio.io.importing import load_capture  # noqa: E402
+from studio.engine import first_run  # noqa: E402
+from studio.engine.live_adaptation import StandingSolver, normalised  # noqa: E402
+from studio.engine.saving import save_in_background  # noqa: E402
+from studio.io.bvh import read_bvh  # noqa: E402
+from studio.io.character_file import bundled_characters  # noqa: E402
+from studio.io.importing import load_annotations, load_capture  # noqa: E402
+from studio.timeline.curves import Quantity  # noqa: E402
 
 BYTES = 60_000_000
 TICK = 2
 PATIENCE = 120.0
+LISTENED = 1500
+"""Milliseconds after each deed in which the window is still listened to."""
+LONG = 1000
+"""Frames that no motion has but the long one."""
 
 
 def long_file(source: Path, target: Path) -> int:
@@ -47,72 +66,141 @@ def long_file(source: Path, target: Path) -> int:
     return count
 
 
-class Gaps:
-    """The longest times for which the window did not answer, and what its thread computed in them.
+class Silences:
+    """The longest time for which the window did not answer, beyond what only a busy machine made of it.
 
-    On a busy machine a silence is longer than what is computed in it.
+    Not counted is the time in which the window's thread was ready and waited for a processor, nor more than all threads
+    of the program computed meanwhile: who held Python's lock may have waited for a processor, too.
     """
 
     def __init__(self) -> None:
         self._timer = QTimer(interval=TICK)
         self._timer.timeout.connect(self._tick)
-        self._last = self.begun = time.perf_counter()
-        self._computed = time.thread_time()
-        self.gaps: list[tuple[float, float, float]] = []
+        self.begun = time.perf_counter()
+        self._last = self._now()
+        self.longest = (0.0, 0.0)
+        """Seconds, and when, from the beginning."""
         self._timer.start()
 
+    def _now(self) -> tuple[float, float]:
+        """Clock without the wait for a processor, and what was computed, seconds."""
+        return time.perf_counter() - queued(), time.process_time()
+
     def _tick(self) -> None:
-        now, computed = time.perf_counter(), time.thread_time()
-        self.gaps.append((1000.0 * (now - self._last), 1000.0 * (computed - self._computed), self._last - self.begun))
-        self._last, self._computed = now, computed
+        now = self._now()
+        silence = min(now[0] - self._last[0], now[1] - self._last[1])
+        self.longest = max(self.longest, (silence, time.perf_counter() - self.begun))
+        self._last = now
 
-    def worst(self, count: int = 6) -> str:
-        """``52 ms (31 computed) at 1.2 s``, the longest first."""
-        longest = sorted(self.gaps, reverse=True)[:count]
-        return ", ".join(f"{gap:.0f} ms ({computed:.0f} computed) at {at:.2f} s" for gap, computed, at in longest)
-
-
-def read_alone(path: Path) -> None:
-    """Seconds to read it, with what the thread computes."""
-    reports: list[float] = []
-    start, computed = time.perf_counter(), time.process_time()
-    load_capture(path, progress=lambda share, _text: reports.append(share))
-    seconds, computed = time.perf_counter() - start, time.process_time() - computed
-    print(f"read: {seconds:.2f} s ({computed:.2f} s of one core), {len(reports)} reports of progress")
+    def stop(self) -> None:
+        """Listen no more."""
+        self._timer.stop()
 
 
-def read_in_window(path: Path, folder: Path) -> None:
-    """Seconds until the motion is in the project, and the longest silences of the window."""
-    application = make_application()
-    window = make_window(Settings(folder / "studio.ini"), Document())
+def queued() -> float:
+    """Seconds for which this thread was ready and had no processor; 0 where the system does not tell."""
+    told = Path("/proc/thread-self/schedstat")
+    return int(told.read_text().split()[1]) / 1e9 if told.exists() else 0.0
+
+
+def stages(path: Path) -> str:
+    """Seconds of each stage by itself, by the clock and of all processors."""
+    rows: list[list[str]] = []
+
+    def timed(name: str, work: Callable[[], Any]) -> Any:
+        start, computed = time.perf_counter(), time.process_time()
+        result = work()
+        rows.append([name, f"{time.perf_counter() - start:.2f}", f"{time.process_time() - computed:.2f}"])
+        return result
+
+    timed("the file's numbers", lambda: read_bvh(path))
+    capture: Capture = timed("the capture, numbers included", lambda: load_capture(path))
+    found: Annotations = timed("its contacts", lambda: load_annotations(path, capture, ""))
+    motion, actor = timed("normalised", lambda: normalised(capture))
+    solver = StandingSolver()
+    for character in bundled_characters().values():
+        request = AdaptRequest(motion, character.morphology, found.contacts or (), actor=actor)
+        timed(f"adapted: {character.name}", lambda request=request: solver(request, 0, None))
+    return table(("stage", "seconds", "of one processor"), rows)
+
+
+def in_the_window(path: Path, folder: Path) -> str:
+    """What an animator does with the file: seconds by the clock and of all processors, and the longest silence."""
+    window = make_window(Settings(folder / "studio.ini"), Document(journal_folder=folder))
     window.resize(1400, 900)
     window.show()
     window.bench.document.new(empty_project())
     import_views()
     show_views(window)
+    first_run.run()
     settle()
     QTest.qWait(2000)
-    gaps = Gaps()
-    captures = len(window.bench.document.project.captures)
-    importing.import_motion(window.bench, path)
-    while len(window.bench.document.project.captures) == captures and time.perf_counter() < gaps.begun + PATIENCE:
-        application.processEvents()
-    shown = time.perf_counter() - gaps.begun
-    QTest.qWait(4000)
-    print(f"in the window: {shown:.2f} s until it is there; the longest silences: {gaps.worst()}")
+    rows = [measured(name, work, done) for name, work, done in deeds(window, path, folder)]
     window.leave()
+    return table(("in the window", "seconds", "of one processor", "longest silence, ms", "at second"), rows)
+
+
+def deeds(
+    window: MainWindow, path: Path, folder: Path
+) -> Iterator[tuple[str, Callable[[], object], Callable[[], bool]]]:
+    """What is done one after the other: its name, how it begins, and whether it is done."""
+    bench = window.bench
+    document, frames = bench.document, range(0, 100_000, 2_500)
+
+    def bodies() -> int:
+        results = [bench.live.result(key) for key in document.project.performers]
+        return sum(result is not None and result.frame_count > LONG for result in results)
+
+    def scrub() -> None:
+        for frame in frames:
+            document.playhead.set_frame(frame)
+            QTest.qWait(TICK)
+
+    def idle() -> bool:
+        return not bench.runner.running and not bench.live._scheduler.busy
+
+    yield "opened: the first body is there", lambda: importing.import_motion(bench, path), lambda: bodies() > 0
+    yield "all five bodies are there", lambda: None, lambda: bodies() == len(document.project.performers)
+    yield f"scrubbed to {len(frames)} places", scrub, idle
+    document.playhead.set_frame(0)
+    yield "played for 3 s", document.playhead.play, lambda: document.playhead.time > 3.0
+    document.playhead.pause()
+    tracks = bench.timeline.tracks
+    for quantity in (Quantity.KNEE_SPEED, Quantity.SLIDE, Quantity.OFF_SUPPORT):
+        choose = partial(tracks.set_quantity, quantity)
+        yield f"plotted: {quantity.value.lower()}", choose, lambda: len(tracks.picture.plot.curves) == bodies()
+    yield "import undone", document.undo_stack.undo, idle
+    yield "import done again", document.undo_stack.redo, lambda: idle() and bodies() > 0
+    yield "saved", lambda: save_in_background(document, bench.runner, folder / "long.studio"), idle
+    chosen = exporting.chosen_performers(bench)[0]
+    yield "one body exported as BVH", lambda: exporting.export(bench, {chosen: folder / "out.bvh"}), idle
+
+
+def measured(name: str, work: Callable[[], object], done: Callable[[], bool]) -> list[str]:
+    """One row; silences are listened to a little longer."""
+    silences, computed = Silences(), time.process_time()
+    work()
+    while not done() and time.perf_counter() < silences.begun + PATIENCE:
+        QTest.qWait(5)
+    seconds, computed = time.perf_counter() - silences.begun, time.process_time() - computed
+    QTest.qWait(LISTENED)
+    silences.stop()
+    silence, at = silences.longest
+    return [name, f"{seconds:.2f}", f"{computed:.2f}", f"{1000.0 * silence:.0f}", f"{at:.1f}"]
 
 
 def main() -> None:
-    """Make the file, read it, open it."""
+    """Make the file, read it, work with it."""
     source = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "examples" / "captures" / "walk_turn.bvh"
+    make_application()
+    first_run.run()
+    normalised(load_capture(source))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "long.bvh"
         frames = long_file(source, path)
-        print(f"{path.stat().st_size / 1e6:.0f} MB, {frames} frames, threads {threading.active_count()}")
-        load_capture(source)
-        read_alone(path)
-        read_in_window(path, Path(folder))
+        print(f"{path.stat().st_size / 1e6:.0f} MB, {frames} frames; {machine()}; load {os.getloadavg()[0]:.1f}\n")
+        print(stages(path))
+        print(in_the_window(path, Path(folder)))
 
 
 if __name__ == "__main__":

@@ -63,13 +63,15 @@ def character_poses(adapted: AdaptedMotion) -> PoseSequence:
     skeleton = character_skeleton(adapted.morphology)
     rest = t_pose_rotations(adapted.morphology)
     world = adapted.rotations @ np.swapaxes(rest, 1, 2)
-    local = np.tile(np.eye(3), (adapted.frame_count, skeleton.joint_count, 1, 1))
+    local = np.empty((adapted.frame_count, skeleton.joint_count, 3, 3))
+    local[:] = np.eye(3)
     for joint, (segment, parent) in enumerate(zip(joints.segments, joints.parents, strict=True)):
         if parent < 0:
             local[:, joint] = world[:, segment]
         elif segment >= 0:
             local[:, joint] = np.swapaxes(world[:, joints.segments[parent]], 1, 2) @ world[:, segment]
-    translations = np.tile(skeleton.offsets, (adapted.frame_count, 1, 1))
+    translations = np.empty((adapted.frame_count, skeleton.joint_count, 3))
+    translations[:] = skeleton.offsets
     if adapted.animated is not None:
         places = adapted.positions[:, list(joints.points)]
         carriers = [joints.segments[max(parent, 0)] for parent in joints.parents]

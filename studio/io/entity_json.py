@@ -49,10 +49,15 @@ _names: dict[int, tuple[weakref.ref[Array], str]] = {}
 
 def npy_bytes(array: Array) -> bytes:
     """The array as an ``.npy`` file; the same numbers always give the same bytes."""
-    stream = io.BytesIO()
+    return b"".join(_npy_parts(array))  # lets go of Python's lock
+
+
+def _npy_parts(array: Array) -> tuple[bytes, memoryview]:
+    """Head and content of an ``.npy`` file."""
     little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
-    np.lib.format.write_array(stream, little, version=(1, 0), allow_pickle=False)
-    return stream.getvalue()
+    stream = io.BytesIO()
+    np.lib.format.write_array_header_1_0(stream, np.lib.format.header_data_from_array_1_0(little))
+    return stream.getvalue(), little.reshape(-1).view(np.uint8).data
 
 
 def array_of(content: bytes) -> Array:
@@ -71,13 +76,21 @@ def member_name(array: Array, folder: str) -> str:
     """``folder/<sha256>.npy``; remembered for arrays that cannot change."""
     known = _names.get(id(array))
     if known is None or known[0]() is not array:
-        digest = hashlib.sha256(npy_bytes(array)).hexdigest()
+        digest = sha256_of(*_npy_parts(array))
         if not array.flags.writeable:
             key = id(array)
             _names[key] = (weakref.ref(array, lambda _gone: _names.pop(key, None)), digest)
     else:
         digest = known[1]
     return f"{folder}/{digest}.npy"
+
+
+def sha256_of(*parts: bytes | memoryview) -> str:
+    """The digest of these bytes, one behind the other."""
+    total = hashlib.sha256()
+    for part in parts:
+        total.update(part)
+    return total.hexdigest()
 
 
 def entity_record(collection: str, entity_id: str, entity: Entity, members: Members) -> dict[str, Json]:

@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QMenu
 
 from studio.core.contacts import ContactPoint
 from studio.timeline import edits
+from studio.timeline.curves import Quantity
 from studio.timeline.gestures.contact import new_contact
 from studio.timeline.shown import Hit, Part, Shown
-from studio.timeline.tracks.plot import Quantity
 
 if TYPE_CHECKING:
     from studio.timeline.canvas import TrackCanvas

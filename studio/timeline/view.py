@@ -1,5 +1,7 @@
 """TrackView: the widget that shows the rows over time and follows the document."""
 
+from functools import partial
+
 from PySide6.QtCore import QPointF, QRect, QSignalBlocker, QSize, Qt, QTimer
 from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QScrollBar, QWidget
@@ -9,12 +11,12 @@ from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
 from studio.timeline import edits, overlay
 from studio.timeline.axis import TimeAxis
+from studio.timeline.curves import Quantity
 from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import RIGHT_MARGIN, Sheet, rows_of
 from studio.timeline.shown import LABEL_WIDTH, Part, Shown
 from studio.timeline.subject import stage_extent, subject_of
-from studio.timeline.tracks.plot import Quantity
 
 FOLLOW_MILLISECONDS = 100
 
@@ -51,6 +53,7 @@ class TrackView(QWidget):
         self.live.adapted.connect(self._expect_results)
         self._follow.timeout.connect(self._show_results)
         self.axis.changed.connect(self._redraw_all)
+        self.picture.plot.arrived.connect(partial(self._redraw, PLOT))
         self.scroll_bar.valueChanged.connect(self.lay_out)
 
     def leave(self) -> None:
@@ -86,6 +89,7 @@ class TrackView(QWidget):
         subject = subject_of(self.document)
         if subject is None:
             self.sheet = None
+            self.picture.plot.forget()
             self.scroll_bar.hide()
             self.update()
             return

@@ -9,8 +9,8 @@ from PySide6.QtTest import QTest
 
 from studio.core.project import Project
 from studio.engine.empty_stage import HIDDEN
+from studio.timeline.curves import Quantity
 from studio.timeline.strips import StripState
-from studio.timeline.tracks.plot import Quantity
 from tests.builders import make_constraint
 from tests.gui.hand import LEFT, NONE, RATE, frames, pixels
 
@@ -75,6 +75,31 @@ def test_the_plot_can_show_the_error_of_a_constraint(timeline, live):
     timeline.grab()
     plot = timeline.tracks.picture.plot
     assert [round(curve.at(40 / RATE), 6) for curve in plot.curves] == [0.0, 42.0]
+
+
+def test_curves_of_long_motions_are_made_beside_the_window_and_are_the_same(timeline, live, qtbot, monkeypatch):
+    results = {body.performer_id: live.result(body.performer_id) for body in timeline.tracks.shown.subject.bodies}
+    monkeypatch.setattr(live, "result", results.get)
+    plot = timeline.tracks.picture.plot
+    timeline.grab()
+    at_once = {curve.name: curve.values for curve in plot.curves}
+    monkeypatch.setattr("studio.timeline.tracks.plot.AT_ONCE", 0)
+    plot.forget()
+    timeline.tracks.set_quantity(Quantity.KNEE_SPEED)
+    timeline.grab()
+    assert plot.curves == []
+    timeline.tracks.set_quantity(Quantity.FOOT_SPEED)  # what was asked before is of no use any more
+    with qtbot.waitSignal(plot.arrived):
+        timeline.grab()
+
+    def all_there():
+        timeline.grab()
+        return len(plot.curves) == len(results)
+
+    qtbot.waitUntil(all_there)
+    assert {curve.name: curve.values.tolist() for curve in plot.curves} == {
+        name: values.tolist() for name, values in at_once.items()
+    }
 
 
 @pytest.mark.parametrize("quantity", Quantity)

@@ -5,10 +5,10 @@ from hypothesis import strategies as st
 
 from studio.core.constraints.activation import ActivationCurve
 from studio.timeline.axis import TimeAxis
+from studio.timeline.curves import foot_speed
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.shown import HANDLES, Part
 from studio.timeline.snapping import Snapped, snapped
-from studio.timeline.tracks.plot import foot_speed
 from tests.builders import make_project
 from tests.timeline.fakes import make_result
 

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from studio.core.project import Clip, Motion
 from studio.timeline.axis import TimeAxis
+from studio.timeline.curves import Curve, seen_curve
 from studio.timeline.shown import Shown
 from studio.timeline.subject import Subject
 from studio.timeline.tracks.contacts import LEAST_BAR, seen_bars
-from studio.timeline.tracks.plot import Curve, seen_curve
 
 RATE = 60.0
 

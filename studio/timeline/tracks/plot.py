@@ -1,172 +1,38 @@
-"""The plot: speeds, slide, balance or error of every body, drawn by pyqtgraph into the tracks' picture."""
+"""The plot: a curve a body, drawn by pyqtgraph into the tracks' picture."""
 
-from dataclasses import dataclass
-from enum import StrEnum
+from collections.abc import Callable
+from functools import partial
 
-import numpy as np
 import pyqtgraph as pg
-from numpy.typing import NDArray
-from PySide6.QtCore import QRect, QRectF, Qt
+from PySide6.QtCore import QObject, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QPainter
 from PySide6.QtWidgets import QWidget
 
-from studio.core.canonical import BodyLayout
-from studio.core.solver.request import AdaptedMotion
 from studio.document import colours
-from studio.engine.measures import LENGTH, Measure, measure_of
-from studio.timeline.axis import MARGIN, TimeAxis
+from studio.engine.scheduler import SolveScheduler
+from studio.timeline.curves import Asked, Curve, Quantity, error_measure, plotted_constraint, seen_curve
 from studio.timeline.shown import LABEL_WIDTH, Shown, label_area
-from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import font, paint_label, translucent
 
 LEAST_HEIGHT, MOST_HEIGHT = 54, 120
 HEADROOM = 1.12
 LINE = 1.25
-PIECES = 1
-"""Stretches of a pixel that are told apart where it has more frames."""
+AT_ONCE = 10_000
+"""Frames of a motion up to which its curve is made at once."""
+
+Basis = tuple[object, ...]
+"""What a curve is made of; an equal one gives an equal curve."""
+Known = tuple[Basis, Curve | None]
 
 
-class Quantity(StrEnum):
-    """What may be plotted."""
-
-    FOOT_SPEED = "Foot speed"
-    LEFT_FOOT_SPEED = "Left foot speed"
-    RIGHT_FOOT_SPEED = "Right foot speed"
-    KNEE_SPEED = "Knee speed"
-    SLIDE = "Slide of contacts"
-    OFF_SUPPORT = "Mass beyond support"
-    ERROR = "Error"
-
-    def unit(self, shown: Shown) -> str:
-        """The unit of the values drawn: an error's is that of the constraint."""
-        if self is Quantity.ERROR:
-            return error_measure(shown).sign.strip()
-        return {Quantity.KNEE_SPEED: "°/s", Quantity.SLIDE: "mm", Quantity.OFF_SUPPORT: "mm"}.get(self, "m/s")
-
-    @property
-    def asks_document(self) -> bool:
-        """Whether it depends on more than the poses: on contacts, the ground or a constraint."""
-        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.OFF_SUPPORT)
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """One body's values over stage times, both (F,)."""
-
-    name: str
-    colour: str
-    times: NDArray[np.float64]
-    values: NDArray[np.float64]
-    top: float
-    """The greatest value, 0 at least."""
-
-    def at(self, seconds: float) -> float:
-        """The value of the frame nearest to a time."""
-        return float(self.values[np.argmin(np.abs(self.times - seconds))])
-
-
-def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> NDArray[np.float64]:
-    """(F,) metres a second of the ball of the faster of the feet, by central differences."""
-    layout = BodyLayout(len(adapted.morphology.spine))
-    if adapted.frame_count < 2:
-        return np.zeros(adapted.frame_count)
-    balls = adapted.positions[:, [layout.toe(side) for side in sides]]
-    steps = np.concatenate([2.0 * (balls[1:2] - balls[:1]), balls[2:] - balls[:-2], 2.0 * (balls[-1:] - balls[-2:-1])])
-    squares = np.einsum("fsi,fsi->fs", steps, steps).max(axis=1)
-    return np.asarray(0.5 * adapted.frame_rate * np.sqrt(squares))
-
-
-def curve_of(shown: Shown, quantity: Quantity, body: Body, adapted: AdaptedMotion) -> Curve | None:
-    """The curve of a body's result; None where it says nothing of that."""
-    values = _values(shown, quantity, body.performer_id, adapted)
-    if values is None:
-        return None
-    frames = adapted.first_frame + np.arange(adapted.frame_count)
-    times = frames / shown.subject.frame_rate + shown.subject.offset
-    return Curve(body.name, body.colour, times, values, float(values.max(initial=0.0)))
-
-
-def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times and values to be drawn of a curve over the visible stretch, and a frame more on each side.
-
-    Where a pixel has many frames, as in a capture of an hour, the least and the greatest stand for all.
-    """
-    first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + MARGIN)])
-    seen = slice(max(int(first) - 1, 0), int(last) + 1)
-    times, values = curve.times[seen], curve.values[seen]
-    size = int(len(times) / (PIECES * axis.width)) if axis.width else 0
-    if size < 2:
-        return times, values
-    pieces = len(times) // size
-    heights = values[: pieces * size].reshape(pieces, size)
-    extremes = np.stack([heights.min(axis=1), heights.max(axis=1)], axis=1).reshape(-1)
-    return (
-        np.append(np.repeat(times[: pieces * size : size], 2), times[pieces * size :]),
-        np.append(extremes, values[pieces * size :]),
-    )
-
-
-def _values(shown: Shown, quantity: Quantity, performer_id: str, adapted: AdaptedMotion) -> NDArray[np.float64] | None:
-    match quantity:
-        case Quantity.FOOT_SPEED:
-            return foot_speed(adapted)
-        case Quantity.LEFT_FOOT_SPEED:
-            return foot_speed(adapted, (0,))
-        case Quantity.RIGHT_FOOT_SPEED:
-            return foot_speed(adapted, (1,))
-        case Quantity.KNEE_SPEED:
-            from studio.core.metrics import knee_speeds  # not before a result is there: it loads kernels
-
-            return np.degrees(knee_speeds(adapted).max(axis=0))
-        case Quantity.SLIDE:
-            return slide(shown, performer_id, adapted)
-        case Quantity.OFF_SUPPORT:
-            return beyond_support(shown, adapted)
-    constraint_id = plotted_constraint(shown)
-    strip = shown.strip(constraint_id, performer_id) if constraint_id else None
-    return None if strip is None else np.nan_to_num(strip.errors) * strip.measure.factor
-
-
-def slide(shown: Shown, performer_id: str, adapted: AdaptedMotion) -> NDArray[np.float64]:
-    """(F,) millimetres that the point of a body that slides most has slid since its contact began."""
-    from studio.core.metrics import contact_tracks  # as above
-
-    performer = shown.project.performers[performer_id]
-    ground = shown.project.ground.seen_from(performer.position, performer.heading)
-    contacts = tuple(shown.project.contacts_of(shown.subject.motion_id).values())
-    slides, _ = contact_tracks(adapted, contacts, ground)
-    return np.asarray(1000.0 * np.nan_to_num(slides).max(axis=0))
-
-
-def beyond_support(shown: Shown, adapted: AdaptedMotion) -> NDArray[np.float64]:
-    """(F,) millimetres by which the centre of mass lies outside what is stood on; 0 within, and in flight."""
-    from studio.core.solver.support import mass_path, outlines, standing_points, support_margins  # as above
-
-    contacts = tuple(shown.project.contacts_of(shown.subject.motion_id).values())
-    stop = adapted.first_frame + adapted.frame_count
-    stands = standing_points(contacts, stop)[:, adapted.first_frame :]
-    areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)
-    margins = support_margins(areas, mass_path(adapted.positions, adapted.morphology)[:, :2])
-    return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))
-
-
-def plotted_constraint(shown: Shown) -> str | None:
-    """The selected constraint, else the first one."""
-    own = shown.project.constraints_of(shown.subject.motion_id)
-    selected = [key for key in shown.document.selection.of("constraints") if key in own]
-    return next(iter((*reversed(selected), *own)), None)
-
-
-def error_measure(shown: Shown) -> Measure:
-    """What the error that is plotted is."""
-    constraint_id = plotted_constraint(shown)
-    return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH
-
-
-class PlotPicture:
+class PlotPicture(QObject):
     """A pyqtgraph plot that is never shown itself: it is drawn where the rows want it."""
 
+    arrived = Signal()
+    """A curve is there that took longer."""
+
     def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
         self.quantity = Quantity.FOOT_SPEED
         self.curves: list[Curve] = []
         self.top = 1.0
@@ -181,20 +47,32 @@ class PlotPicture:
         item.getViewBox().setBorder(None)
         self._item = item
         self._lines: list[pg.PlotCurveItem] = []
-        self._known: dict[str, tuple[tuple[object, ...], Curve | None]] = {}
+        self._known: dict[str, Known] = {}
+        self._asked: dict[str, Basis] = {}
+        self._worker: SolveScheduler | None = None
+        self._order = 0
 
     def fetch(self, shown: Shown) -> None:
-        """Take the newest results; of a body whose result is that of the last time, the curve of the last time."""
+        """Take the newest results; of a body whose result is that of the last time, the curve of the last time.
+
+        Curves of long motions are made by a worker, and until then the last ones are shown.
+        """
+        project, constraint_id = shown.project, plotted_constraint(shown)
+        asked = Asked(project, shown.subject, self.quantity, constraint_id)
         revision = shown.document.revision if self.quantity.asks_document else 0
-        basis = (self.quantity, shown.subject, revision, plotted_constraint(shown))
-        known: dict[str, tuple[tuple[object, ...], Curve | None]] = {}
+        known: dict[str, Known] = {}
         for body in shown.subject.bodies:
-            adapted = shown.result(body.performer_id)
-            before = self._known.get(body.performer_id)
-            if before is not None and before[0] == (*basis, adapted):
-                known[body.performer_id] = before
-            elif adapted is not None:
-                known[body.performer_id] = (*basis, adapted), curve_of(shown, self.quantity, body, adapted)
+            key, adapted = body.performer_id, shown.result(body.performer_id)
+            basis = (self.quantity, shown.subject, revision, constraint_id, adapted)
+            before = self._known.get(key)
+            if adapted is None or (before is not None and before[0] == basis):
+                known |= {key: before} if adapted is not None and before is not None else {}
+            elif adapted.frame_count <= AT_ONCE:
+                known[key] = basis, asked.curve(body, adapted)
+            else:
+                self._ask_worker(key, basis, partial(asked.curve, body, adapted))
+                if before is not None and before[0][:2] == basis[:2]:
+                    known[key] = before
         self._known = known
         self.curves = [curve for _, curve in known.values() if curve is not None]
         self.top = max((curve.top for curve in self.curves), default=0.0) or 1.0
@@ -205,6 +83,26 @@ class PlotPicture:
             self._lines.append(line)
         for place, line in enumerate(self._lines):
             line.setVisible(place < len(self.curves))
+
+    def _ask_worker(self, performer_id: str, basis: Basis, make: Callable[[], Curve | None]) -> None:
+        if self._asked.get(performer_id) == basis:
+            return
+        if self._worker is None:
+            self._worker = SolveScheduler(workers=1)
+            self._worker.answered.connect(self._take)
+            self._worker.failed.connect(self._fail)
+        self._asked[performer_id] = basis
+        self._order += 1
+        self._worker.request(performer_id, self._order, lambda: (basis, make()))
+
+    def _take(self, performer_id: str, _order: int, answer: Known) -> None:
+        self._known[performer_id] = answer
+        if self._asked.get(performer_id) == answer[0]:
+            del self._asked[performer_id]
+        self.arrived.emit()
+
+    def _fail(self, _performer_id: str, _order: int, error: Exception) -> None:
+        raise error
 
     def paint(self, painter: QPainter, row: QRect, shown: Shown) -> None:
         """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
@@ -222,7 +120,10 @@ class PlotPicture:
             pen = pg.mkPen(QColor(curve.colour), width=LINE * painter.device().devicePixelRatio())
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet
             line.setPen(pen)
-            line.setData(*seen_curve(curve, axis))
+            times, values = seen_curve(curve, axis)
+            line.setData(
+                times, values, antialias=len(times) <= axis.width
+            )  # smooth steep lines take Qt five times longer
         scene = self._widget.scene()
         scene.prepareForPaint()
         scene.render(painter, QRectF(area), QRectF(0, 0, area.width(), area.height()))
@@ -264,8 +165,14 @@ class PlotPicture:
         values = [(curve, curve.at(seconds)) for curve in self.curves]
         return min(values, key=lambda pair: abs(self.y_of(row, pair[1]) - y), default=None)
 
+    def forget(self) -> None:
+        """Keep nothing of results that are shown no more."""
+        self._known, self._asked, self.curves = {}, {}, []
+
     def close(self) -> None:
-        """Let go of the plot."""
+        """Let go of the plot, once the worker has ended."""
+        if self._worker is not None:
+            self._worker.close()
         self._widget.close()
 
 

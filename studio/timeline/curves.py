@@ -1,0 +1,167 @@
+"""What of every body is plotted over time: speeds, slide, balance or error."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout
+from studio.core.contacts import ContactInterval
+from studio.core.project import Project
+from studio.core.solver.request import AdaptedMotion
+from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.timeline.axis import MARGIN, TimeAxis
+from studio.timeline.shown import Shown
+from studio.timeline.strips import strip_of
+from studio.timeline.subject import Body, Subject
+
+FloatArray = NDArray[np.float64]
+
+PIECES = 1
+"""Stretches of a pixel that are told apart where it has more frames."""
+
+
+class Quantity(StrEnum):
+    """What may be plotted."""
+
+    FOOT_SPEED = "Foot speed"
+    LEFT_FOOT_SPEED = "Left foot speed"
+    RIGHT_FOOT_SPEED = "Right foot speed"
+    KNEE_SPEED = "Knee speed"
+    SLIDE = "Slide of contacts"
+    OFF_SUPPORT = "Mass beyond support"
+    ERROR = "Error"
+
+    def unit(self, shown: Shown) -> str:
+        """The unit of the values drawn: an error's is that of the constraint."""
+        if self is Quantity.ERROR:
+            return error_measure(shown).sign.strip()
+        return {Quantity.KNEE_SPEED: "°/s", Quantity.SLIDE: "mm", Quantity.OFF_SUPPORT: "mm"}.get(self, "m/s")
+
+    @property
+    def asks_document(self) -> bool:
+        """Whether it depends on more than the poses: on contacts, the ground or a constraint."""
+        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.OFF_SUPPORT)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One body's values over stage times, both (F,)."""
+
+    name: str
+    colour: str
+    times: FloatArray
+    values: FloatArray
+    top: float
+    """The greatest value, 0 at least."""
+
+    def at(self, seconds: float) -> float:
+        """The value of the frame nearest to a time."""
+        return float(self.values[np.argmin(np.abs(self.times - seconds))])
+
+
+def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> FloatArray:
+    """(F,) metres a second of the ball of the faster of the feet, by central differences."""
+    layout = BodyLayout(len(adapted.morphology.spine))
+    if adapted.frame_count < 2:
+        return np.zeros(adapted.frame_count)
+    balls = adapted.positions[:, [layout.toe(side) for side in sides]]
+    steps = np.concatenate([2.0 * (balls[1:2] - balls[:1]), balls[2:] - balls[:-2], 2.0 * (balls[-1:] - balls[-2:-1])])
+    squares = np.einsum("fsi,fsi->fs", steps, steps).max(axis=1)
+    return np.asarray(0.5 * adapted.frame_rate * np.sqrt(squares))
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a curve is asked of: values only, which a worker may hold."""
+
+    project: Project
+    subject: Subject
+    quantity: Quantity
+    constraint_id: str | None
+    """Whose error is plotted."""
+
+    def curve(self, body: Body, adapted: AdaptedMotion) -> Curve | None:
+        """The curve of a body's result; None where it says nothing of that."""
+        values = self._values(body.performer_id, adapted)
+        if values is None:
+            return None
+        frames = adapted.first_frame + np.arange(adapted.frame_count)
+        times = frames / self.subject.frame_rate + self.subject.offset
+        return Curve(body.name, body.colour, times, values, float(values.max(initial=0.0)))
+
+    def _values(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray | None:
+        match self.quantity:
+            case Quantity.FOOT_SPEED:
+                return foot_speed(adapted)
+            case Quantity.LEFT_FOOT_SPEED:
+                return foot_speed(adapted, (0,))
+            case Quantity.RIGHT_FOOT_SPEED:
+                return foot_speed(adapted, (1,))
+            case Quantity.KNEE_SPEED:
+                from studio.core.metrics import knee_speeds  # not before a result is there: it loads kernels
+
+                return np.degrees(knee_speeds(adapted).max(axis=0))
+            case Quantity.SLIDE:
+                return self._slide(performer_id, adapted)
+            case Quantity.OFF_SUPPORT:
+                return self._beyond_support(adapted)
+        strip = strip_of(self.project, adapted, self.constraint_id) if self.constraint_id else None
+        return None if strip is None else np.nan_to_num(strip.errors) * strip.measure.factor
+
+    @property
+    def _contacts(self) -> tuple[ContactInterval, ...]:
+        return tuple(self.project.contacts_of(self.subject.motion_id).values())
+
+    def _slide(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
+        """(F,) millimetres that the point of a body that slides most has slid since its contact began."""
+        from studio.core.metrics import contact_tracks  # as above
+
+        performer = self.project.performers[performer_id]
+        ground = self.project.ground.seen_from(performer.position, performer.heading)
+        slides, _ = contact_tracks(adapted, self._contacts, ground)
+        return np.asarray(1000.0 * np.nan_to_num(slides).max(axis=0))
+
+    def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
+        """(F,) millimetres by which the centre of mass lies outside what is stood on; 0 within, and in flight."""
+        from studio.core.solver.support import mass_path, outlines, standing_points, support_margins  # as above
+
+        stop = adapted.first_frame + adapted.frame_count
+        stands = standing_points(self._contacts, stop)[:, adapted.first_frame :]
+        areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)
+        margins = support_margins(areas, mass_path(adapted.positions, adapted.morphology)[:, :2])
+        return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))
+
+
+def plotted_constraint(shown: Shown) -> str | None:
+    """The selected constraint, else the first one."""
+    own = shown.project.constraints_of(shown.subject.motion_id)
+    selected = [key for key in shown.document.selection.of("constraints") if key in own]
+    return next(iter((*reversed(selected), *own)), None)
+
+
+def error_measure(shown: Shown) -> Measure:
+    """What the error that is plotted is."""
+    constraint_id = plotted_constraint(shown)
+    return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH
+
+
+def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
+    """Times and values to be drawn of a curve over the visible stretch, and a frame more on each side.
+
+    Where a pixel has many frames, as in a capture of an hour, the least and the greatest stand for all.
+    """
+    first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + MARGIN)])
+    seen = slice(max(int(first) - 1, 0), int(last) + 1)
+    times, values = curve.times[seen], curve.values[seen]
+    size = int(len(times) / (PIECES * axis.width)) if axis.width else 0
+    if size < 2:
+        return times, values
+    pieces = len(times) // size
+    heights = values[: pieces * size].reshape(pieces, size)
+    extremes = np.stack([heights.min(axis=1), heights.max(axis=1)], axis=1).reshape(-1)
+    return (
+        np.append(np.repeat(times[: pieces * size : size], 2), times[pieces * size :]),
+        np.append(extremes, values[pieces * size :]),
+    )
