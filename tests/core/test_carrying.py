@@ -22,7 +22,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.pose import PoseSequence
 from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
-from studio.core.solver.carrying import averaged, eased, find_carrying
+from studio.core.solver.carrying import averaged, eased, find_carrying, leaning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
@@ -34,6 +34,7 @@ seeds = st.integers(0, 2**32 - 1)
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 BODY = make_morphology(leg_scale=1.1)
 WALK = walk(60)[0]
+TURNS = np.broadcast_to(np.eye(3), (120, BODY.layout.segment_count, 3, 3))
 
 
 def _posed(frames: int, pitch: float, arms: float, legs: float, sway: float) -> NormalizedMotion:
@@ -112,7 +113,28 @@ def test_palms_lie_flat() -> None:
 def test_on_feet_alone_nothing_else_is_asked() -> None:
     motion, contacts = walk(60)
     positions = np.zeros((60, BODY.layout.point_count, 3))
-    assert find_carrying(motion, BODY, contacts, Ground(), positions) is None
+    assert find_carrying(motion, BODY, contacts, Ground(), positions, TURNS) is None
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_who_leans_with_a_slope_stands_on_it_as_on_the_floor(seed: int) -> None:
+    """Places on the floor under the root stay, what stood upright stands along the normal, and nothing is stretched."""
+    random = np.random.default_rng(seed)
+    ground = Slope(0.0, random.uniform(-0.4, 0.4), random.uniform(-3, 3), (-99.0, -99.0))
+    positions = random.normal(size=(30, BODY.layout.point_count, 3))
+    positions[:, 1] = positions[:, 0] - positions[:, 0, 2:] * [0.0, 0.0, 1.0]
+    turns = np.broadcast_to(np.eye(3), (30, BODY.layout.segment_count, 3, 3))
+    leant, turned, upright = leaning(np.ones((30, 1)), BODY, ground, RATE, positions, turns)
+    assert np.allclose(leant[:, 1], positions[:, 1], atol=1e-12)
+    normals = ground.normal_at(positions[:, 0])
+    assert np.allclose(leant[:, 0] - leant[:, 1], positions[:, 0, 2:] * normals, atol=1e-9)
+    assert np.allclose(turned[:, 0, :, 2], normals, atol=1e-9)
+    spans = [np.linalg.norm(np.diff(points, axis=1), axis=2) for points in (positions, leant)]
+    assert np.allclose(*spans, atol=1e-9)
+    assert np.allclose(upright[..., 2], positions[..., 2], atol=1e-12)
+    for same in leaning(np.zeros((30, 1)), BODY, ground, RATE, positions, turns)[::2]:
+        assert np.allclose(same, positions, atol=1e-12)
 
 
 def test_who_carries_adds_up_to_everything_and_passes_on_smoothly() -> None:
@@ -121,7 +143,7 @@ def test_who_carries_adds_up_to_everything_and_passes_on_smoothly() -> None:
         ContactInterval("pose", ContactPoint.LEFT_TOE, 0, 50), ContactInterval("pose", ContactPoint.LEFT_HAND, 40, 80),
         ContactInterval("pose", ContactPoint.SEAT, 95, 119),
     )  # fmt: skip
-    carrying = find_carrying(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)))
+    carrying = find_carrying(motion, BODY, contacts, Ground(), np.ones((120, BODY.layout.point_count, 3)), TURNS)
     assert carrying is not None
     share = carrying.feet_share
     assert share[0] == pytest.approx(1.0)

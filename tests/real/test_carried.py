@@ -74,6 +74,19 @@ def test_a_cartwheel_holds_on_a_slope(captures: Path, name: str) -> None:
     assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0
 
 
+@pytest.mark.parametrize("name", BODIES)
+def test_a_crawl_holds_up_and_down_a_slope(captures: Path, name: str) -> None:
+    capture, motion, actor = taken(named("accad_female1_A11_CrawlForward"))
+    contacts, source = contacts_of(capture), source_motion(motion, actor)
+    for angle, direction, foot in ((15.0, -1.0, (-5.0, 8.0)), (-15.0, 1.5, (0.0, -9.0))):
+        ground = Slope(0.0, np.radians(angle), direction, foot)
+        adapted = adapt(AdaptRequest(motion, BODIES[name], contacts, (), ground), capture.first_frame)
+        quality = contact_quality(adapted, contacts, ground)
+        assert acceleration_ratio(adapted, source) < 3.2
+        assert quality.slide < 1e-3
+        assert max(quality.rise, quality.penetration) < 2e-3
+
+
 def test_bones_keep_their_lengths_while_hands_and_knees_carry(captures: Path) -> None:
     capture, motion, _ = taken(named("accad_female1_A11_CrawlForward"))
     body = BODIES["child"]

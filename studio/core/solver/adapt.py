@@ -91,11 +91,14 @@ def stand(
     positions, rotations = realize(motion, morphology)
     if ground.height:
         positions[:, :, 2] += ground.height
-    carrying = find_carrying(motion, morphology, contacts, ground, positions)
+    carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations)
+    upright, share = (positions, rotations), 1.0 if carrying is None else carrying.feet_share
     if carrying is not None:
         positions += carrying.shift[:, None]
-    share = 1.0 if carrying is None else carrying.feet_share
-    footing, arms = find_footing(motion, morphology, contacts, ground, positions, rotations, share), None
+        if not ground.is_level:  # feet keep their heights above it
+            upright = carrying.upright + carrying.shift[:, None] * [1.0, 1.0, 0.0], rotations
+            positions, rotations = carrying.pose[0] + carrying.shift[:, None], carrying.pose[1]
+    footing, arms = find_footing(motion, morphology, contacts, ground, positions, rotations, share, upright), None
     if carrying is not None:
         footing, arms = settle(carrying, footing, motion, morphology, positions, rotations)
     measures, legs = morphology.rows, _legs(footing, slice(None))

@@ -5,7 +5,7 @@ from them to the root has it on this body, blended over time by who carries ([K0
 and turned by the little that is left, so that all that stands is exactly in reach.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,7 @@ from studio.core.morphology import AnyMorphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.solver.footing import STANDING_REACH, foot_states, freedom, hann_window
+from studio.core.solver.footprints import tilts_of
 
 FloatArray = NDArray[np.float64]
 
@@ -34,6 +35,10 @@ EASE = 0.1
 """Seconds to each side over which the root's moves are averaged."""
 FADE = 0.4
 """Seconds after which a hand or knee that left the ground goes its own way again."""
+LEANS, SPREAD = 0.4, 0.6
+"""Seconds to each side over which a body begins to lean with the ground, and parts of its leg's length round the root
+over which the ground's slope is taken for that.
+"""
 LEVEL_BELOW = 0.7
 """Sine of the angle above the ground up to which fingers, and away from it up to which a palm, are laid on it."""
 
@@ -54,11 +59,16 @@ class Hold:
 
 @dataclass(frozen=True, eq=False)
 class Carrying:
-    """What of a body stands beside its feet: ``holds``, the root's ``shift`` (F, 3), the feet's ``share`` (F,)."""
+    """What of a body stands beside its feet: ``holds``, the root's ``shift`` (F, 3), the feet's ``share`` (F,), and
+    the ``pose`` that leans with the ground, positions (F, P, 3) and rotations (F, S, 3, 3), before that shift, and the
+    positions of the ``upright`` one (F, P, 3) over the same places of the ground, from which feet are planned.
+    """
 
     holds: tuple[Hold, ...]
     shift: FloatArray
     feet_share: FloatArray
+    pose: tuple[FloatArray, FloatArray]
+    upright: FloatArray
 
 
 def clearance(body: AnyMorphology, point: ContactPoint) -> float:
@@ -85,26 +95,59 @@ def find_carrying(
     contacts: Sequence[ContactInterval],
     ground: Ground,
     positions: FloatArray,
+    rotations: FloatArray,
 ) -> Carrying | None:
     """Who carries a retargeted motion, ``positions`` (F, P, 3), and how its root follows; None on feet alone."""
     spans = {
         point: [(each.first, min(each.last, motion.frame_count - 1)) for each in contacts if each.point is point]
         for point in BODY_POINTS
     }
-    holds = tuple(
-        _hold(point, sorted(spans[point]), body, ground, track_of(point, body, positions))
-        for point in BODY_POINTS
-        if any(first < motion.frame_count for first, _ in spans[point])
-    )
-    if not holds:
+    bearers = [point for point in BODY_POINTS if any(first < motion.frame_count for first, _ in spans[point])]
+    if not bearers:
         return None
-    shares = _shares(holds, foot_states(contacts, motion.frame_count), motion.frame_rate)
+    standing = {point: contact_mask(spans[point], motion.frame_count) for point in bearers}
+    shares = _shares(standing, foot_states(contacts, motion.frame_count), motion.frame_rate)
+    pose, upright = (positions, rotations), positions
+    if not ground.is_level:
+        stands = np.any(list(standing.values()), axis=0)
+        leans = averaged(stands[:, None].astype(np.float64), LEANS, motion.frame_rate)
+        leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
+        pose = leant, turned
+    positions = pose[0]
+    holds = tuple(
+        _hold(point, sorted(spans[point]), body, ground, track_of(point, body, positions)) for point in bearers
+    )
     shift = np.zeros((motion.frame_count, 3))
     for hold, share in zip(holds, shares[1:], strict=True):
         away = np.where(hold.standing[:, None], hold.places - track_of(hold.point, body, positions), 0.0)
         fill_gaps(away, hold.standing)
         shift += share[:, None] * away
-    return Carrying(holds, averaged(shift, EASE, motion.frame_rate), shares[0])
+    return Carrying(holds, averaged(shift, EASE, motion.frame_rate), shares[0], pose, upright)
+
+
+def leaning(
+    share: FloatArray,
+    body: AnyMorphology,
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Poses turned with the slope of the ground round the root, about the place on the level floor under it, by a
+    ``share`` (F, 1); and ``positions`` moved to stand over where their places on the floor come to lie.
+    """
+    ring = np.pi / 4.0 * np.arange(8)
+    round_root = SPREAD * body.leg_length * np.column_stack([np.cos(ring), np.sin(ring)])
+    heights = ground.height_at(positions[:, :1, :2] + round_root)
+    slopes = averaged(heights @ round_root / np.sum(round_root[:, 0] ** 2), BLEND, frame_rate)
+    normals = np.column_stack([-slopes, np.ones(len(slopes))])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    turns = Rotation.from_rotvec(share * tilts_of(normals)).as_matrix()
+    under = np.column_stack([positions[:, 0, :2], np.full(len(positions), ground.height)])[:, None]
+    lean = np.swapaxes(turns, 1, 2)
+    upright = positions.copy()
+    upright[..., :2] = (under + (positions - under) * [1.0, 1.0, 0.0] @ lean)[..., :2]
+    return under + (positions - under) @ lean, turns[:, None] @ rotations, upright
 
 
 def _hold(
@@ -122,17 +165,19 @@ def _hold(
     return Hold(point, standing, places, normals)
 
 
-def _shares(holds: Sequence[Hold], states: NDArray[np.int64], frame_rate: float) -> FloatArray:
+def _shares(
+    standing: Mapping[ContactPoint, NDArray[np.bool_]], states: NDArray[np.int64], frame_rate: float
+) -> FloatArray:
     """(1 + H, F) parts of the body's weight on the feet and on each hold; they add up to 1 and pass on smoothly.
 
     A foot whose knee stands carries nothing.
     """
-    weights = np.zeros((1 + len(holds), states.shape[1]))
-    kneeling = {hold.point.side: hold.standing for hold in holds if hold.point.member == "knee"}
+    weights = np.zeros((1 + len(standing), states.shape[1]))
+    kneeling = {point.side: stands for point, stands in standing.items() if point.member == "knee"}
     for side in range(2):
         weights[0] += (states[side] != 0) & ~kneeling.get(side, np.zeros(states.shape[1], dtype=np.bool_))
-    for row, hold in zip(weights[1:], holds, strict=True):
-        row += hold.standing * (SEAT_WEIGHT if hold.point is ContactPoint.SEAT else 1.0)
+    for row, (point, stands) in zip(weights[1:], standing.items(), strict=True):
+        row += stands * (SEAT_WEIGHT if point is ContactPoint.SEAT else 1.0)
     total = weights.sum(axis=0)
     frames, carried = np.arange(len(total)), np.flatnonzero(total > 0.0)
     shares = np.array([np.interp(frames, carried, row[carried] / total[carried]) for row in weights])

@@ -74,24 +74,27 @@ def find_footing(
     positions: FloatArray,
     rotations: FloatArray,
     carried: FloatArray | float = 1.0,
+    upright: tuple[FloatArray, FloatArray] | None = None,
 ) -> Footing:
-    """Plan the feet of a whole clip from its retargeted pose, raised to the ground's own height.
+    """Plan the feet of a whole clip from its retargeted pose, raised to the ground's own height; feet themselves from
+    the ``upright`` one, positions and rotations, where the body leans with the ground.
 
     The root follows the low-passed mean of both feet's footprints (h1 of METHOD 4) by as much of its weight as the feet
     carry, ``carried`` (F,); ``drops`` take that off.
     """
     states = foot_states(contacts, motion.frame_count)
+    pose = (positions, rotations) if upright is None else upright
     count = motion.frame_count
     ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
     plans = [(ankles[side], feet[side], toes[side]) for side in range(2)]
     for side, plan in enumerate(plans):
-        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, positions, rotations, plan)
+        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, *pose, plan)
     if ground.is_level:
         comforts = leg_comforts(motion, states)
         drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
         return Footing(states, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate))
     draped = [
-        _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, positions, rotations)
+        _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, *pose)
         for side, plan in enumerate(plans)
     ]
     ankles, feet, toes = _stacked([each.foot for each in draped])
