@@ -121,7 +121,8 @@ def test_on_feet_alone_nothing_else_is_asked() -> None:
 def test_who_leans_with_a_slope_stands_on_it_as_on_the_floor(seed: int) -> None:
     """Places on the floor under the root stay, what stood upright stands along the normal, and nothing is stretched."""
     random = np.random.default_rng(seed)
-    ground = Slope(0.0, random.uniform(-0.4, 0.4), random.uniform(-3, 3), (-99.0, -99.0))
+    way = random.uniform(-3, 3)
+    ground = Slope(0.0, random.uniform(-0.4, 0.4), way, (-99.0 * np.cos(way), -99.0 * np.sin(way)))
     positions = random.normal(size=(30, BODY.layout.point_count, 3))
     positions[:, 1] = positions[:, 0] - positions[:, 0, 2:] * [0.0, 0.0, 1.0]
     turns = np.broadcast_to(np.eye(3), (30, BODY.layout.segment_count, 3, 3))
