@@ -39,8 +39,8 @@ Every capture on the five bundled characters with detected contacts and no const
 the five. *Slide* is how far a standing heel, toe, hand, knee or seat moves along the ground, *float* and *below* how
 far it is off the ground (aims: 1 mm, 2 mm, 2 mm). *Acceleration* compares the greatest angular acceleration of arms
 and legs with the capture's own: 1 is as smooth, a popping knee shows as 5 and more. *Speed* compares the greatest
-angular speed of any joint with the same joint's in the capture. Written by `benchmarks/quality_tables.py`; `adapt`
-reports the same figures for any capture and character.
+angular speed of any joint with the same joint's in the capture, toes that bend over the floor among them. Written by
+`benchmarks/quality_tables.py`; `adapt` reports the same figures for any capture and character.
 
 """
 _KEYS = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
