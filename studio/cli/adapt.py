@@ -62,6 +62,9 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
         action="store_true",
         help="characters do not carry the capture's fingers, props and the like along",
     )
+    parser.add_argument(
+        "--free-joints", action="store_true", help="let constraints bring limbs further than a person's joints go"
+    )
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
     parser.add_argument("--by-frame", action="store_true", help="put into the report what happens in every frame, too")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
@@ -92,6 +95,7 @@ class Asked:
     options: ExportOptions
     all_frames: bool
     by_frame: bool
+    limited: bool
 
 
 def asked_by(arguments: Namespace) -> Asked:
@@ -105,7 +109,15 @@ def asked_by(arguments: Namespace) -> Asked:
     if others or not characters:
         characters |= chosen_characters(others)
     options = replace(export_options(arguments), body_only=arguments.body_only)
-    return Asked(characters, arguments.constraints, suffix, options, arguments.all_frames, arguments.by_frame)
+    return Asked(
+        characters,
+        arguments.constraints,
+        suffix,
+        options,
+        arguments.all_frames,
+        arguments.by_frame,
+        not arguments.free_joints,
+    )
 
 
 def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
@@ -122,7 +134,9 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
     actor = ready.actor.morphology
     requests = with_tracks(
         {
-            key: AdaptRequest(ready.motion, body, contacts, constraints, volume=volumes[key], actor=actor)
+            key: AdaptRequest(
+                ready.motion, body, contacts, constraints, volume=volumes[key], actor=actor, limited=asked.limited
+            )
             for key, body in bodies.items()
         },
         ready.capture,

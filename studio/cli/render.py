@@ -158,6 +158,7 @@ def request_of(
         project.ground.seen_from(performer.position, performer.heading),
         volume=character.volume,
         actor=actor.morphology,
+        limited=performer.limited,
     )
 
 

@@ -70,6 +70,8 @@ class Performer:
     position: tuple[float, float] = (0.0, 0.0)
     heading: float = 0.0
     visible: bool = True
+    limited: bool = True
+    """Whether constraints bring shoulders, elbows, wrists, hips, knees and ankles no further than a person's go."""
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):

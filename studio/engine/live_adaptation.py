@@ -57,7 +57,7 @@ class StandingSolver:
         from studio.core.solver.adapt import hold, stand
 
         key = (request.motion, request.morphology)
-        ground = (request.contacts, request.ground, request.volume, request.actor)
+        ground = (request.contacts, request.ground, request.volume, request.actor, request.limited)
         kept = self._kept.get(key)
         if kept is None or kept[0] != ground:
             while len(self._kept) >= KEPT_STANDING:
@@ -86,6 +86,7 @@ class Wanted:
     ground: Ground
     followed: tuple[Followed, ...] = ()
     volume: BodyVolume | None = None
+    limited: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +228,7 @@ class LiveAdaptation(QObject):
         asks = any(isinstance(item, ClearConstraint) for item in constraints)
         wanted = Wanted(
             capture, id(capture), character.morphology, contacts, constraints, ground, followed or (),
-            character.volume if asks else None,
+            character.volume if asks else None, performer.limited,
         )  # fmt: skip
         if followed is None or self._wanted.get(key) == wanted:
             return
@@ -254,8 +255,9 @@ class LiveAdaptation(QObject):
         motion, actor = self._prepare(wanted.capture)
         tracks = tracks_of(wanted.followed)
         request = AdaptRequest(
-            motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground, tracks, wanted.volume, actor
-        )
+            motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground, tracks, wanted.volume, actor,
+            wanted.limited,
+        )  # fmt: skip
         begin = time.perf_counter()
         answer = self._solve(request, first, last)
         return Solved(answer, 1000.0 * (time.perf_counter() - begin), last is None)

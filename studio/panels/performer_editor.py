@@ -38,6 +38,13 @@ class PerformerEditor(Editor):
         section.add_row("Place  m", self._x, self._y)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         section.add_row("Heading", self._heading)
+        self._limited = QCheckBox("like a person's")
+        self._limited.setToolTip(
+            "Constraints bring shoulders, elbows, wrists, hips, knees and ankles no further than a person's joints go"
+            " (or than the motion itself does)."
+        )
+        self._limited.toggled.connect(self._limit_or_free)
+        section.add_row("Joints", self._limited)
         self._body = BodySection(self, lambda: self.entity.character_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
@@ -54,6 +61,8 @@ class PerformerEditor(Editor):
             return
         with QSignalBlocker(self._visible):
             self._visible.setChecked(performer.visible)
+        with QSignalBlocker(self._limited):
+            self._limited.setChecked(performer.limited)
         self._name.setText(performer.name)
         self._cast.clear_all()
         for key, each in self.document.project.characters.items():
@@ -68,6 +77,9 @@ class PerformerEditor(Editor):
 
     def _show_or_hide(self, visible: bool) -> None:
         self.change(f"{'Show' if visible else 'Hide'} {self.entity.name}", visible=visible)
+
+    def _limit_or_free(self, limited: bool) -> None:
+        self.change(f"{'Limit' if limited else 'Free'} the joints of {self.entity.name}", limited=limited)
 
     def _rename(self) -> None:
         name = self._name.text().strip()

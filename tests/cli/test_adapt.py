@@ -280,3 +280,16 @@ def test_what_is_followed_and_not_there_is_named(capsys, walk, tmp_path, target,
     arguments = ["adapt", str(walk), "--character", "child", "--constraints", str(file), "--out", str(tmp_path)]
     assert main(arguments) == 1
     assert re.search(sentence, capsys.readouterr().err)
+
+
+def test_joints_are_freed_by_a_flag_and_limits_are_named_where_they_keep_a_wrist_off(capsys, walk, tmp_path):
+    behind = {**WRIST, "target": [-0.3, 0.35, 1.3], "chain": {"limb": 1.0, "clavicle": 0.0}}
+    file = constraint_file(tmp_path, behind)
+    asked = ("--character", "adult_woman", "--constraints", file)
+    limited, free = (
+        adapt(capsys, walk, tmp_path / name, *asked, *flags)[1]["characters"][0]["constraints"][0]
+        for name, flags in (("limited", ()), ("free", ("--free-joints",)))
+    )
+    assert "joint limits" in limited["kept_by"]
+    assert "joint limits" not in free["kept_by"]
+    assert free["residual_mm"] < limited["residual_mm"]

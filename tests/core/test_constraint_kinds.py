@@ -87,6 +87,7 @@ def test_a_hand_reaches_its_target_and_keeps_its_orientation_there(body: Morphol
                 ask(PositionConstraint, point, target=target),
                 ask(OrientationConstraint, BodyPoint(BodyPart.RIGHT_HAND), priority=1, target=(0.3, 0.1, 0.0, 0.9)),
             ),
+            limited=False,
         ),
         30,
         30,

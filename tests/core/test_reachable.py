@@ -63,7 +63,7 @@ def test_it_is_met(part: BodyPart, chain: Chain, ends: tuple[bool, ...]) -> None
                 for _ in range(4):
                     place = reachable_target(before, 0, BodyPoint(part, offset, at_end), chain, random)
                     asked = target(part, place, chain, offset=offset, at_end=at_end)
-                    after = adapt(AdaptRequest(WALK, body, contacts, (asked,)), FRAME, FRAME)
+                    after = adapt(AdaptRequest(WALK, body, contacts, (asked,), limited=free), FRAME, FRAME)
                     assert after.residuals[0, 0] < MET
                     assert contact_quality(after, contacts, Ground()).penetration < 2e-3
 

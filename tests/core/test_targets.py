@@ -162,7 +162,8 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
         2,
         target=FollowBody(BodyPoint(BodyPart.RIGHT_HAND), TURN),
     )
-    adapted = solved(body, hand, look, palm, frames=(25, 40))
+    request = AdaptRequest(WALK, body, CONTACTS, (hand, look, palm), limited=False)
+    adapted = adapt(request, 25, 40)
     line = place_of(RIGHT, adapted) - place_of(EYES, adapted)
     gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
     cosine = np.sum(gaze * line, axis=1) / np.linalg.norm(line, axis=1)

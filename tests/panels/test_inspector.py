@@ -306,3 +306,16 @@ def test_everything_that_takes_the_keyboard_has_a_name(inspector, document, item
     lines = [line for line in inspector.findChildren(QLineEdit) if not line.objectName()]
     assert nameless == []
     assert [line for line in lines if not line.accessibleName()] == []
+
+
+def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_undone(inspector, document):
+    document.selection.set(("performers", "performer 0"))
+    tick = next(box for box in inspector.editor.findChildren(QCheckBox) if box.text() == "like a person's")
+    assert tick.isChecked()
+    QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
+    assert not document.project.performers["performer 0"].limited
+    assert document.project.performers["performer 1"].limited
+    assert document.history[-1] == "Free the joints of Body 0"
+    document.undo()
+    assert tick.isChecked()
+    assert document.project.performers["performer 0"].limited

@@ -72,8 +72,9 @@ def solve_frames(
     free each is; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3), distances (C, F or 1)) where
     things are to be at full activation; ``activations`` (C, F);
     ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body``
-    the tuple (measures, masses (S, 2)); ``clearance`` as in ``kernels.clearance``, which works on the unsolved poses,
-    in place, and again after the constraints. ``positions`` and ``rotations`` begin as copies of the unsolved ones.
+    the tuple (measures, masses (S, 2), limits of ``kernels.joint_limits``); ``clearance`` as in ``kernels.clearance``,
+    which works on the unsolved poses, in place, and again after the constraints. ``positions`` and ``rotations`` begin
+    as copies of the unsolved ones.
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
     constraint_count, frame_count = activations.shape
@@ -125,7 +126,7 @@ def body_at(frame, leashes, stance, body):
     channels, comforts, ankles, feet, toes = stance
     row = body[0][frame if body[0].shape[0] > 1 else 0]
     legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame])
-    return row, body[1], leashes[:, frame], legs
+    return row, body[1], leashes[:, frame], legs, body[2]
 
 
 @kernel

@@ -8,7 +8,8 @@ For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it 
 another wish stands before it on its limb; ``engaged`` whether an area is entered;
 ``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be; ``helped`` whether joints beside
 its limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that
-which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest.
+which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest,
+``easings`` (2,) the metres below which they fold ever less.
 ``stiff`` whether upper or lower segment of a limb are, with ``parts``, ``change``, ``most`` (2, 2) and ``own`` (2,) of
 ``kernels.stiffness``.
 Once its level is solved: ``kept_miss``, ``kept_places`` (2, 3), ``kept_roots`` (2, 3) of its limbs and ``kept_turn``
@@ -41,6 +42,7 @@ ASKED = np.dtype(
         ("comforts", _REAL, (2,)),
         ("reaches", _REAL, (2,)),
         ("folds", _REAL, (2,)),
+        ("easings", _REAL, (2,)),
         ("stiff", _FLAG),
         ("parts", _REAL, (2, 2)),
         ("change", _REAL, (2, 2)),

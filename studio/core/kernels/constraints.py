@@ -4,8 +4,9 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``asked`` (C,) records of ``kernels.asked`` in order of rank; ``areas`` (C, n) as in ``kernels.areas``.
 ``chain`` the tuple (mobilities (C + L, N), joints (N, 5), slots (S + 1,), limits (N,)) of ``kernels.joints``: how
   freely each constraint moves each joint, and after the C constraints each of the L levels any down to it.
-``body`` (measures, masses (S, 2), leashes (2,), legs): leashes are the parts of their lengths to which the root may
-  stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes.
+``body`` (measures, masses (S, 2), leashes (2,), legs, limits): leashes are the parts of their lengths to which the
+  root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
+  limits those of ``kernels.joint_limits``.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (2, N, 3) state and the one before, grips (4,), points (8, 3),
   sums (S + 1, 4), turns (6, 3, 3)): scratch, the first two as in ``kernels.priorities``.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
@@ -19,6 +20,7 @@ import math
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
+from studio.core.kernels.joint_limits import note_own
 from studio.core.kernels.joints import set_brakes
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import (
@@ -40,6 +42,8 @@ from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 TRIES = 8
 COMFORT = 0.97
 """Part of its reach that a limb takes before the trunk helps."""
+FOLDING = 0.05
+"""Part of the way from its greatest to its least reach, the last, in which a limb folds ever less."""
 STILL = 2e-5
 """Metres by which a step must move something for another to be worth while."""
 MENDS = 4
@@ -58,16 +62,28 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     for joint in range(turned.shape[1]):
         turned[0, joint, 0] = turned[0, joint, 1] = turned[0, joint, 2] = 0.0
     note_seconds(asked)
+    note_limits(asked, chain[2], body[4], start)
     fresh = True
     for level in range(level_count):
         if not wants_level(level, asked):
             continue
         note_grips(level, asked, spine_count, work[4])
-        note_reaches(level, asked, work[4], work[5], start)
+        note_reaches(level, asked, work[4], body[4], work[5], start)
         if not fresh:
             note_kept(level, asked, areas, body, work, pose)
         solve_level(level, fresh, asked, areas, chain, body, work, start, pose)
         fresh = False
+
+
+@inlined_kernel
+def note_limits(asked, slots, limits, start):
+    """What the unsolved pose has of every limb that a constraint is about, or a search turns."""
+    for limb in range(limits.shape[0]):
+        found = slots[limb_indices(limb, start[0].shape[0] - 23)[1]] >= 0
+        for c in range(asked.shape[0]):
+            found = found or (asked[c].wanted == 1 and (asked[c].ends[0, 2] == limb or asked[c].ends[1, 2] == limb))
+        if found:
+            note_own(limb, limits, start)
 
 
 @inlined_kernel
@@ -216,7 +232,7 @@ def note_kept(level, asked, areas, body, work, pose):
 
 
 @inlined_kernel
-def note_reaches(level, asked, grips, points, pose):
+def note_reaches(level, asked, grips, limits, points, pose):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 
     Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
@@ -235,8 +251,9 @@ def note_reaches(level, asked, grips, points, pose):
             holds_end = limb >= 2 or grips[limb] >= 0
             end_place(row, end, pose, point)
             root, upper = limb_indices(limb, spine_count)
-            fold, reach = range_of(limb, row.ends[end, 1], holds_end, point, pose)
+            fold, reach, own = range_of(limb, row.ends[end, 1], holds_end, point, limits, pose)
             row.folds[end], row.longest[end], row.reaches[end] = fold, reach, reach
+            row.easings[end] = min(fold + FOLDING * (reach - fold), own)
             row.comforts[end] = 1.0
             if reach <= 0.0 or row.ends[end, 1] == upper:
                 continue

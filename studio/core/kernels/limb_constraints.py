@@ -9,14 +9,29 @@ import math
 from studio.core.kernels.body import body_point, turn_part
 from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import AREA, ORIENTATION, POSITION, end_place
+from studio.core.kernels.joint_limits import (
+    bend_of,
+    braked_swivel,
+    is_well_within,
+    keep_middle,
+    keep_root,
+    keep_tip,
+    lift_end,
+    limb_parts,
+    put_end,
+    soft,
+    swivel_within,
+)
 from studio.core.kernels.limb import soft_reach
-from studio.core.kernels.reach import aim_at, bend_to, span_range, swivel_to
+from studio.core.kernels.reach import aim_at, bend_range, bend_to, span_range, swivel_to, swivel_way
 from studio.core.kernels.stiffness import stiff_span, turn_back
-from studio.core.kernels.turns import inverse, product, turn_in
+from studio.core.kernels.turns import inverse, product, turn_by, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 CLOSE_ENOUGH = 5e-5
 """Metres (or radians) of error that are left as they are."""
+AGAIN_WITHIN = 4
+"""Times that a limb is drawn back within its limits, reaching again between."""
 LIMB_COMFORT = 0.985
 """Part of its reach from which on a limb that nothing helps stretches ever less (``soft_reach``)."""
 
@@ -24,10 +39,8 @@ LIMB_COMFORT = 0.985
 @kernel
 def limb_indices(limb, spine_count):
     """(root point, upper segment) of a limb: shoulder and upper arm, hip and thigh."""
-    side = limb % 2
-    if limb >= 2:
-        return spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
-    return spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    _, upper, root = limb_parts(limb, spine_count)
+    return root, upper
 
 
 @inlined_kernel
@@ -60,31 +73,49 @@ def note_seconds(asked):
 
 
 @kernel
-def range_of(limb, segment, holds_end, point, pose):
-    """(least, greatest) distance in metres of ``point`` from the root of its limb; of the end joint if that is held."""
+def range_of(limb, segment, holds_end, point, limits, pose):
+    """(least, greatest) distance in metres of ``point`` from the root of its limb; of the end joint if that is held.
+
+    And what it is now. With ``limits``, elbow or knee bends no further than they, or ``pose``, the unsolved one, allow.
+    """
     positions, rotations = pose
     root, upper = limb_indices(limb, positions.shape[0] - 23)
     if segment == upper:
         span = distance(point, positions[root])
-        return span, span
+        return span, span, span
     hinge = rotations[upper, :, 0]
     if holds_end and segment >= upper + 2:
-        return span_range(positions[root], positions[root + 1], hinge, positions[root + 2])
-    return span_range(positions[root], positions[root + 1], hinge, point)
+        tip = positions[root + 2]
+    else:
+        tip = point
+    own = distance(tip, positions[root])
+    if limits.shape[0] == 0:
+        fold, reach = span_range(positions[root], positions[root + 1], hinge, tip)
+        return fold, reach, own
+    c0, c1, angle = bend_range(positions[root], positions[root + 1], hinge, tip)
+    bend, bends = bend_of(rotations[upper], rotations[upper + 1])[0], limits[limb].bends
+    side = -1.0 if -0.85 * math.pi < angle < 0.0 else 1.0
+    angle = abs(angle) if angle > -0.85 * math.pi else angle + 2.0 * math.pi
+    first, last = angle + side * min(bend - bends[1], 0.0), angle + side * max(bend - bends[0], 0.0)
+    least, most = max(min(first, last), 0.0), min(max(first, last), math.pi)
+    fold, reach = c0 - 2.0 * c1 * math.cos(least), c0 - 2.0 * c1 * math.cos(most)
+    return math.sqrt(max(0.0, fold)), math.sqrt(max(0.0, reach)), own
 
 
 @kernel
-def solve_limb(limb, level, asked, grips, turns, points, pose):
-    """All constraints of one limb down to ``level``, in order."""
+def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
+    """All constraints of one limb down to ``level``, in order, within its ``limits``."""
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
+    if limits.shape[0] > 0:
+        limits[limb].acts = 0
     turning = grips[limb] >= 0 and asked[grips[limb]].wanted == 1
     if turning:
         turn = product(turn_in(asked[grips[limb]].turn), inverse(turn_in(rotations[upper + 2])))
         turn_part(turn, upper + 2, spine_count, positions[root + 2], positions, rotations)
     first, point = points[2], points[3]
-    solved, held_upper = 0, False
+    solved, held_upper, swivels, turns_lower, reached, ending = 0, False, False, False, 0, 0
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted != 1 or row.rank > level or (row.kind == AREA and not row.engaged):
@@ -94,7 +125,12 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
             if row.ends[0, 2] == limb and segment < upper + 2:
                 turn = product(turn_in(row.turn), inverse(turn_in(rotations[segment])))
                 turn_part(turn, segment, spine_count, positions[root + segment - upper], positions, rotations)
+                if limits.shape[0] > 0 and segment == upper + 1 and solved == 0:
+                    keep_middle(limb, limits, pose)
+                    turn = product(turn_in(row.turn), inverse(turn_in(rotations[segment])))
+                    turn_part(turn, upper, spine_count, positions[root], positions, rotations)
                 solved += 2
+                swivels, turns_lower = False, turns_lower or (segment == upper + 1 and solved > 2)
             continue
         for end in range(2):
             if row.ends[end, 2] != limb:
@@ -106,8 +142,19 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
             if row.stiff:
                 copy_matrix(rotations[upper + 1 if held_upper else upper], turns[5])
             if free and solved == 0:
-                held_upper = segment == upper
-                reach_with_limb(row, end, limb >= 2 or turning, turns, points, pose)
+                held_upper, swivels = segment == upper, segment != upper and not row.stiff
+                reached, ending = c, end
+                reach_with_limb(row, end, limb >= 2 or turning, False, limits, turns, points, pose)
+            elif free and solved == 1 and limits.shape[0] > 0:
+                holds_end = limb >= 2 or turning
+                keep_within(limb, swivels, False, holds_end, asked[reached], ending, limits, turns, points, pose)
+                end_place(asked[reached], ending, pose, first)
+                end_place(row, end, pose, point)
+                swivel_within_to(limb, target, point, first, limits, pose)
+                if held_upper:
+                    end_place(row, end, pose, point)
+                    aim_at(target, point, upper + 1, spine_count, positions[root + 1], positions, rotations)
+                    turns_lower = True
             elif free and solved == 1 and held_upper:
                 aim_at(target, point, upper + 1, spine_count, positions[root + 1], positions, rotations)
             elif free and solved == 1:
@@ -122,14 +169,72 @@ def solve_limb(limb, level, asked, grips, turns, points, pose):
             if solved == 0:
                 end_place(row, end, pose, first)
             solved += 1
+    if limits.shape[0] > 0:
+        keep_within(
+            limb, swivels, turns_lower, limb >= 2 or turning, asked[reached], ending, limits, turns, points, pose
+        )
+        limits[limb].acts *= (reached + 1) * (swivels or held_upper)
 
 
 @kernel
-def reach_with_limb(row, end, holds_end, turns, points, pose):
+def swivel_within_to(limb, target, point, held, limits, pose):
+    """``swivel_to`` as far as the limits of the limb let it."""
+    positions, rotations = pose
+    carrier, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    (x, y, z), sine, cosine = swivel_way(target, point, held, positions[root])
+    wish = math.atan2(sine, cosine)
+    angle = braked_swivel(limits[limb], rotations[carrier], rotations[upper], x, y, z, wish)
+    turn = turn_by(angle * x, angle * y, angle * z)
+    turn_part(turn, upper, positions.shape[0] - 23, positions[root], positions, rotations)
+
+
+@kernel
+def keep_within(limb, swivels, turns_lower, holds_end, row, end, limits, turns, points, pose):
+    """Bring a limb back within its limits where its constraints have put it beyond (METHOD 6, (28)).
+
+    Where it ``swivels`` (its first wish is the place of one ``end`` of ``row``), by a swivel, which leaves its point in
+    place; what is left is drawn back, and the limb reaches again from there. ``turns_lower``: its forearm or shank was
+    turned for itself. ``holds_end``: hand or foot keeps its orientation as far as wrist or ankle allow.
+    """
+    for attempt in range(AGAIN_WITHIN):
+        drawn = False
+        if turns_lower or not is_well_within(limb, 0, limits, pose[1]):
+            drawn = keep_bones(limb, swivels, turns_lower, holds_end, row, end, limits, turns, points, pose)
+        if not is_well_within(limb, 1, limits, pose[1]):
+            drawn = keep_tip(limb, limits, pose) or drawn
+        if not drawn or not swivels or attempt == AGAIN_WITHIN - 1:
+            return
+        end_place(row, end, pose, points[3])
+        reach_with_limb(row, end, holds_end, True, limits, turns, points, pose)
+
+
+@kernel
+def keep_bones(limb, swivels, turns_lower, holds_end, row, end, limits, turns, points, pose):
+    """``keep_within`` for all but the last joint: a swivel, then what is left is drawn back; whether any was."""
+    root, upper = limb_indices(limb, pose[0].shape[0] - 23)
+    held = points[2]
+    if holds_end:
+        lift_end(limb, root + 2, upper + 2, turns, points, pose)
+    if swivels:
+        if holds_end:
+            copy_point(pose[0][root + 2], held)
+        else:
+            end_place(row, end, pose, held)
+        swivel_within(limb, held, limits, pose)
+    drawn = keep_root(limb, limits, pose)
+    if turns_lower:
+        drawn = keep_middle(limb, limits, pose) or drawn
+    if holds_end:
+        put_end(limb, root + 2, upper + 2, turns, points, pose)
+    return drawn
+
+
+@kernel
+def reach_with_limb(row, end, holds_end, again, limits, turns, points, pose):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
     A foot, or a hand whose orientation is held, keeps its orientation in the world; else it goes with the limb.
-    ``points[3]`` is the point; it moves along.
+    ``points[3]`` is the point; it moves along. ``again`` from where limits have left it: to what is nearest that way.
     """
     positions, rotations = pose
     limb, segment = row.ends[end, 2], row.ends[end, 1]
@@ -137,18 +242,20 @@ def reach_with_limb(row, end, holds_end, turns, points, pose):
     root, upper = limb_indices(limb, spine_count)
     tip, point, goal = root + 2, points[3], points[4]
     copy_point(row.places[end], goal)
-    past = 2 if limb >= 2 else 1
     if holds_end:
-        for other in range(past):
-            copy_matrix(rotations[upper + 2 + other], turns[1 + other])
-            for axis in range(3):
-                points[5 + other, axis] = positions[tip + 1 + other, axis] - positions[tip, axis]
+        lift_end(limb, tip, upper + 2, turns, points, pose)
         if segment >= upper + 2:
             for axis in range(3):
                 goal[axis] -= point[axis] - positions[tip, axis]
             copy_point(positions[tip], point)
     if segment != upper:
-        span = comfortable(row, end, distance(goal, positions[root]))
+        span = distance(goal, positions[root])
+        if again:
+            span = 0.5 * (span + max(along(goal, point, positions[root]), 0.0))
+        span = comfortable(row, end, span)
+        if limits.shape[0] > 0 and span < row.easings[end]:
+            span = -soft(-span, -math.inf, -row.easings[end], -row.folds[end])
+            limits[limb].acts = 1
         if row.stiff:
             span = stiff_span(row, end, distance(point, positions[root]), span)
         bend_to(span, upper, spine_count, root, point, positions, rotations)
@@ -160,10 +267,16 @@ def reach_with_limb(row, end, holds_end, turns, points, pose):
     if row.stiff:
         row.change[end, 0] = turn_back(1.0, row.most[end, 0], upper, root, turns[5], turns[0], points[0], pose)
     if holds_end:
-        for other in range(past):
-            copy_matrix(turns[1 + other], rotations[upper + 2 + other])
-            for axis in range(3):
-                positions[tip + 1 + other, axis] = positions[tip, axis] + points[5 + other, axis]
+        put_end(limb, tip, upper + 2, turns, points, pose)
+
+
+@kernel
+def along(goal, point, root):
+    """How far ``goal`` lies from ``root`` in the direction of ``point``, all (3,)."""
+    total = 0.0
+    for axis in range(3):
+        total += (goal[axis] - root[axis]) * (point[axis] - root[axis])
+    return total / max(distance(point, root), 1e-9)
 
 
 @kernel

@@ -21,6 +21,7 @@ from studio.core.kernels.goals import (
     part_to,
     second_place,
 )
+from studio.core.kernels.joint_limits import is_well_within, keep_root, limb_parts
 from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
@@ -49,6 +50,7 @@ def put_back(limb, chain, body, work, start, pose):
     slots, turned, turn = chain[2], work[3][0], work[7][3]
     if limb < 2:
         carry_arm(limb, turned, slots, start, turn, work[2], pose)
+        keep_recruited(limb, slots, body[4], pose)
         return
     positions, rotations = pose
     channels, comforts, ankles, feet, toes = body[3]
@@ -66,6 +68,16 @@ def put_back(limb, chain, body, work, start, pose):
     if x != 0.0 or y != 0.0 or z != 0.0:
         gibbs_matrix(x, y, z, turn)
         turn_part(turn_in(turn), thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
+        keep_recruited(limb, slots, body[4], pose)
+
+
+@kernel
+def keep_recruited(limb, slots, limits, pose):
+    """A limb that a search turns stays within its limits."""
+    if limits.shape[0] == 0 or slots[limb_parts(limb, pose[0].shape[0] - 23)[1]] < 0:
+        return
+    if not is_well_within(limb, 0, limits, pose[1]):
+        keep_root(limb, limits, pose)
 
 
 @kernel
@@ -106,7 +118,7 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
                         put_back(limb, chain, body, work, start, pose)
                     if limb >= 2:
                         carry_leg(limb - 2, start, work[2], pose)
-                solve_limb(limb, level, asked, work[4], work[7], work[5], pose)
+                solve_limb(limb, level, asked, work[4], body[4], work[7], work[5], pose)
         if not moving or attempt == AGAIN:
             return
         if engage(level, asked, areas, work[5], pose):

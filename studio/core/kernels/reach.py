@@ -85,7 +85,14 @@ def aim_at(target, point, segment, spine_count, pivot, positions, rotations):
 
 @kernel
 def swivel_to(target, point, held, segment, spine_count, pivot, positions, rotations):
-    """Turn a limb about the axis from its root through the ``held`` point so that ``point`` nears ``target``.
+    """Turn a limb about the axis from its root through the ``held`` point so that ``point`` nears ``target``."""
+    axis, sine, cosine = swivel_way(target, point, held, pivot)
+    turn_part(about(axis, cosine, sine), segment, spine_count, pivot, positions, rotations)
+
+
+@kernel
+def swivel_way(target, point, held, pivot):
+    """(axis, sine, cosine) of the swivel of ``swivel_to``.
 
     The second of two priorities on one limb (K05 figure 11): phi = atan2(a.(r x q), r.q), the exact optimum on the
     circle; faded where point or target lies within 8 cm of the axis, where it would whirl (METHOD 6).
@@ -93,7 +100,7 @@ def swivel_to(target, point, held, segment, spine_count, pivot, positions, rotat
     ax, ay, az = held[0] - pivot[0], held[1] - pivot[1], held[2] - pivot[2]
     length = math.sqrt(ax * ax + ay * ay + az * az)
     if length < 1e-9:
-        return
+        return (0.0, 0.0, 1.0), 0.0, 1.0
     ax, ay, az = ax / length, ay / length, az / length
     rx, ry, rz = point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2]
     qx, qy, qz = target[0] - pivot[0], target[1] - pivot[1], target[2] - pivot[2]
@@ -109,4 +116,4 @@ def swivel_to(target, point, held, segment, spine_count, pivot, positions, rotat
         sine, cosine = sine_and_cosine(t * t * (3.0 - 2.0 * t) * math.atan2(sine, cosine))
     else:
         sine, cosine = sine / lever, cosine / lever
-    turn_part(about((ax, ay, az), cosine, sine), segment, spine_count, pivot, positions, rotations)
+    return (ax, ay, az), sine, cosine

@@ -62,7 +62,7 @@ def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
             free = row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0
             aims = not row.stiff or row.parts[end, 0] == 1.0
             if free and aims:
-                count = add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, pose)
+                count = add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, body[4], points, pose)
             elif free or row.kind != DISTANCE:
                 count = add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose)
     if is_held:
@@ -160,10 +160,11 @@ def aim_limb(row, end, is_held, holds_end, points, pose):
 
 
 @kernel
-def add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, pose):
+def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits, points, pose):
     """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6).
 
-    Held, it is a bound: the root may go wherever the limb still reaches; if the limb falls short, it stays.
+    Held, it is a bound: the root may go wherever the limb still reaches; if the limb falls short, it stays. A limb
+    that its ``limits`` keep from its goal is carried there, as it lies, along what it misses (29).
     """
     positions = pose[0]
     limb = row.ends[end, 2]
@@ -175,6 +176,13 @@ def add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, p
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     x, y, z = x / span, y / span, z / span
     reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
+    if limits.shape[0] > 0 and limits[limb].acts == c + 1:
+        before = count
+        count = add_limited_row(row, end, owner, is_held, count, ask, chain, (ax, ay, az), points, pose)
+        if not is_held:
+            return count
+        if count > before and row.kept_miss <= CLOSE_ENOUGH:
+            return count
     if row.stiff:
         fold = max(fold, row.own[end] - row.most[end, 1])
         reach = max(min(reach, row.own[end] + row.most[end, 1]), fold)
@@ -205,4 +213,29 @@ def add_reach_rows(row, end, owner, is_held, count, ask, chain, grips, points, p
     ask[3][count] = BOUND
     note_pull(ask[5][count], side * x, side * y, side * z, side * span, shoulder, carrier)
     add_point_row(shoulder, side * x, side * y, side * z, carrier, chain[1], positions, ask[0][count])
+    return count + 1
+
+
+@kernel
+def add_limited_row(row, end, owner, is_held, count, ask, chain, wanted, points, pose):
+    """Carry a limb that lies at a limit, stiff, along its miss: how the least miss changes to the first order (29).
+
+    To the second a limb that may move on misses no more than a stiff one: half of a stiff one's curvature is counted.
+    Held, it keeps the miss that it had. ``points[0]`` is the point that is to be at ``wanted`` (3,).
+    """
+    limb, point, goal = row.ends[end, 2], points[0], row.places[end]
+    x, y, z, kept = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2], 0.0
+    if is_held and row.kept_miss > CLOSE_ENOUGH:
+        end_place(row, end, pose, points[1])
+        x, y, z, kept = goal[0] - points[1, 0], goal[1] - points[1, 1], goal[2] - points[1, 2], row.kept_miss
+    size = math.sqrt(x * x + y * y + z * z)
+    if size < CLOSE_ENOUGH:
+        return count
+    _, upper = limb_indices(limb, pose[0].shape[0] - 23)
+    carrier = 0 if limb >= 2 else upper - 1
+    x, y, z, error = x / size, y / size, z / size, size - kept
+    begin_row(ask, count, owner, error)
+    add_point_row(point, x, y, z, carrier, chain[1], pose[0], ask[0][count])
+    pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
+    note_pull(ask[5][count], pull * x, pull * y, pull * z, 2.0 * max(pull, 0.0), point, carrier)
     return count + 1

@@ -14,6 +14,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
+from studio.core.joint_limits import limits_of
 from studio.core.kernels.adapt import place_frames, solve_frames
 from studio.core.kernels.carrying import place_arms
 from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology, at_frames
@@ -54,6 +55,7 @@ class Standing:
     rotations: FloatArray
     volume: BodyVolume | None = None
     actor: Morphology | None = None
+    limited: bool = True
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 def standing_of(request: AdaptRequest) -> Standing:
     """How the motion of ``request`` stands before its constraints."""
     ground, volume, actor = request.ground, request.volume, request.actor
-    return stand(request.motion, request.morphology, request.contacts, ground, volume, actor)
+    return stand(request.motion, request.morphology, request.contacts, ground, volume, actor, request.limited)
 
 
 def stand(
@@ -86,6 +88,7 @@ def stand(
     ground: Ground,
     volume: BodyVolume | None = None,
     actor: Morphology | None = None,
+    limited: bool = True,
 ) -> Standing:
     """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7)."""
     positions, rotations = realize(motion, morphology)
@@ -108,7 +111,7 @@ def stand(
         place_arms(motion.channels, measures, *stance, positions, rotations)
     holds = () if carrying is None else carrying.holds
     known = tuple(contacts), ground
-    return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor)
+    return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited)
 
 
 def hold(
@@ -206,6 +209,7 @@ def _solve(
         [constraints[c] for c in clear_rows], everything, len(held), given[clear_rows],
         motion, window, standing.actor, standing.volume, body.still,
     )  # fmt: skip
+    limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
     misses = np.full((len(everything), len(positions)), np.nan)
     solve_frames(
         rows.asked,
@@ -216,7 +220,7 @@ def _solve(
         np.ascontiguousarray(activations, dtype=np.float64),
         np.ascontiguousarray(leash),
         (motion.channels[window], *_legs(standing.footing, window)),
-        (at_frames(body.rows, window), segment_masses(body.layout)),
+        (at_frames(body.rows, window), segment_masses(body.layout), limits),
         clearance,
         positions.copy() if clear_rows else standing.positions[window],
         rotations.copy() if clear_rows else standing.rotations[window],

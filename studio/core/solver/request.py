@@ -34,6 +34,8 @@ class AdaptRequest:
     """The room that the body takes up, as its skin has it; None for what is usual with its measures."""
     actor: Morphology | None = None
     """The body that the motion was captured from: where it touches itself, others may."""
+    limited: bool = True
+    """Whether constraints bring the joints of limbs no further than a person's go, or than the motion itself does."""
 
 
 @dataclass(frozen=True, eq=False)
