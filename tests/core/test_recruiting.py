@@ -15,6 +15,7 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.ground import Ground
+from studio.core.joint_limits import limits_of
 from studio.core.kernels.adapt import make_work
 from studio.core.kernels.balance import LEGS_FOLLOW, centre_of_mass, set_balance_rows
 from studio.core.kernels.joints import ROOT
@@ -254,7 +255,7 @@ class _Posed:
         parts = footing.comforts, footing.ankles, footing.feet, footing.toes
         legs = (KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
         self.masses = segment_masses(body.layout)
-        self.body = body.rows[0], self.masses, np.full(2, np.inf), legs
+        self.body = body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0]
         self.work = make_work(1, len(self.chain[1]), len(self.start[0]))
 
     def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
