@@ -120,8 +120,6 @@ def _area(constraint: AreaConstraint, pose: Posed, floor: float) -> Figure:
     else:
         lines, faces = _SHAPES[constraint.shape](np.array(constraint.size))
     turn = Placement(heading=float(np.array(constraint.heading))).rotation
-    if constraint.shape is AreaShape.HALF_SPACE:
-        turn = np.eye(3)
     centre = np.array(constraint.centre)
     link = np.stack([_point(pose, constraint.point), _allowed(constraint, _point(pose, constraint.point))])
     return Figure(

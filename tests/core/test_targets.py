@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.canonical import BodyPart
-from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.distance import DistanceConstraint
@@ -31,6 +31,7 @@ from studio.core.solver.adapt import adapt, hold, place_of, stand
 from studio.core.solver.following import performer_track, prop_track, tracked_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.support import outlines, smoothed, standing_points, support_margins
+from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
 from tests.core.motions import RATE, swaying, walk
 from tests.core.test_constraint_kinds import ALL, HEAD, LEFT, MET, RIGHT, ask
@@ -172,6 +173,38 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
     left, right = (adapted.rotations[:, body.layout.segment(BodyPart(f"{side}_hand"))] for side in ("left", "right"))
     wanted = right @ to_matrix(np.array(TURN) / np.linalg.norm(TURN))
     assert angle_between(from_matrix(left), from_matrix(wanted)) == pytest.approx(0.0, abs=np.radians(0.1))
+
+
+@every_body
+def test_a_segment_follows_the_turn_and_a_point_the_place_of_another_part_of_the_trunk(body: Morphology) -> None:
+    turn = (0.04, 0.08, 0.06, 1.0)
+    trunk = Chain(0.0, 0.0, 0.0, 1.0)
+    as_pelvis = ask(
+        OrientationConstraint, BodyPoint(BodyPart.THORAX), trunk, target=FollowBody(BodyPoint(BodyPart.PELVIS), turn)
+    )
+    adapted = solved(body, as_pelvis, frames=(25, 40))
+    pelvis, thorax = (adapted.rotations[:, body.layout.segment(part)] for part in (BodyPart.PELVIS, BodyPart.THORAX))
+    wanted = pelvis @ to_matrix(np.array(turn) / np.linalg.norm(turn))
+    assert angle_between(from_matrix(thorax), from_matrix(wanted)) == pytest.approx(0.0, abs=np.radians(0.1))
+    before, head = solved(body), BodyPoint(BodyPart.HEAD, at_end=True)
+    chest = before.rotations[30, body.layout.segment(BodyPart.THORAX)]
+    above = chest.T @ (place_of(head, before) - place_of(BodyPoint(BodyPart.THORAX), before))[30]
+    forward = above + np.array([0.02, 0.0, 0.0])
+    place = FollowBody(BodyPoint(BodyPart.THORAX, tuple(forward.tolist())))
+    held = solved(body, ask(PositionConstraint, head, Chain(0.0, 0.0, 1.0, 1.0), target=place), frames=(29, 31))
+    gap = place_of(head, held) - place_of(place.point, held)
+    assert np.linalg.norm(gap, axis=1) == pytest.approx(held.residuals[0], abs=1e-9)
+    assert held.residuals.max() < 2e-3
+
+
+@every_body
+def test_a_half_space_turns_with_what_it_follows(body: Morphology) -> None:
+    wall, before = FollowTracked("wall"), place_of(RIGHT, solved(body))[30]
+    quarter = np.array([[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]])
+    area = ask(AreaConstraint, RIGHT, ALL, centre=wall, shape=AreaShape.HALF_SPACE, size=(1.0, 0.0, 0.0))
+    tracks = {wall: Track((before + np.array([0.3, 0.05, 0.1]))[None], quarter)}
+    moved = place_of(RIGHT, solved(body, area, tracks=tracks, frames=(30, 30)))[0] - before
+    assert moved == pytest.approx([0.0, 0.05, 0.0], abs=MET)
 
 
 def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion() -> None:

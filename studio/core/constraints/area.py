@@ -27,7 +27,7 @@ class AreaConstraint(Constraint):
     """``point`` stays outside the shape, or inside it, or ``on_surface`` from either side.
 
     ``centre`` in metres, motion space; ``size`` in metres: the edges of a box or table (x, y, z), the diameter of a
-    sphere (x), diameter and height of an upright cylinder (x, z); ``heading`` turns box, table and mesh about Z. A
+    sphere (x), diameter and height of an upright cylinder (x, z); ``heading`` turns all but what is round about Z. A
     half-space is bounded by the plane through ``centre`` whose normal is ``size`` as a direction; outside is the side
     to which the normal points. A ``mesh`` has its own size and its origin at ``centre``; outside is where its triangles
     are seen counter-clockwise. An area moves when centre or heading is keyed, and with what its centre follows: its

@@ -12,10 +12,10 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import is_placed, place_leg
-from studio.core.kernels.placing import miss_of, turn_error
+from studio.core.kernels.placing import follow_body, miss_of, turn_error
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
-from studio.core.kernels.vectors import copy_point, distance
+from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 
 @allocating_kernel
@@ -162,6 +162,12 @@ def make_work(constraint_count, joint_count, point_count):
         np.zeros((rows + 2, joint_count, 3)),
         np.empty((rows, rows + 12)),
     )
+    unknowns = 3 * joint_count
+    full = (
+        np.empty((unknowns, unknowns + 1)),
+        np.empty((2, unknowns)),
+        np.empty((joint_count, 3)),
+    )
     carried = np.zeros((segments + 1, 3, 3))
     note_carried(carried)
     return (
@@ -173,6 +179,7 @@ def make_work(constraint_count, joint_count, point_count):
         np.empty((8, 3)),
         np.empty((segments + 1, 4)),
         np.empty((6, 3, 3)),
+        full,
     )
 
 
@@ -196,6 +203,7 @@ def set_goals(frame, asked, areas, wishes, activations, body, work, pose):
             multiply(turn, begin, row.turn)
         elif row.kind == BALANCE:
             centre_of_mass(body[1], pose[0], work[6], point)
+            copy_point(point, row.begin)
             for axis in range(3):
                 way = 0.0 if math.isnan(wish[axis]) else wish[axis] - point[axis]
                 row.places[0, axis] = point[axis] + share * way
@@ -206,7 +214,8 @@ def set_goals(frame, asked, areas, wishes, activations, body, work, pose):
             row.distance = share
         elif row.kind == AREA:
             row.distance = share
-            put_area(areas[c], wish, turns[c, frame if turns.shape[1] > 1 else 0])
+            copy_matrix(turns[c, frame if turns.shape[1] > 1 else 0], row.turn)
+            put_area(areas[c], wish, row.turn)
         elif row.kind == DISTANCE:
             copy_point(wish, row.places[1])
             end_place(row, 0, pose, point)
@@ -216,4 +225,6 @@ def set_goals(frame, asked, areas, wishes, activations, body, work, pose):
         else:
             end_place(row, 0, pose, point)
             ease_goal(point, wish, share, row.places[0])
+        if row.kind != DISTANCE and row.ends[1, 0] >= 0:
+            follow_body(row, areas[c], pose, pose, work)
     return acts

@@ -15,7 +15,9 @@ OUTSIDE, INSIDE, ON = 0, 1, 2
 NUMBERS = 10
 
 EDGE = 0.1
-"""Metres from a table's edge within which the push upwards fades, so that a hand coming from the side does not pop."""
+"""Metres from a table's edge within which the push upwards fades, so that a hand coming from the side or from below
+does not pop.
+"""
 
 
 @kernel
@@ -64,9 +66,8 @@ def place_of(area, x, y, z, inside):
 
 @kernel
 def half_space(area, x, y, z, inside):
-    """Nearest place on the allowed side of the plane through 0 with normal ``area`` 5 to 7 (heading undone before)."""
-    c, s = area[8], area[9]
-    nx, ny, nz = c * area[5] + s * area[6], c * area[6] - s * area[5], area[7]
+    """Nearest place on the allowed side of the plane through 0 with normal ``area`` 5 to 7."""
+    nx, ny, nz = area[5], area[6], area[7]
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     nx, ny, nz = nx / length, ny / length, nz / length
     height = x * nx + y * ny + z * nz
@@ -104,13 +105,13 @@ def upright(x, y, z, radius, half, inside):
 
 @kernel
 def box(x, y, z, a, b, h, inside, upwards):
-    """Nearest place within, or outside of, a box about 0; out of a table always upwards, fading at its edge."""
+    """Nearest place within, or outside of, a box about 0; out of a table upwards, fading at edges and below."""
     if inside:
         return min(max(x, -a), a), min(max(y, -b), b), min(max(z, -h), h)
     if abs(x) >= a or abs(y) >= b or abs(z) >= h:
         return x, y, z
     if upwards:
-        t = min(min(a - abs(x), b - abs(y)) / EDGE, 1.0)
+        t = min(min(a - abs(x), b - abs(y)) / EDGE, (h + z) / min(EDGE, h), 1.0)
         return x, y, z + t * t * (3.0 - 2.0 * t) * (h - z)
     left, right, over = a - abs(x), b - abs(y), h - abs(z)
     if left <= right and left <= over:

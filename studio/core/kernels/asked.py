@@ -2,11 +2,13 @@
 
 For all frames: ``kind`` (``kernels.goals``); ``rank``, its priority level; ``ends`` (2, 3) point, segment and limb (-1
 none) of each of its points, point -1 for one that is not; ``offsets`` (2, 3) from those points; ``freedoms`` (2, 2) of
-limb and end segment; ``weight`` among its equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when balance
-counts heights too.
+limb and end segment; the second end of all but a distance is what it follows on its own body, ``relative`` (3, 3) its
+turn in that segment's axes; ``weight`` among its equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when
+balance counts heights too.
 For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it has been given up; ``second`` whether
 another wish stands before it on its limb; ``engaged`` whether an area is entered;
-``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be; ``helped`` whether joints beside
+``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be, ``begin`` (3,) where the unsolved pose has
+the centre of mass; ``helped`` whether joints beside
 its limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that
 which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest,
 ``easings`` (2,) the metres below which they fold ever less.
@@ -27,6 +29,7 @@ ASKED = np.dtype(
         ("ends", _FLAG, (2, 3)),
         ("offsets", _REAL, (2, 3)),
         ("freedoms", _REAL, (2, 2)),
+        ("relative", _REAL, (3, 3)),
         ("weight", _REAL),
         ("shares", _REAL, (2,)),
         ("axes", _FLAG),
@@ -35,6 +38,7 @@ ASKED = np.dtype(
         ("second", _FLAG),
         ("engaged", _FLAG),
         ("places", _REAL, (2, 3)),
+        ("begin", _REAL, (3,)),
         ("turn", _REAL, (3, 3)),
         ("distance", _REAL),
         ("helped", _FLAG),

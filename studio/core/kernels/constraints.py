@@ -8,7 +8,7 @@ What goes through the functions here, for C constraints on a body of S segments 
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (2, N, 3) state and the one before, grips (4,), points (8, 3),
-  sums (S + 1, 4), turns (6, 3, 3)): scratch, the first two as in ``kernels.priorities``.
+  sums (S + 1, 4), turns (6, 3, 3), full): scratch, the first two as in ``kernels.priorities``, the last ``newton``'s.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
@@ -31,6 +31,7 @@ from studio.core.kernels.limb_constraints import (
     note_seconds,
     range_of,
 )
+from studio.core.kernels.newton import refine_step
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.priorities import find_step, move_joints
 from studio.core.kernels.pulls import BOUND, part_of_step
@@ -40,6 +41,10 @@ from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 TRIES = 8
+SIMPLE = 2
+"""Steps along the rows' own ways, which are all that most targets need, before all joints are looked at (where no feet
+and no other level are to be held: there, what holds would bend the ways of all joints too).
+"""
 COMFORT = 0.97
 """Part of its reach that a limb takes before the trunk helps."""
 FOLDING = 0.05
@@ -115,8 +120,9 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         stiffen(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
     note_balances(level, asked, chain, body, work, pose)
-    for _ in range(TRIES):
-        if not step(level, False, asked, chain, body, work, start, pose) > STILL:
+    whole = level == 0 and chain[2][-1] < 0
+    for attempt in range(TRIES):
+        if not step(level, False, whole and attempt >= SIMPLE, asked, chain, body, work, start, pose) > STILL:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     if level == 0:
@@ -124,7 +130,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     for _ in range(MENDS):
         if disturbance(level, asked, areas, body, work, pose) < KEPT:
             return
-        if not step(level, True, asked, chain, body, work, start, pose) > 0.0:
+        if not step(level, True, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     share = 1.0
@@ -168,7 +174,7 @@ def note_carried(carried):
 
 
 @kernel
-def step(level, mending, asked, chain, body, work, start, pose):
+def step(level, mending, whole, asked, chain, body, work, start, pose):
     """One step of all joints for this level with those above held, or to mend those alone; how far it moves."""
     ask = work[0]
     set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
@@ -189,6 +195,8 @@ def step(level, mending, asked, chain, body, work, start, pose):
     if worst < CLOSE_ENOUGH:
         return 0.0
     find_step(own, count, ask, chain, work[2], work[3][0], work[1], body, start, pose[0])
+    if whole:
+        refine_step(count, ask, chain, work[2], work[3][0], work[1][5][-1], work[8], pose[0])
     way = work[1][5][-1]
     part = part_of_step(own, count, ask[3], ask[5], way, chain[1], pose[0])
     return move_joints(part, chain, work[2], way, work[3][0])

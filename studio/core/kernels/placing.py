@@ -5,7 +5,7 @@
 
 import math
 
-from studio.core.kernels.areas import nearest_allowed
+from studio.core.kernels.areas import nearest_allowed, put_area
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel
@@ -15,6 +15,7 @@ from studio.core.kernels.goals import (
     DISTANCE,
     LOOK_AT,
     ORIENTATION,
+    POSITION,
     ease_goal,
     end_place,
     gaze_goal,
@@ -25,7 +26,12 @@ from studio.core.kernels.joint_limits import is_well_within, keep_root, limb_par
 from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
-from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply_by_transposed
+from studio.core.kernels.rotation import (
+    matrix_to_rotation_vector,
+    multiply,
+    multiply_by_transposed,
+    rotation_vector_to_matrix,
+)
 from studio.core.kernels.stiffness import carry_leg
 from studio.core.kernels.turns import product, put_turn, shortest, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
@@ -102,7 +108,8 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted == 1 and row.rank <= level:
-            moving = moving or row.kind == DISTANCE or row.kind == AREA or row.kind == LOOK_AT
+            follows = row.kind != DISTANCE and row.ends[1, 0] >= 0
+            moving = moving or follows or row.kind == DISTANCE or row.kind == AREA or row.kind == LOOK_AT
             row.engaged = 0
             for end in range(2):
                 if row.ends[end, 2] >= 0:
@@ -110,7 +117,7 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
                     stiff |= row.stiff << row.ends[end, 2]
     for attempt in range(1 + AGAIN):
         if moving:
-            follow(level, asked, areas, work, pose)
+            follow(level, False, asked, areas, work, start, pose)
         for limb in range(4):
             if busy >> limb & 1:
                 if stiff >> limb & 1:
@@ -119,7 +126,10 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
                     if limb >= 2:
                         carry_leg(limb - 2, start, work[2], pose)
                 solve_limb(limb, level, asked, work[4], body[4], work[7], work[5], pose)
-        if not moving or attempt == AGAIN:
+        if not moving:
+            return
+        follow(level, True, asked, areas, work, start, pose)
+        if attempt == AGAIN:
             return
         if engage(level, asked, areas, work[5], pose):
             for limb in range(4):
@@ -130,14 +140,18 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
 
 
 @kernel
-def follow(level, asked, areas, work, pose):
-    """Goals that depend on where things are now: both ends of distances, areas, the line of sight (METHOD 5)."""
+def follow(level, solved, asked, areas, work, start, pose):
+    """Goals that depend on where things are now: both ends of distances, areas, the line of sight, what is followed on
+    the own body (METHOD 5). Once limbs are ``solved``, those that depend on where the limbs have come to be.
+    """
     points = work[5]
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted != 1 or row.rank > level:
             continue
-        if row.kind == DISTANCE:
+        if row.kind != DISTANCE and row.ends[1, 0] >= 0:
+            follow_body(row, areas[c], start, pose, work)
+        if row.kind == DISTANCE and not solved:
             end_place(row, 0, pose, points[0])
             second_place(row, pose, points[1])
             part_to(points[0], points[1], row.distance, row.shares, row.places)
@@ -148,17 +162,48 @@ def follow(level, asked, areas, work, pose):
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
             turn = shortest(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z)
             put_turn(product(turn, turn_in(rotation)), row.turn)
-        elif row.kind == AREA and not row.engaged:
+        elif row.kind == AREA and not row.engaged and not solved:
             engage_one(c, asked, areas, points, pose)
 
 
 @kernel
+def follow_body(row, area, start, pose, work):
+    """Bring what a constraint asks to where the point or segment is now that it follows on its own body."""
+    place, point, turn, vector = work[5][0], work[5][1], work[7][0], work[5][7]
+    end_place(row, 1, pose, place)
+    axes = pose[1][row.ends[1, 1]]
+    if row.kind == POSITION:
+        end_place(row, 0, start, point)
+        ease_goal(point, place, row.share, row.places[0])
+    elif row.kind == ORIENTATION:
+        multiply(axes, row.relative, work[7][1])
+        turn_error(work[7][1], start[1][row.ends[0, 1]], turn, vector)
+        rotation_vector_to_matrix(row.share * vector[0], row.share * vector[1], row.share * vector[2], turn)
+        multiply(turn, start[1][row.ends[0, 1]], row.turn)
+    elif row.kind == LOOK_AT:
+        copy_point(place, row.places[0])
+    elif row.kind == BALANCE:
+        ease_goal(row.begin, place, row.share, row.places[0])
+        copy_point(row.places[0], row.places[1])
+    else:
+        multiply(axes, row.relative, turn)
+        c, s = turn[0, 0] + turn[1, 1], turn[1, 0] - turn[0, 1]
+        size = max(math.sqrt(c * c + s * s), 1e-9)
+        put_area(area, place, row.turn)
+        area[8], area[9] = (c * area[8] - s * area[9]) / size, (s * area[8] + c * area[9]) / size
+
+
+@kernel
 def falls_short(level, asked, areas, body, work, pose):
-    """Whether a distance is missed because one of its limbs could not do its share: then the other does more."""
+    """Whether a distance is missed because one of its limbs could not do its share: then the other does more.
+
+    Or a limb does not hold to what it follows on its own body, which has moved with it.
+    """
     short = False
     for c in range(asked.shape[0]):
         row = asked[c]
-        if row.kind == DISTANCE and row.wanted == 1 and row.rank <= level:
+        follows = row.ends[0, 2] >= 0 and row.ends[1, 0] >= 0 and row.kind <= ORIENTATION
+        if (row.kind == DISTANCE or follows) and row.wanted == 1 and row.rank <= level:
             short = short or miss_of(c, asked, areas, body, work, pose) > CLOSE_ENOUGH
     return short
 

@@ -15,7 +15,7 @@ that it would break most holds first; should it push the step to where a second 
 import math
 
 from studio.core.kernels.compiling import inlined_kernel
-from studio.core.kernels.joints import ROOT, brake
+from studio.core.kernels.joints import FREE_PART, ROOT, brake
 from studio.core.kernels.pulls import BOUND, bend
 from studio.core.kernels.stance import keep_feet_in_reach
 from studio.core.kernels.vectors import weighted_product
@@ -30,6 +30,8 @@ SPOKEN_FOR = 0.2
 """The same of a row that asks, while its errors are large."""
 EASED = 0.05
 """Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
+CLOSER, CLOSEST = 0.1, 3e-5
+"""Part of its room before a limit that a step leaves a joint, and part of the limit that always stays."""
 
 
 @inlined_kernel
@@ -311,5 +313,9 @@ def turn_further(x, y, z, carrier, limit, turned):
     ny = scale * (ty + gy + tz * gx - tx * gz)
     nz = scale * (tz + gz + tx * gy - ty * gx)
     size = math.sqrt(nx * nx + ny * ny + nz * nz)
-    scale = limit / size if size > limit else 1.0
+    scale = 1.0
+    if size > FREE_PART * limit:
+        room = limit - max(math.sqrt(gx * gx + gy * gy + gz * gz), FREE_PART * limit)
+        most = limit - max(CLOSER * room, CLOSEST * limit)
+        scale = min(1.0, most / size)
     turned[0], turned[1], turned[2] = scale * nx, scale * ny, scale * nz

@@ -8,10 +8,13 @@ import math
 
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.feet import smoothstep
 from studio.core.kernels.turns import about, shortest, sine_and_cosine
 
-SWIVEL_LEVER = 0.08 * 0.08
+SWIVEL_LEVER = 2.0 * 0.08 * 0.08
 """Square metres of lever (point times target, from the axis) above which a swivel is not faded."""
+SWIVEL_ANGLE = 0.5 * math.pi
+"""Radians of swivel up to which it is not faded: at half a turn nobody can say which way round is the nearer."""
 STRETCHED = math.cos(0.85 * math.pi)
 """Cosine of the angle beyond which a limb that is bent backwards counts as stretched too far."""
 
@@ -95,7 +98,8 @@ def swivel_way(target, point, held, pivot):
     """(axis, sine, cosine) of the swivel of ``swivel_to``.
 
     The second of two priorities on one limb (K05 figure 11): phi = atan2(a.(r x q), r.q), the exact optimum on the
-    circle; faded where point or target lies within 8 cm of the axis, where it would whirl (METHOD 6).
+    circle; faded where point or target lies near the axis, where it would whirl, and beyond a quarter turn, so that a
+    target that passes behind the axis takes no limb all the way round from one frame to the next (METHOD 6).
     """
     ax, ay, az = held[0] - pivot[0], held[1] - pivot[1], held[2] - pivot[2]
     length = math.sqrt(ax * ax + ay * ay + az * az)
@@ -111,9 +115,10 @@ def swivel_way(target, point, held, pivot):
     sine = ax * (ry * qz - rz * qy) + ay * (rz * qx - rx * qz) + az * (rx * qy - ry * qx)
     cosine = rx * qx + ry * qy + rz * qz
     lever = math.sqrt(sine * sine + cosine * cosine)
-    if lever < SWIVEL_LEVER:
-        t = lever / SWIVEL_LEVER
-        sine, cosine = sine_and_cosine(t * t * (3.0 - 2.0 * t) * math.atan2(sine, cosine))
+    if lever < SWIVEL_LEVER or cosine < 0.0:
+        angle = math.atan2(sine, cosine)
+        part = smoothstep(min((math.pi - abs(angle)) / (math.pi - SWIVEL_ANGLE), 1.0))
+        sine, cosine = sine_and_cosine(part * smoothstep(min(lever / SWIVEL_LEVER, 1.0)) * angle)
     else:
         sine, cosine = sine / lever, cosine / lever
     return (ax, ay, az), sine, cosine

@@ -7,7 +7,7 @@ import math
 
 from studio.core.kernels.balance import centre_of_mass, set_balance_rows
 from studio.core.kernels.compiling import inlined_kernel, kernel
-from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, end_place
+from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
 from studio.core.kernels.placing import turn_error
@@ -63,7 +63,7 @@ def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
             aims = not row.stiff or row.parts[end, 0] == 1.0
             if free and aims:
                 count = add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, body[4], points, pose)
-            elif free or row.kind != DISTANCE:
+            elif free or (row.kind != DISTANCE and end == 0):
                 count = add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose)
     if is_held:
         for other in range(first, count):
@@ -127,6 +127,12 @@ def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
     first = count
     count = add_point_rows(point, segment, x, y, z, owner, count, ask, chain, pose[0])
     note_pull(ask[5][first], x, y, z, 0.0, point, segment)
+    if row.kind == POSITION and row.ends[1, 0] >= 0 and not is_held:
+        end_place(row, 1, pose, point)
+        for axis in range(3):
+            x, y, z = (1.0 if axis == 0 else 0.0), (1.0 if axis == 1 else 0.0), (1.0 if axis == 2 else 0.0)
+            x, y, z = -row.share * x, -row.share * y, -row.share * z
+            add_point_row(point, x, y, z, row.ends[1, 1], chain[1], pose[0], ask[0][first + axis])
     return count
 
 

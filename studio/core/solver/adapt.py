@@ -23,10 +23,9 @@ from studio.core.normalized.realize import realize
 from studio.core.solver.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.chains import free_joints, segment_masses
 from studio.core.solver.clearance import lowest_first, pack_clearance
-from studio.core.solver.following import next_guess, point_track
 from studio.core.solver.footing import Footing, find_footing, leashes
 from studio.core.solver.holding import held_points, place_above, release_hands
-from studio.core.solver.packing import in_order, is_pair, limb_of, pack, point_indices, share_by_weight
+from studio.core.solver.packing import in_order, limb_of, pack, point_indices, share_by_weight
 from studio.core.solver.recruiting import find_recruits, leg_room, limb_freedoms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.settling import Arms, settle
@@ -35,9 +34,6 @@ from studio.core.solver.tracks import Targets, Track, Tracks
 from studio.core.volume import BodyVolume
 
 FloatArray = NDArray[np.float64]
-
-PASSES = 5
-"""Times a motion is solved whose constraints follow points of its own body: each to where the last one had them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,15 +129,8 @@ def hold(
     residuals = np.full((len(constraints), len(positions)), np.nan)
     if constraints:
         known = _known_tracks(standing, constraints, window, tracks)
-        followed = {follow for each in constraints if not is_pair(each) for follow in follows_of(each)}
-        own = [follow for follow in followed if isinstance(follow, FollowBody)]
-        asked: dict[FollowBody, list[tuple[Track, Track]]] = {follow: [] for follow in own}
-        for _ in range(PASSES if own else 1):
-            for follow in own:
-                found = point_track(follow.point, follow.turn, positions, rotations, standing.morphology.still)
-                known[follow] = next_guess(asked[follow], found)
-            positions, rotations = standing.positions[window].copy(), standing.rotations[window].copy()
-            _solve(standing, constraints, window, known, bound, residuals, positions, rotations)
+        positions, rotations = positions.copy(), rotations.copy()
+        _solve(standing, constraints, window, known, bound, residuals, positions, rotations)
     return _answer(standing, first, positions, rotations, residuals)
 
 

@@ -30,27 +30,6 @@ def point_track(
     return Track(positions[:, origin] + axes @ np.array(point.offset), axes @ to_matrix(np.array(turn)))
 
 
-def next_guess(history: list[tuple[Track, Track]], found: Track) -> Track:
-    """Where to look for a point of the own body next, when the body solved for the last guess has it ``found``.
-
-    Plain repetition nears the answer by the same part each time; the last two steps tell that part (Anderson's mixing
-    of depth one, frame by frame). ``history`` keeps the guesses and what was found for each.
-    """
-    guess = found
-    if history:
-        history[-1] = (history[-1][0], found)
-    if len(history) > 1:
-        (before, found_before), (last, _) = history[-2:]
-        miss_before, miss = found_before.places - before.places, found.places - last.places
-        change = miss - miss_before
-        size = np.sum(change * change, axis=1)
-        share = np.where(size > 1e-18, np.sum(miss * change, axis=1) / np.maximum(size, 1e-18), 0.0)
-        mixed = found.places - np.clip(share, -1.0, 1.0)[:, None] * (found.places - found_before.places)
-        guess = Track(mixed, found.rotations)
-    history.append((guess, found))
-    return guess
-
-
 def performer_track(
     point: BodyPoint,
     turn: Quaternion,

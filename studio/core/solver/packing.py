@@ -20,6 +20,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import is_moving
 from studio.core.kernels import goals
 from studio.core.kernels.asked import ASKED
+from studio.core.rotations import to_matrix
 from studio.core.solver.areas import area_row
 from studio.core.solver.tracks import Targets
 
@@ -61,6 +62,15 @@ class Rows:
             row["parts"][end] = parts
             row["freedoms"][end, 0] = max(parts[:1] if point.part == bones[0] else parts)
             row["stiff"] |= row["freedoms"][end, 0] > 0.0 and min(parts) < 1.0
+
+    def put_followed(self, c: int, target: object) -> bool:
+        """What a constraint follows on its own body; False where that is no such thing."""
+        if not isinstance(target, FollowBody):
+            return False
+        row = self.asked[c]
+        row["ends"][1] = *point_indices(target.point, self.layout), -1
+        row["offsets"][1], row["relative"] = target.point.offset, to_matrix(np.array(target.turn))
+        return True
 
     @property
     def wishes(self) -> tuple[FloatArray, ...]:
@@ -120,16 +130,18 @@ def share_by_weight(rows: Rows) -> None:
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
     rows.put_end(c, 0, constraint.point, constraint)
     target = constraint.target
-    if isinstance(target, FollowBody) and is_pair(constraint):
+    if isinstance(target, FollowBody) and _is_pair(constraint):
         # Nought metres from where the other point comes to be, by moving this one alone.
         rows.asked["kind"][c], rows.distances[c], rows.asked["shares"][c, 0] = goals.DISTANCE, 0.0, 1.0
         rows.put_end(c, 1, target.point, constraint)
         rows.asked["freedoms"][c, 1] = 0.0
-    else:
-        rows.asked["kind"][c], rows.places[c] = goals.POSITION, rows.targets.places(target)
+        return
+    rows.asked["kind"][c] = goals.POSITION
+    if not rows.put_followed(c, target):
+        rows.places[c] = rows.targets.places(target)
 
 
-def is_pair(constraint: Constraint) -> bool:
+def _is_pair(constraint: Constraint) -> bool:
     """Whether a position follows a point of its own body that another limb, or none, carries.
 
     Then the kernel itself sees to it that it is where the other point comes to be.
@@ -141,13 +153,17 @@ def is_pair(constraint: Constraint) -> bool:
 
 
 def _orientation(rows: Rows, c: int, constraint: OrientationConstraint) -> None:
-    rows.asked["kind"][c], rows.turns[c] = goals.ORIENTATION, rows.targets.turns(constraint.target)
+    rows.asked["kind"][c] = goals.ORIENTATION
     rows.put_end(c, 0, constraint.point, constraint)
+    if not rows.put_followed(c, constraint.target):
+        rows.turns[c] = rows.targets.turns(constraint.target)
 
 
 def _look_at(rows: Rows, c: int, constraint: LookAtConstraint) -> None:
-    rows.asked["kind"][c], rows.places[c] = goals.LOOK_AT, rows.targets.places(constraint.target)
+    rows.asked["kind"][c] = goals.LOOK_AT
     rows.put_end(c, 0, constraint.point, constraint)
+    if not rows.put_followed(c, constraint.target):
+        rows.places[c] = rows.targets.places(constraint.target)
     rows.asked["ends"][c, 0, 2] = -1
 
 
@@ -172,14 +188,15 @@ def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
     place = constraint.place
     if isinstance(place, tuple) and len(place) == 2:
         rows.places[c, :, :2], rows.places[c, :, 2] = place, rows.targets.masses()[: rows.places.shape[1], 2]
-    elif place is not None:
+    elif place is not None and not rows.put_followed(c, place):
         rows.places[c] = rows.targets.places(place)
 
 
 def _area(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.asked["kind"][c] = goals.AREA
     rows.put_end(c, 0, constraint.point, constraint)
-    rows.places[c] = rows.targets.places(constraint.centre)
+    if not rows.put_followed(c, constraint.centre):
+        rows.places[c] = rows.targets.places(constraint.centre)
     rows.turns[c] = rows.targets.headings(constraint.heading, constraint.centre)
     row = area_row(constraint)
     if len(row) > rows.areas.shape[1]:

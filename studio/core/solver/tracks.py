@@ -63,9 +63,12 @@ class Targets:
         return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
 
     def headings(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
-        """(F or 1, 3, 3) turns about Z: ``heading`` (radians), added to that of what ``centre`` follows."""
+        """(F or 1, 3, 3) turns about Z: ``heading`` (radians), added to that of what ``centre`` follows.
+
+        Where that is the own body it is not known before it is solved, and added then.
+        """
         angles = self.numbers(heading)
-        if isinstance(centre, FOLLOWS):
+        if isinstance(centre, FOLLOWS) and centre in self.tracks:
             axes = self.tracks[centre].rotations
             angles = angles + np.arctan2(axes[:, 1, 0] - axes[:, 0, 1], axes[:, 0, 0] + axes[:, 1, 1])
         turns = np.zeros((len(angles), 3, 3))

@@ -1,0 +1,274 @@
+"""Newton's step in every joint at once, for what a step along the rows' own ways does not finish (METHOD 6).
+
+For levels that have nothing to hold, and leave the root where it is. Where a target is out of reach, every free joint
+comes to rest across from what pulls it or at its limit, and a way or two a row nears that rest ever more slowly. Here
+half the sum of squared errors, with the second derivatives of what pulls, is brought to its least over all joints that
+the rows free: D = 3 N unknowns.
+
+A joint beyond the free part of its limit counts radially in units of the root of what its brake leaves; what pushes it
+outwards adds push / room to its stiffness there and push / angle across, which is the curvature of the limit itself
+(Coleman and Li 1996), so that a limit is met in a few steps, and left as easily. A weak spring, as strong as the miss,
+draws each joint back to the motion: it alone decides about turns that move nothing towards the target. Each step is
+damped by the slope that is left, so that it is bold where it is sure (Li, Fukushima, Qi and Yamashita 2004).
+"""
+
+import math
+
+from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.joints import FREE_PART, brake
+
+SPRING = 0.01
+"""Strength of the spring that draws joints back to the motion, beside the pull of what is missed."""
+DAMPING = 1.0
+"""Damping for each unit of slope that is left."""
+LEAST_DAMPING = 1e-4
+STRETCHED, FOLDED = 3.0, 3.0
+"""What pulls a joint's far side on is counted whole from a third of its full pull on, and by how much more what pulls
+it back: a chain that is too long for its target might buckle to any side, and stays on its ridge.
+"""
+SOFTNESS = 5e-4
+"""Metres times radians: how strongly a limit pushes back before it is met, for each metre that is missed."""
+
+
+@inlined_kernel
+def refine_step(count, ask, chain, carried, turned, step, full, positions):
+    """Write Newton's step over all joints into ``step`` (N, 3), where nothing but what asks is to be looked at.
+
+    ``ask``, ``chain``, ``carried`` and ``turned`` as in ``kernels.priorities.find_step``, which comes first and leaves
+    rows as their brakes have them; ``full`` scratch (system (D, D + 1), vectors (2, D) of which the first is the
+    mobility of every unknown, levers (N, 3)).
+    """
+    joints, brakes = chain[1], ask[4]
+    system, way = full[0], full[1][1]
+    for i in range(system.shape[0]):
+        for j in range(system.shape[1]):
+            system[i, j] = 0.0
+    note_own(count, ask[2], chain[0], full[1][0])
+    missed = add_pulls(count, ask, chain, full, positions)
+    for k in range(joints.shape[0]):
+        if brakes[k, 3] < 1.0:
+            brake_system(k, math.sqrt(brakes[k, 3]), brakes[k], system)
+    add_asks(count, ask, chain[0], full)
+    draw_back(SPRING * missed, brakes, carried, turned, joints, full)
+    slope = press_on_limits(SOFTNESS * missed, brakes, turned, chain, full)
+    solve_damped(DAMPING * slope + LEAST_DAMPING, SPRING * missed, full)
+    for k in range(joints.shape[0]):
+        for axis in range(3):
+            step[k, axis] = way[3 * k + axis]
+        if brakes[k, 3] < 1.0:
+            brake(math.sqrt(brakes[k, 3]), brakes[k], step[k])
+
+
+@inlined_kernel
+def note_own(count, owners, mobilities, out_own):
+    """Mobility (D,) of every unknown: the most that any row that asks gives it."""
+    for k in range(mobilities.shape[1]):
+        most = 0.0
+        for row in range(count):
+            most = max(most, mobilities[owners[row], k])
+        out_own[3 * k] = out_own[3 * k + 1] = out_own[3 * k + 2] = most
+
+
+@inlined_kernel
+def add_pulls(count, ask, chain, full, positions):
+    """Second derivatives of all that asks; the root of the sum of squared errors."""
+    _, errors, owners, _, _, pulls, _ = ask
+    squared = 0.0
+    for q in range(count):
+        squared += errors[q] * errors[q]
+        pull = pulls[q]
+        if pull[7] < 0.0:
+            continue
+        strength = pull[8]
+        if pull[3] != 0.0:
+            long = math.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
+            strength = math.sqrt(pull[8]) * abs(errors[q]) / max(long, 1e-12)
+        add_pull(strength, pull, chain[0][owners[q]], chain[1], full, positions)
+    return math.sqrt(squared)
+
+
+@kernel
+def add_pull(strength, pull, mobilities, joints, full, positions):
+    """``strength`` times the second derivatives of one pull (``kernels.pulls``), on joints that may answer it."""
+    system, levers = full[0], full[2]
+    carrier = int(pull[7])
+    for k in range(joints.shape[0]):
+        acts = mobilities[k] > 0.0 and joints[k, 2] <= carrier < joints[k, 3]
+        for axis in range(3):
+            levers[k, axis] = pull[4 + axis] - positions[joints[k, 1], axis] if acts else 0.0
+    x, y, z = strength * pull[0], strength * pull[1], strength * pull[2]
+    add_bends(x, y, z, joints, levers, system)
+    if pull[3] == 0.0:
+        return
+    long = max(math.sqrt(x * x + y * y + z * z), 1e-12)
+    x, y, z = x / long, y / long, z / long
+    row = full[1][1]
+    for axis in range(3):  # a limb swings about its far end: what its root does across it makes it longer
+        px, py, pz = (1.0 if axis == 0 else 0.0), (1.0 if axis == 1 else 0.0), (1.0 if axis == 2 else 0.0)
+        along = x if axis == 0 else (y if axis == 1 else z)
+        px, py, pz = px - along * x, py - along * y, pz - along * z
+        for k in range(joints.shape[0]):
+            lx, ly, lz = levers[k, 0], levers[k, 1], levers[k, 2]
+            row[3 * k], row[3 * k + 1], row[3 * k + 2] = ly * pz - lz * py, lz * px - lx * pz, lx * py - ly * px
+        add_outer(long / pull[3], row, system)
+
+
+@kernel
+def add_bends(x, y, z, joints, levers, system):
+    """Add -l . d2p for a force l = (x, y, z) on what joints move with ``levers`` (N, 3) r.
+
+    -l . (w x (v x r)) = w . ((l . r) v - r (l . v)) for a joint w and one v that it carries.
+    """
+    for j in range(joints.shape[0]):
+        rx, ry, rz = levers[j, 0], levers[j, 1], levers[j, 2]
+        along = x * rx + y * ry + z * rz
+        if along <= 0.0:
+            for a in range(3):
+                system[3 * j + a, 3 * j + a] -= FOLDED * along
+            continue
+        part = min(1.0, STRETCHED * along / math.sqrt((x * x + y * y + z * z) * (rx * rx + ry * ry + rz * rz)))
+        for i in range(j + 1):
+            if not joints[i, 2] <= joints[j, 0] < joints[i, 3]:
+                continue
+            for a in range(3):
+                r = rx if a == 0 else (ry if a == 1 else rz)
+                for b in range(3):
+                    value = (along if a == b else 0.0) - r * (x if b == 0 else (y if b == 1 else z))
+                    value *= part
+                    if i == j:
+                        system[3 * i + a, 3 * j + b] += 0.5 * value
+                        system[3 * j + b, 3 * i + a] += 0.5 * value
+                    else:
+                        system[3 * i + a, 3 * j + b] += value
+                        system[3 * j + b, 3 * i + a] += value
+
+
+@kernel
+def add_outer(scale, row, system):
+    """Add ``scale`` times a row (D,) times itself."""
+    size = system.shape[0]
+    for i in range(size):
+        share = scale * row[i]
+        if share != 0.0:
+            for j in range(size):
+                system[i, j] += share * row[j]
+
+
+@inlined_kernel
+def brake_system(k, part, axis, system):
+    """Shorten the unknowns of one joint to ``part`` of themselves along its unit ``axis``, on both sides."""
+    size = system.shape[0]
+    for i in range(size):
+        along = (part - 1.0) * (
+            axis[0] * system[i, 3 * k] + axis[1] * system[i, 3 * k + 1] + axis[2] * system[i, 3 * k + 2]
+        )
+        for a in range(3):
+            system[i, 3 * k + a] += along * axis[a]
+    for j in range(size):
+        along = (part - 1.0) * (
+            axis[0] * system[3 * k, j] + axis[1] * system[3 * k + 1, j] + axis[2] * system[3 * k + 2, j]
+        )
+        for a in range(3):
+            system[3 * k + a, j] += along * axis[a]
+
+
+@inlined_kernel
+def add_asks(count, ask, mobilities, full):
+    """A^T A and A^T e of the rows that ask, on joints that may answer each."""
+    rows, errors, owners = ask[0], ask[1], ask[2]
+    system, row = full[0], full[1][1]
+    size = system.shape[0]
+    for q in range(count):
+        for k in range(rows.shape[1]):
+            acts = mobilities[owners[q], k] > 0.0
+            for axis in range(3):
+                row[3 * k + axis] = rows[q, k, axis] if acts else 0.0
+        add_outer(1.0, row, system)
+        for i in range(size):
+            system[i, size] += errors[q] * row[i]
+
+
+@inlined_kernel
+def draw_back(spring, brakes, carried, turned, joints, full):
+    """The pull of the springs that draw joints to where the motion has them."""
+    system, own, force = full[0], full[1][0], full[2]
+    size = system.shape[0]
+    for k in range(joints.shape[0]):
+        if own[3 * k] == 0.0:
+            continue
+        turn = carried[joints[k, 4]]
+        for axis in range(3):
+            x, y, z = turned[k, 0], turned[k, 1], turned[k, 2]
+            force[k, axis] = 2.0 * (turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z)
+        if brakes[k, 3] < 1.0:
+            brake(math.sqrt(brakes[k, 3]), brakes[k], force[k])
+        for axis in range(3):
+            system[3 * k + axis, size] -= spring / own[3 * k] * force[k, axis]
+
+
+@inlined_kernel
+def press_on_limits(softness, brakes, turned, chain, full):
+    """Let limits press back, and stiffen joints by what presses them on; the size of the slope that is left, in metres.
+
+    A limit pushes with ``softness`` / (radians that are left to it), so that it is met softly.
+    """
+    limits, system, own = chain[3], full[0], full[1][0]
+    size = system.shape[0]
+    squared = 0.0
+    for k in range(brakes.shape[0]):
+        if own[3 * k] == 0.0:
+            continue
+        x, y, z = system[3 * k, size], system[3 * k + 1, size], system[3 * k + 2, size]
+        if brakes[k, 3] < 1.0:
+            ax, ay, az, part = brakes[k, 0], brakes[k, 1], brakes[k, 2], math.sqrt(brakes[k, 3])
+            room = 2.0 * (1.0 - FREE_PART) * limits[k]
+            back = softness * (1.0 - brakes[k, 3]) / (brakes[k, 3] * room)
+            press = max(ax * x + ay * y + az * z, 0.0) / part * (1.0 - brakes[k, 3])
+            for a in range(3):
+                system[3 * k + a, size] -= back * part * brakes[k, a]
+            x, y, z = x - press * part * ax, y - press * part * ay, z - press * part * az
+            across = press / (2.0 * math.sqrt(turned[k, 0] ** 2 + turned[k, 1] ** 2 + turned[k, 2] ** 2))
+            radial = max(press, back) / room - across
+            for a in range(3):
+                system[3 * k + a, 3 * k + a] += across
+                for b in range(3):
+                    system[3 * k + a, 3 * k + b] += radial * brakes[k, a] * brakes[k, b]
+        squared += own[3 * k] * (x * x + y * y + z * z)
+    return math.sqrt(squared)
+
+
+@inlined_kernel
+def solve_damped(damping, spring, full):
+    """Solve for the step of the own joints, in units of their mobility, into ``full[1][1]``.
+
+    Elimination whose pivots stay positive and whose factors stay bounded, whatever the curvature (Gill, Murray and
+    Wright 1981, 4.4.2.2).
+    """
+    system, own, way = full[0], full[1][0], full[1][1]
+    size = system.shape[0]
+    bound = 0.0
+    for i in range(size):
+        root = math.sqrt(own[i])
+        for j in range(size):
+            system[i, j] *= root * math.sqrt(own[j])
+        system[i, size] *= root
+        system[i, i] += damping + spring
+        bound = max(bound, abs(system[i, i]))
+    for i in range(size):
+        most = 0.0
+        for j in range(i + 1, size):
+            most = max(most, abs(system[i, j]))
+        pivot = max(system[i, i], damping, most * most / bound)
+        system[i, i] = pivot
+        for j in range(i + 1, size):
+            factor = system[i, j] / pivot
+            if factor != 0.0:
+                for column in range(j, size + 1):
+                    system[j, column] -= factor * system[i, column]
+    for i in range(size - 1, -1, -1):
+        value = system[i, size]
+        for j in range(i + 1, size):
+            value -= system[i, j] * way[j]
+        way[i] = value / system[i, i]
+    for i in range(size):
+        way[i] *= math.sqrt(own[i])
