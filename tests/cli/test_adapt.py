@@ -283,7 +283,9 @@ def test_what_is_followed_and_not_there_is_named(capsys, walk, tmp_path, target,
 
 
 def test_joints_are_freed_by_a_flag_and_limits_are_named_where_they_keep_a_wrist_off(capsys, walk, tmp_path):
-    behind = {**WRIST, "target": [-0.3, 0.35, 1.3], "chain": {"limb": 1.0, "clavicle": 0.0}}
+    always = {"start": 0.0, "full": 0.0, "full_end": 1.0, "end": 1.0}
+    chain = {"limb": 1.0, "clavicle": 0.0}
+    behind = {**WRIST, "target": [-0.3, 0.35, 1.3], "chain": chain, "activation": always}
     file = constraint_file(tmp_path, behind)
     asked = ("--character", "adult_woman", "--constraints", file)
     limited, free = (

@@ -22,7 +22,7 @@ def test_quaternions_become_unit_and_continuous() -> None:
 def test_signs_are_those_that_lie_nearest_to_the_frame_before() -> None:
     given = _rotations(200, 5)
     poses = PoseSequence(given, np.zeros((200, 5, 3)))
-    assert np.array_equal(poses.local_rotations, sign_continuous(normalized(given)))
+    assert poses.local_rotations == pytest.approx(sign_continuous(normalized(given)), abs=1e-15)
 
 
 def test_frames_are_counted_with_both_ends() -> None:

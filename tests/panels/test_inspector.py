@@ -316,6 +316,6 @@ def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_u
     assert not document.project.performers["performer 0"].limited
     assert document.project.performers["performer 1"].limited
     assert document.history[-1] == "Free the joints of Body 0"
-    document.undo()
+    document.undo_stack.undo()
     assert tick.isChecked()
     assert document.project.performers["performer 0"].limited

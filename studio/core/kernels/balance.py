@@ -1,4 +1,4 @@
-"""The centre of mass, and how joints move it."""
+"""The centre of mass, and how joints move it (METHOD 7)."""
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import ROOT, pivot_point

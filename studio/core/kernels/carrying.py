@@ -30,6 +30,8 @@ def settle_frames(roots, starts, ends, least, most, seats, centres, stiffness, m
     (knees, ankles, wrists) and lengths between ``least`` and ``most`` (N, F); ``seats`` (F, 7) the seat from the root,
     where it is to be, and 1 where it stands. ``moves`` (F, 6), in place: travel of the root and a rotation vector about
     it. Gauss-Newton from ``centres``; a link that was once too long stays taut, or it would tug and let go in turns.
+
+    METHOD (10).
     """
     turn, arm, goal = np.empty((3, 3)), np.empty(3), np.empty(3)
     matrix, row, zero = np.empty((6, 7)), np.empty(6), np.zeros(3)
@@ -73,7 +75,10 @@ def settle_frames(roots, starts, ends, least, most, seats, centres, stiffness, m
 
 @kernel
 def add_pull(arm, x, y, z, error, row, matrix):
-    """Add to the normal equations (6, 7) that a point at ``arm`` from the root is to go ``error`` along a direction."""
+    """Add to the normal equations (6, 7) that a point at ``arm`` from the root is to go ``error`` along a direction.
+
+    METHOD (10).
+    """
     row[0], row[1], row[2] = x, y, z
     row[3] = (arm[1] * z - arm[2] * y) / LEAN
     row[4] = (arm[2] * x - arm[0] * z) / LEAN

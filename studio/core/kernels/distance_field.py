@@ -1,4 +1,4 @@
-"""Signed distance from a triangle mesh: measured on a grid, and asked of it as a smooth field.
+"""Signed distance from a triangle mesh: measured on a grid, and asked of it as a smooth field (METHOD 5).
 
 A *field* is one row of numbers: origin (3), cell, count along x, y and z, then the coefficients of a cubic B-spline
 through the distances at the nodes, x slowest. The spline has continuous second derivatives, so a place on the surface

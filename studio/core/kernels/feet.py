@@ -1,4 +1,4 @@
-"""Feet that stand: soles locked level, ankles and toes kept at one place through each contact.
+"""Feet that stand: soles locked level, ankles and toes kept at one place through each contact (METHOD 4).
 
 States of a foot at a frame: bit 1 the heel stands, bit 2 the toe stands. ``soles`` (F or 1, 5) are the measures of one
 foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the ankle.
@@ -22,7 +22,10 @@ STEEP = -0.7
 
 @kernel
 def smoothstep(t):
-    """Quintic ease 6t^5 - 15t^4 + 10t^3 of t in [0, 1]: level, without velocity or acceleration at both ends."""
+    """Quintic ease 6t^5 - 15t^4 + 10t^3 of t in [0, 1]: level, without velocity or acceleration at both ends.
+
+    METHOD (6).
+    """
     return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
 
 
@@ -53,7 +56,7 @@ def plan_foot(states, soles, height, ankle, foot, positions, rotations, out_ankl
 
 @kernel
 def free_feet(planted, reach, out_free):
-    """0 in frames that are ``planted`` (F,), eased to 1 within ``reach`` frames before and after, (F,)."""
+    """0 in frames that are ``planted`` (F,), eased to 1 within ``reach`` frames before and after, (F,) (METHOD (6))."""
     count = planted.shape[0]
     last = -math.inf
     for frame in range(count):
@@ -67,7 +70,10 @@ def free_feet(planted, reach, out_free):
 
 @kernel
 def fill_gaps(values, known):
-    """Values (F, 3) where not ``known`` (F,): eased from the known before to the known after, held at the ends."""
+    """Values (F, 3) where not ``known`` (F,): eased from the known before to the known after, held at the ends.
+
+    METHOD (6).
+    """
     count = known.shape[0]
     last = -1
     for frame in range(count):
@@ -168,7 +174,7 @@ def set_heading(matrix, along, across):
 
 @allocating_kernel
 def level_toes(feet, toes, states, out_toes):
-    """Toe rotations (F, 3, 3) lying level while the toe stands, heading as the foot; eased in between.
+    """Toe rotations (F, 3, 3) lying level while the toe stands, heading as the foot; eased in between (METHOD (6)).
 
     A foot that stands steeply on its tucked toes heads where its instep looks; one that lies on its instep keeps them.
     ``feet`` (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; out in the world.
@@ -231,7 +237,10 @@ def plant_ankles(ankles, feet, states, soles, ground, out_ankles):
 
 @allocating_kernel
 def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
-    """Ankle targets of one unbroken contact, frames begin to end (excluded), spread from its seed both ways."""
+    """Ankle targets of one unbroken contact, frames begin to end (excluded), spread from its seed both ways.
+
+    METHOD (6).
+    """
     first, last = longest_stretch(states, HEEL, begin, end)
     heel = last > first
     if not heel:

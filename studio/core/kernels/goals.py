@@ -1,4 +1,4 @@
-"""What each constraint asks of one frame: places and rotations between the unsolved pose and the target."""
+"""What each constraint asks of one frame: places and rotations between the unsolved pose and the target (METHOD 5)."""
 
 import math
 
@@ -23,7 +23,7 @@ def end_place(row, end, pose, out_point):
 
 @small_kernel
 def ease_goal(start, target, share, out_goal):
-    """Goal (3,) between where a point is and where it is to be (METHOD 5: interpolate the target)."""
+    """Goal (3,) between where a point is and where it is to be (METHOD 5, (12): interpolate the target)."""
     for axis in range(3):
         out_goal[axis] = start[axis] + share * (target[axis] - start[axis])
 
@@ -32,7 +32,7 @@ def ease_goal(start, target, share, out_goal):
 def part_to(first, second, distance, shares, out_goals):
     """Goals (2, 3) of two points that are to be ``distance`` apart, moved along their line by their shares.
 
-    Written without a direction, so that distance zero needs none (METHOD 5).
+    Written without a direction, so that distance zero needs none (METHOD 5, (13)).
     """
     x, y, z = second[0] - first[0], second[1] - first[1], second[2] - first[2]
     now = math.sqrt(x * x + y * y + z * z)

@@ -1,4 +1,4 @@
-"""The joints that a search may turn: how each moves points of the body, and the body posed from their turns.
+"""The joints that a search may turn: how each moves points of the body, and the body posed from their turns (METHOD 6).
 
 ``joints`` (N, 5) holds, for each joint that any constraint's chain frees, the segment it turns, the point about which
 it turns, the first and past the last of the segments that turn with it, and the segment that carries it (S none);

@@ -1,4 +1,4 @@
-"""Legs placed on the ankles that the ground asks for."""
+"""Legs placed on the ankles that the ground asks for (METHOD 4)."""
 
 import math
 
@@ -22,6 +22,8 @@ def hip_heights(channels, measures, rotations, ankles, comforts, states, out_dro
     The heights h2, h3 of the paper against h1, the root as it is.
     ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root as it is; ``comforts`` (2, F) part
     of its length to which each leg stretches freely; ``states`` (2, F).
+
+    METHOD (9).
     """
     hip, root = np.empty(3), np.zeros(3)
     for frame in range(channels.shape[0]):
@@ -111,7 +113,7 @@ def same_turn(a, b):
 
 @kernel
 def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
-    """Radians by which a leg's ``frame`` (a turn) turns about its z axis until the knee faces its place.
+    """Radians by which a leg's ``frame`` (a turn) turns about its z axis until the knee faces its place (METHOD (4)).
 
     ``ankle`` (7,) as in ``place_leg``: as firmly as the knee is held there. Hardly at all where the knee is on the line
     of hip and ankle, or its place is.

@@ -1,4 +1,4 @@
-"""Arms and legs as links of variable length: the analytic heart of the method."""
+"""Arms and legs as links of variable length: the analytic heart of the method (METHOD 3)."""
 
 import math
 
@@ -8,7 +8,7 @@ from studio.core.kernels.turns import put_beside, put_turn, sine_and_cosine
 
 @small_kernel
 def place_limb(root, frame, distance, bones, off_plane, bend, twists, out_middle, out_end, out_upper, out_lower):
-    """Middle joint and both segments of a limb from its frame and its length (K05 section 8; METHOD 3.4).
+    """Middle joint and both segments of a limb from its frame and its length (K05 section 8; METHOD 3.4, (5)).
 
     ``root`` the place of its root; ``frame`` the turn (``kernels.turns``) whose z axis points to the extremity;
     lengths of both ``bones``, ``off_plane`` metres; ``twists`` of both, radians. ``out_middle``, ``out_end`` (3,):
@@ -58,7 +58,7 @@ def bone_turn(frame, x, y, z, twist):
 @kernel
 def soft_reach(needed, comfort):
     """Part of its length to which a limb stretches when ``needed`` is asked: all of it up to ``comfort``, then
-    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 6).
+    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 6, (11)).
     """
     if needed <= comfort:
         return needed

@@ -281,7 +281,10 @@ def along(goal, point, root):
 
 @kernel
 def comfortable(row, end, span):
-    """How far a limb stretches for a place ``span`` metres from its root: as far as agreed, or softly if alone."""
+    """How far a limb stretches for a place ``span`` metres from its root: as far as agreed, or softly if alone.
+
+    METHOD (11).
+    """
     if row.helped:
         return min(span, row.reaches[end])
     longest = row.longest[end]

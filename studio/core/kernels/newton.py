@@ -37,6 +37,8 @@ def refine_step(count, ask, chain, carried, turned, step, full, positions):
     ``ask``, ``chain``, ``carried`` and ``turned`` as in ``kernels.priorities.find_step``, which comes first and leaves
     rows as their brakes have them; ``full`` scratch (system (D, D + 1), vectors (2, D) of which the first is the
     mobility of every unknown, levers (N, 3)).
+
+    METHOD (24).
     """
     joints, brakes = chain[1], ask[4]
     system, way = full[0], full[1][1]
@@ -89,7 +91,10 @@ def add_pulls(count, ask, chain, full, positions):
 
 @kernel
 def add_pull(strength, pull, mobilities, joints, full, positions):
-    """``strength`` times the second derivatives of one pull (``kernels.pulls``), on joints that may answer it."""
+    """``strength`` times the second derivatives of one pull (``kernels.pulls``), on joints that may answer it.
+
+    METHOD (24).
+    """
     system, levers = full[0], full[2]
     carrier = int(pull[7])
     for k in range(joints.shape[0]):
@@ -211,6 +216,8 @@ def press_on_limits(softness, brakes, turned, chain, full):
     """Let limits press back, and stiffen joints by what presses them on; the size of the slope that is left, in metres.
 
     A limit pushes with ``softness`` / (radians that are left to it), so that it is met softly.
+
+    METHOD (24).
     """
     limits, system, own = chain[3], full[0], full[1][0]
     size = system.shape[0]
@@ -239,7 +246,7 @@ def press_on_limits(softness, brakes, turned, chain, full):
 
 @inlined_kernel
 def solve_damped(damping, spring, full):
-    """Solve for the step of the own joints, in units of their mobility, into ``full[1][1]``.
+    """Solve for the step of the own joints, in units of their mobility, into ``full[1][1]`` (METHOD (24)).
 
     Elimination whose pivots stay positive and whose factors stay bounded, whatever the curvature (Gill, Murray and
     Wright 1981, 4.4.2.2).

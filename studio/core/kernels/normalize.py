@@ -1,4 +1,4 @@
-"""From a posed capture to channels: the other way round than ``kernels.realize``, and in its order."""
+"""From a posed capture to channels: the other way round than ``kernels.realize``, and in its order (METHOD 2)."""
 
 import math
 

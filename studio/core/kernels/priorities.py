@@ -113,7 +113,10 @@ def solve_rows(held, count, ask, chain, solving, positions):
 
 @inlined_kernel
 def solve_held(held, count, errors, solving):
-    """What keeps the active held rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the rows a that ask; how many."""
+    """What keeps the active held rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the rows a that ask; how many.
+
+    METHOD (21).
+    """
     matrix, system, _, active, _, _, _ = solving
     kept = 0
     for i in range(held):
@@ -162,7 +165,10 @@ def eliminate(system, count, columns):
 
 @inlined_kernel
 def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
-    """Along which (N, 3) a row that asks moves the joints: its own levers less what held rows take back."""
+    """Along which (N, 3) a row that asks moves the joints: its own levers less what held rows take back.
+
+    METHOD (22).
+    """
     system, active = solving[1], solving[3]
     for k in range(out_way.shape[0]):
         share = mobilities[owners[j], k]
@@ -180,7 +186,7 @@ def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
 
 @inlined_kernel
 def solve_own(held, count, kept, ask, joints, solving, positions):
-    """Newton's step among the ways of the rows that ask, into ``answer``."""
+    """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23))."""
     errors = ask[1]
     matrix, system, newton, active, answer, _, levers = solving
     own = count - held
@@ -217,6 +223,8 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
 
     A bound pushes with mu = -M_hh^-1 M_ha e (the multiplier of its Lagrangian). What would bend towards its goal is
     left out, so that the equations stay positive.
+
+    METHOD (23).
     """
     errors, roles, pulls = ask[1], ask[3], ask[5]
     system, newton, active, ways, scratch = solving[1], solving[2], solving[3], solving[5], solving[6]
@@ -303,7 +311,10 @@ def move_joints(part, chain, carried, way, turned):
 
 @inlined_kernel
 def turn_further(x, y, z, carrier, limit, turned):
-    """Compose a small turn in world axes with a joint's Gibbs vector: g' = (t + g + t x g) / (1 - t . g), limited."""
+    """Compose a small turn in world axes with a joint's Gibbs vector: g' = (t + g + t x g) / (1 - t . g), limited.
+
+    METHOD (20).
+    """
     tx = 0.5 * (carrier[0, 0] * x + carrier[1, 0] * y + carrier[2, 0] * z)
     ty = 0.5 * (carrier[0, 1] * x + carrier[1, 1] * y + carrier[2, 1] * z)
     tz = 0.5 * (carrier[0, 2] * x + carrier[1, 2] * y + carrier[2, 2] * z)

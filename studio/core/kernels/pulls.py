@@ -1,4 +1,4 @@
-"""What pulls at the body, and how the pull changes to the second order while joints turn."""
+"""What pulls at the body, and how the pull changes to the second order while joints turn (METHOD 6)."""
 
 import math
 
@@ -27,7 +27,7 @@ def note_pull(pull, x, y, z, span, point, carrier):
 
 @kernel
 def bent_away(pull, rates, joints, positions):
-    """(e . v, e . H(x, x), (J x)^2, |a|) of an error e while joints turn at ``rates`` x (N, 3).
+    """(e . v, e . H(x, x), (J x)^2, |a|) of an error e while joints turn at ``rates`` x (N, 3) (METHOD (23)).
 
     With v, a the velocity and acceleration of the pulled point, e . H is -e . a, and for a limb of length ``span``
     + |e| / span times v^2 across it (to be shortened, or - to be lengthened).
@@ -66,6 +66,8 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
     With u = g x r and s = g + 2 w of a way at each joint, e . a_ij gains ((e x s_i) . u_j + (e x s_j) . u_i) / 2.
     What would bend towards the goal is left out, and a pair counts at most 0.9 of the mean of what each of the two
     bends away alone, so that the equations stay positive.
+
+    METHOD (23).
     """
     own, carrier, weight = count - held, int(pull[7]), push * pull[8]
     ex, ey, ez, span = pull[0], pull[1], pull[2], pull[3]

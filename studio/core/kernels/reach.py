@@ -21,7 +21,7 @@ STRETCHED = math.cos(0.85 * math.pi)
 
 @small_kernel
 def levers(root, middle, hinge, point):
-    """How the distance root-point depends on the bend: (c0, c1 cos, c1 sin) of METHOD (12) at the angle of now.
+    """How the distance root-point depends on the bend: (c0, c1 cos, c1 sin) of METHOD (15) at the angle of now.
 
     ``hinge`` (3,) is the unit axis through ``middle`` about which ``point`` turns. The angle is 0 when the point
     is folded over the root and pi when stretched away from it.
@@ -46,7 +46,7 @@ def bend_range(root, middle, hinge, point):
 
 @kernel
 def span_range(root, middle, hinge, point):
-    """(least, greatest) distance root-point that bending allows, in metres."""
+    """(least, greatest) distance root-point that bending allows, in metres (METHOD (15))."""
     c0, cosine, sine = levers(root, middle, hinge, point)
     twice = 2.0 * math.sqrt(cosine * cosine + sine * sine)
     return math.sqrt(max(0.0, c0 - twice)), math.sqrt(max(0.0, c0 + twice))
@@ -58,6 +58,8 @@ def bend_to(distance, upper, spine_count, point_index, point, positions, rotatio
 
     ``upper`` is the limb's upper segment, ``point_index`` its root point; the side to which the limb bends is
     that of its hinge axis (the x axis of the upper segment), which is defined at full stretch too.
+
+    METHOD (15).
     """
     middle = positions[point_index + 1]
     hinge = rotations[upper, 0, 0], rotations[upper, 1, 0], rotations[upper, 2, 0]
@@ -88,7 +90,10 @@ def aim_at(target, point, segment, spine_count, pivot, positions, rotations):
 
 @kernel
 def swivel_to(target, point, held, segment, spine_count, pivot, positions, rotations):
-    """Turn a limb about the axis from its root through the ``held`` point so that ``point`` nears ``target``."""
+    """Turn a limb about the axis from its root through the ``held`` point so that ``point`` nears ``target``.
+
+    METHOD (16).
+    """
     axis, sine, cosine = swivel_way(target, point, held, pivot)
     turn_part(about(axis, cosine, sine), segment, spine_count, pivot, positions, rotations)
 
@@ -99,7 +104,7 @@ def swivel_way(target, point, held, pivot):
 
     The second of two priorities on one limb (K05 figure 11): phi = atan2(a.(r x q), r.q), the exact optimum on the
     circle; faded where point or target lies near the axis, where it would whirl, and beyond a quarter turn, so that a
-    target that passes behind the axis takes no limb all the way round from one frame to the next (METHOD 6).
+    target that passes behind the axis takes no limb all the way round from one frame to the next (METHOD 6, (17)).
     """
     ax, ay, az = held[0] - pivot[0], held[1] - pivot[1], held[2] - pivot[2]
     length = math.sqrt(ax * ax + ay * ay + az * az)

@@ -1,4 +1,4 @@
-"""From channels to a posed body: the morphology-independent motion takes the measures of one body."""
+"""From channels to a posed body: the morphology-independent motion takes the measures of one body (METHOD 3)."""
 
 import math
 

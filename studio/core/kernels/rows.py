@@ -1,4 +1,4 @@
-"""What each constraint asks of the joints in one step: rows for ``kernels.priorities``.
+"""What each constraint asks of the joints in one step: rows for ``kernels.priorities`` (METHOD 6).
 
 ``asked``, ``chain``, ``body``, ``work`` and ``pose`` are what ``kernels.constraints`` describes.
 """
@@ -167,7 +167,7 @@ def aim_limb(row, end, is_held, holds_end, points, pose):
 
 @kernel
 def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits, points, pose):
-    """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6).
+    """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6, (18)).
 
     Held, it is a bound: the root may go wherever the limb still reaches; if the limb falls short, it stays. A limb
     that its ``limits`` keep from its goal is carried there, as it lies, along what it misses (29).

@@ -1,4 +1,4 @@
-"""What planted feet allow the root: its legs are on leashes."""
+"""What planted feet allow the root: its legs are on leashes (METHOD 7)."""
 
 import math
 

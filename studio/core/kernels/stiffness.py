@@ -1,4 +1,4 @@
-"""Limbs of which a chain makes the upper or the lower segment stiff: each takes its part of its own change (METHOD 24).
+"""Limbs of which a chain makes the upper or the lower segment stiff: each takes its part of its change (METHOD (19)).
 
 What both would do is noted when a level begins; after that the shoulder turns, and the elbow changes the distance, by
 no more than their parts of it, and the rest of the chain is asked for what is left. A record of ``kernels.asked`` that
@@ -35,7 +35,7 @@ def free_stiff(level, asked):
 
 @kernel
 def stiffen(level, asked):
-    """From now on they may do their parts of what they did: p c / (1 - p^32) (METHOD 24)."""
+    """From now on they may do their parts of what they did: p c / (1 - p^32) (METHOD (19))."""
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.stiff and row.rank == level and row.wanted == 1:

@@ -1,4 +1,4 @@
-"""Triangles seen from above: the highest one over a place, by a grid of cells."""
+"""Triangles seen from above: the highest one over a place, by a grid of cells (METHOD 4)."""
 
 import math
 

@@ -20,7 +20,7 @@ MOST_BENT = math.radians(85.0)
 
 @allocating_kernel
 def keep_above(soles, states, ground, frame_rate, ankles, feet, toes):
-    """Raise a foot in the air and bend its toes up, in place, so that nothing of it is below the floor (METHOD 4).
+    """Raise a foot in the air and bend its toes up, in place, so that nothing of it is below the floor (METHOD 4, (7)).
 
     ``soles`` (F or 1, 6) as ``morphology.sole_rows`` has them, ``states`` (F,), ``ground`` a height; ``ankles`` (F, 3),
     ``feet``, ``toes`` (F, 3, 3). What lies on its instep, sole up, is left as it is.
@@ -62,7 +62,10 @@ def find_rooms(states, bits, frame_rate, out_rooms):
 
 @kernel
 def lack(height, room):
-    """By how much to raise what is at ``height`` so that it keeps above 0: twice continuously differentiable."""
+    """By how much to raise what is at ``height`` so that it keeps above 0: twice continuously differentiable.
+
+    METHOD (7).
+    """
     if height >= room:
         return 0.0
     if height <= -room:
