@@ -31,6 +31,7 @@ boundary by direction as J. Wilhelms and A. Van Gelder: Fast and easy reach-cone
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +73,12 @@ HINGED, UPRIGHT = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
 
 
 def limits_of(body: Morphology) -> NDArray[np.void]:
-    """(4,) records of ``kernels.joint_limits``, a row a limb."""
+    """(4,) records of ``kernels.joint_limits``, a row a limb, to be written in."""
+    return _limits_of(body).copy()
+
+
+@lru_cache(maxsize=64)
+def _limits_of(body: Morphology) -> NDArray[np.void]:
     limits = np.zeros(4, dtype=LIMITED)
     for limb, row in enumerate(limits):
         side, is_arm = limb % 2, limb < 2

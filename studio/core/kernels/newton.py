@@ -30,7 +30,7 @@ SOFTNESS = 5e-4
 """Metres times radians: how strongly a limit pushes back before it is met, for each metre that is missed."""
 
 
-@inlined_kernel
+@kernel
 def refine_step(count, ask, chain, carried, turned, step, full, positions):
     """Write Newton's step over all joints into ``step`` (N, 3), where nothing but what asks is to be looked at.
 

@@ -14,7 +14,7 @@ that it would break most holds first; should it push the step to where a second 
 
 import math
 
-from studio.core.kernels.compiling import inlined_kernel
+from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.joints import FREE_PART, ROOT, brake
 from studio.core.kernels.pulls import BOUND, bend
 from studio.core.kernels.stance import keep_feet_in_reach
@@ -34,7 +34,7 @@ CLOSER, CLOSEST = 0.1, 3e-5
 """Part of its room before a limit that a step leaves a joint, and part of the limit that always stays."""
 
 
-@inlined_kernel
+@kernel
 def find_step(held, count, ask, chain, carried, turned, solving, body, start, positions):
     """How all joints are to turn and the root to move towards what the rows ask: the way (N, 3) in ``solving``.
 
@@ -82,7 +82,7 @@ def stiffen_rows(count, rows, brakes):
                 brake(part, brakes[k], rows[row, k])
 
 
-@inlined_kernel
+@kernel
 def solve_rows(held, count, ask, chain, solving, positions):
     """The step of all joints with the active rows, along their ways."""
     rows, errors, owners, _, brakes, _, _ = ask
@@ -184,7 +184,7 @@ def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
             brake(math.sqrt(brakes[k, 3]), brakes[k], out_way[k])
 
 
-@inlined_kernel
+@kernel
 def solve_own(held, count, kept, ask, joints, solving, positions):
     """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23))."""
     errors = ask[1]
