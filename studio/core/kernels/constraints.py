@@ -35,7 +35,7 @@ from studio.core.kernels.newton import refine_step
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.priorities import find_step, move_joints
 from studio.core.kernels.pulls import BOUND, part_of_step
-from studio.core.kernels.recruiting import note_balances
+from studio.core.kernels.recruiting import frees_limbs, note_balances
 from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
@@ -120,7 +120,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         stiffen(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
     note_balances(level, asked, chain, body, work, pose)
-    whole = level == 0 and chain[2][-1] < 0
+    whole = level == 0 and chain[2][-1] < 0 and not frees_limbs(chain[2])
     for attempt in range(TRIES):
         if not step(level, False, whole and attempt >= SIMPLE, asked, chain, body, work, start, pose) > STILL:
             break
