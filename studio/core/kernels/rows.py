@@ -22,6 +22,12 @@ MISSED = 2e-3
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
 
 
+LIMITED_ROUND, ASIDE = 0.3, 0.03
+"""Radius of the edge of what a limb at its limits reaches, in parts of its length, and the squared sine of the angle
+between limb and miss at which it is half way there from that of a free one.
+"""
+
+
 @inlined_kernel
 def add_feet_rows(owner, count, chain, body, ask, start, positions):
     """Bounds of both legs: their hips go no further from the ankles than the leash. The new number of rows."""
@@ -224,9 +230,8 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
 
 @kernel
 def add_limited_row(row, end, owner, is_held, count, ask, chain, wanted, points, pose):
-    """Carry a limb that lies at a limit, stiff, along its miss: how the least miss changes to the first order (29).
+    """Carry a limb that lies at a limit along what it misses (29): to the first order as if it were stiff.
 
-    To the second a limb that may move on misses no more than a stiff one: half of a stiff one's curvature is counted.
     Held, it keeps the miss that it had. ``points[0]`` is the point that is to be at ``wanted`` (3,).
     """
     limb, point, goal = row.ends[end, 2], points[0], row.places[end]
@@ -237,11 +242,27 @@ def add_limited_row(row, end, owner, is_held, count, ask, chain, wanted, points,
     size = math.sqrt(x * x + y * y + z * z)
     if size < CLOSE_ENOUGH:
         return count
-    _, upper = limb_indices(limb, pose[0].shape[0] - 23)
+    root, upper = limb_indices(limb, pose[0].shape[0] - 23)
     carrier = 0 if limb >= 2 else upper - 1
     x, y, z, error = x / size, y / size, z / size, size - kept
     begin_row(ask, count, owner, error)
     add_point_row(point, x, y, z, carrier, chain[1], pose[0], ask[0][count])
     pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
-    note_pull(ask[5][count], pull * x, pull * y, pull * z, 2.0 * max(pull, 0.0), point, carrier)
+    radius = radius_of_reach(x, y, z, point, pose[0][root])
+    centre = points[1]
+    centre[0], centre[1], centre[2] = point[0] - radius * x, point[1] - radius * y, point[2] - radius * z
+    note_pull(ask[5][count], pull * x, pull * y, pull * z, radius + size, centre, carrier)
     return count + 1
+
+
+@kernel
+def radius_of_reach(x, y, z, point, root):
+    """Radius in metres by which what a limb reaches curves about ``point``, seen along the unit (x, y, z) of its miss (30).
+
+    A free limb reaches a ball about its ``root``, and misses along itself; the further it misses aside, at limits, the
+    more it is a stiff one.
+    """
+    rx, ry, rz = point[0] - root[0], point[1] - root[1], point[2] - root[2]
+    squared = max(rx * rx + ry * ry + rz * rz, 1e-12)
+    aside = max(1.0 - (x * rx + y * ry + z * rz) ** 2 / squared, 0.0)
+    return math.sqrt(squared) * (LIMITED_ROUND + (1.0 - LIMITED_ROUND) * ASIDE / (ASIDE + aside))
