@@ -38,7 +38,7 @@ def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatAr
     marks = find_landmarks(standing, body_map)
     stance = marks.aligned(find_alignments(marks))[0]
     contacts = {point: [(0, 0)] for point in ContactPoint}
-    return measure_actor(marks, stance, stance[None], marks.points, contacts, 0), stance
+    return measure_actor(marks, stance, stance[None], contacts, 0, 0.0), stance
 
 
 def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.core.frozen_array import unwritten
 from studio.core.kernels.poses import unite_signs
 
 FloatArray = NDArray[np.float64]
@@ -16,8 +17,9 @@ FloatArray = NDArray[np.float64]
 class PoseSequence:
     """Local rotations and translations of J joints over F frames (one at least).
 
-    Quaternions are made unit and continuous in sign when the sequence is made. Raises StudioError when the
-    shapes do not agree, a number is not finite or a quaternion has no length.
+    Quaternions are made unit and continuous in sign when the sequence is made; translations that nobody can write to
+    are kept as they are. Raises StudioError when the shapes do not agree, a number is not finite or a quaternion has
+    no length.
     """
 
     local_rotations: FloatArray
@@ -27,7 +29,7 @@ class PoseSequence:
 
     def __post_init__(self) -> None:
         rotations = np.asarray(self.local_rotations, dtype=np.float64)
-        translations = np.array(self.local_translations, dtype=np.float64)
+        translations = unwritten(self.local_translations)
         if rotations.ndim != 3 or rotations.shape[2] != 4 or translations.shape != (*rotations.shape[:2], 3):
             raise StudioError(
                 f"Poses need rotations (F, J, 4) and translations (F, J, 3), "

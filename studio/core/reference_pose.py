@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.humanoid import BodyMap, BodyPart
-from studio.core.kinematics import joint_world, rest_poses
+from studio.core.kinematics import joint_positions, rest_poses
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY, from_matrix, multiply, normalized, shortest_arc
 from studio.core.skeleton import Skeleton
@@ -31,13 +31,13 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
     zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
     standing = stand_up(skeleton, zero, body_map)
     if standing is not None:
-        points = joint_world(skeleton, rest_poses(skeleton, standing))[0]
+        points = joint_positions(skeleton, rest_poses(skeleton, standing))
         if faults(points, body_map).max() <= 1.0:
             turned = "" if np.array_equal(standing, zero) else "; it was turned upright"
             return ReferencePose(
                 standing, "zero pose", f"With all rotations zero the body stands like a human{turned}."
             )
-    points = joint_world(skeleton, poses)[0]
+    points = joint_positions(skeleton, poses)
     standing_faults = np.concatenate([faults(points, body_map), _off_the_ground(points, body_map)], axis=1)
     frame = int(np.argmin((standing_faults**2).sum(axis=1)))
     return ReferencePose(
@@ -52,7 +52,7 @@ def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap)
 
     None when the trunk lies along no axis.
     """
-    points = joint_world(skeleton, rest_poses(skeleton, local_rotations))[0][0]
+    points = joint_positions(skeleton, rest_poses(skeleton, local_rotations))[0]
     trunk = normalized(_middle(points, body_map, "UPPER_ARM") - _middle(points, body_map, "THIGH"))
     axis = np.zeros(3)
     largest = int(np.argmax(np.abs(trunk)))

@@ -211,8 +211,9 @@ class LiveAdaptation(QObject):
             del self._wanted[key]
             self._results.pop(key, None)
             self._times.pop(key, None)
-        for key, performer in playing.items():
-            self._request(key, performer)
+        selected = self._document.selection.of("performers")
+        for key in sorted(playing, key=lambda key: key not in selected):  # first the body that is worked on
+            self._request(key, playing[key])
         self._tell_busy()
 
     def _request(self, key: str, performer: Performer) -> None:

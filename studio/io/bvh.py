@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.core.kernels import channels as kernel
 from studio.core.pose import PoseSequence
-from studio.core.rotations import IDENTITY, from_euler
 from studio.core.skeleton import Skeleton
 from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh_spelling import plainly_spelled
@@ -27,6 +27,7 @@ _LONGEST_HIERARCHY = 1 << 24
 _MOST_NUMBERS = 1 << 28
 _WITHOUT_COLON = re.compile(rb"^\s*(frames|frame\s*time)(?=\s+[\d.])", re.IGNORECASE)
 _SCALE_NOISE = 1e-3
+_DEEDS = {"scale": kernel.NOTHING, "position": kernel.PLACE, "rotation": kernel.TURN}  # scales are told as repairs
 _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*(?=[\r\n]|\Z)", re.IGNORECASE)
 
 
@@ -55,36 +56,21 @@ class BvhFile:
 
     def poses(self) -> PoseSequence:
         """Rotations and translations of every joint in file axes."""
-        return PoseSequence(*self.transforms(np.arange(len(self.frames))))
+        return PoseSequence(*self.transforms(slice(None)))
 
-    def transforms(self, frames: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
         """Local rotations (N, J, 4) and translations (N, J, 3) of these frames, in file axes and units."""
+        offsets = self.skeleton.offsets
+        starts = np.array(offsets) if self.moved_from_offsets else np.zeros_like(offsets)
+        starts[_first_with_positions(self.channels)] = 0.0
+        channels = [(joint, channel) for joint, each in enumerate(self.channels) for channel in each]
+        joints = np.array([joint for joint, _ in channels])
+        deeds = np.array([_DEEDS[channel[1:]] for _, channel in channels])
+        axes = np.array(["XYZ".index(channel[0]) for _, channel in channels])
         numbers = self.frames[frames]
-        rotations = np.tile(IDENTITY, (len(frames), self.skeleton.joint_count, 1))
-        translations = np.tile(self.skeleton.offsets, (len(frames), 1, 1))
-        turning: dict[str, list[tuple[int, list[int]]]] = {}
-        column = 0
-        travelling = _first_with_positions(self.channels)
-        for joint, channels in enumerate(self.channels):
-            added = self.moved_from_offsets and joint != travelling
-            order, columns = "", []
-            for channel in channels:
-                if channel.endswith("scale"):
-                    pass  # told among the repairs
-                elif channel.endswith("position"):
-                    axis = "XYZ".index(channel[0])
-                    start = self.skeleton.offsets[joint, axis] if added else 0.0
-                    translations[:, joint, axis] = start + numbers[:, column]
-                else:
-                    order += channel[0]
-                    columns.append(column)
-                column += 1
-            if order:
-                turning.setdefault(order, []).append((joint, columns))
-        for order, group in turning.items():
-            joints = [joint for joint, _ in group]
-            angles = np.radians(numbers[:, [columns for _, columns in group]])
-            rotations[:, joints] = from_euler(order, angles)
+        rotations = np.empty((len(numbers), len(offsets), 4))
+        translations = np.empty((len(numbers), len(offsets), 3))
+        kernel.pose_joints(numbers, joints, deeds, axes, starts, offsets, rotations, translations)
         return rotations, translations
 
 

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from studio.core.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.humanoid import BodyMap
-from studio.core.kinematics import joint_world
+from studio.core.kernels.channels import turn_axes
+from studio.core.kinematics import joint_positions
+from studio.core.pieces import over_frames
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
@@ -27,14 +29,11 @@ from studio.io.guessing import (
     unit_called,
 )
 from studio.io.importing import ImportOptions
-from studio.io.pieces import in_threads
 from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
 
 _TURNING = "Turning it to world axes"
-_PIECE = 2048
-"""Frames turned at a time."""
 _LOOKED_AT = 128
 """Frames, spread over the clip, that decide about the body and the up axis."""
 
@@ -52,7 +51,7 @@ class Recording(Protocol):
     def frame_time_digit(self) -> float: ...
     @property
     def repairs(self) -> tuple[str, ...]: ...
-    def transforms(self, frames: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
         """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
 
 
@@ -69,7 +68,7 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     progress(0.6, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
     sample = PoseSequence(*file.transforms(looked_at))
-    points = joint_world(file.skeleton, sample)[0]
+    points = joint_positions(file.skeleton, sample)
     found = find_body(file.skeleton, points, options.body_map)
     guesses: list[Guess] = body_guesses(file.skeleton, found, options)
     scale = _unit(points, found.body_map, options, guesses)
@@ -77,7 +76,7 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     skeleton, poses = to_world(file, AXES[up_axis], scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING))
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
-    positions = joint_world(skeleton, poses)[0]
+    positions = joint_positions(skeleton, poses)
     capture = stood_capture(
         path,
         skeleton,
@@ -100,23 +99,20 @@ def to_world(
 ) -> tuple[Skeleton, PoseSequence]:
     """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
 
-    Turned like that, a quaternion has its axis turned. A long file is taken in pieces by two threads, which tells how
-    far it is and never keeps the window waiting.
+    A long file is taken in pieces by two threads, which tells how far it is and never keeps the window waiting.
     """
-    skeleton, frames = file.skeleton, np.arange(file.frame_count)
-    scaled = metres * file_to_world.T
-    turned = Skeleton(skeleton.names, skeleton.parents, skeleton.offsets @ scaled, skeleton.end_sites)
-    rotations = np.empty((len(frames), skeleton.joint_count, 4))
-    translations = np.empty((len(frames), skeleton.joint_count, 3))
+    skeleton, frame_count = file.skeleton, file.frame_count
+    offsets = metres * (skeleton.offsets @ file_to_world.T)
+    turned = Skeleton(skeleton.names, skeleton.parents, offsets, skeleton.end_sites)
+    rotations = np.empty((frame_count, skeleton.joint_count, 4))
+    translations = np.empty((frame_count, skeleton.joint_count, 3))
 
-    def turn(first: int) -> None:
-        piece = slice(first, first + _PIECE)
-        local, moved = file.transforms(frames[piece])
-        rotations[piece, :, :3], rotations[piece, :, 3] = local[..., :3] @ file_to_world.T, local[..., 3]
-        translations[piece] = moved @ scaled
+    def turn(run: slice) -> None:
+        turn_axes(*file.transforms(run), file_to_world, metres, rotations[run], translations[run])
 
-    for done in in_threads(turn, range(0, len(frames), _PIECE)):
+    for done in over_frames(turn, frame_count):
         progress(done)
+    translations.setflags(write=False)
     return turned, PoseSequence(rotations, translations)
 
 
@@ -148,7 +144,7 @@ def _up_axis(
         guesses.append(Guess("up axis", "Y", "Without a human body nothing tells what is up; most files have Y up."))
         return "Y"
     still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
-    guesses.append(guess_up_axis(joint_world(skeleton, still)[0][0], points, body_map))
+    guesses.append(guess_up_axis(joint_positions(skeleton, still)[0], points, body_map))
     return guesses[-1].value
 
 

@@ -58,7 +58,7 @@ class FbxFile:
         """Frames F."""
         return len(self.local_rotations)
 
-    def transforms(self, frames: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
         """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
         return self.local_rotations[frames], self.local_translations[frames]
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world
+from studio.core.kinematics import joint_positions
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
@@ -68,7 +68,7 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
     joints = {joint: track @ turn for joint, track in followed.joints.items()}
     tracks = {role: track @ turn for role, track in followed.tracks.items()}
     solved = solve_body(tracks, joints, followed.measures.radius, _stature(take))
-    positions = joint_world(solved.skeleton, solved.poses)[0]
+    positions = joint_positions(solved.skeleton, solved.poses)
     guesses += _body_guesses(take, followed, solved, joints, positions)
     floor, floor_guess = _floor(solved, positions[followed.first_frame :], options)
     guesses += floor_guess

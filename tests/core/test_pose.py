@@ -19,6 +19,15 @@ def test_quaternions_become_unit_and_continuous() -> None:
     assert (poses.frame_count, poses.joint_count) == (4, 3)
 
 
+def test_translations_are_copied_unless_nobody_can_write_to_them() -> None:
+    rotations, own = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1, 1)), np.zeros((2, 1, 3))
+    poses = PoseSequence(rotations, own)
+    own[:] = 1.0
+    assert (poses.local_translations == 0.0).all()
+    own.setflags(write=False)
+    assert PoseSequence(rotations, own).local_translations is own
+
+
 def test_signs_are_those_that_lie_nearest_to_the_frame_before() -> None:
     given = _rotations(200, 5)
     poses = PoseSequence(given, np.zeros((200, 5, 3)))

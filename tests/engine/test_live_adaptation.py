@@ -139,6 +139,18 @@ def test_a_change_is_followed_by_those_it_concerns_only(make_scene: Any) -> None
     assert heard == ["performer 1"]
 
 
+def test_the_selected_body_is_solved_before_the_others(make_scene: Any) -> None:
+    scene = make_scene(characters=4)
+    scene.live.wait()
+    heard: list[str] = []
+    scene.live.adapted.connect(heard.append)
+    scene.document.selection.set(("performers", "performer 2"))
+    scene.raise_ground(0.1)
+    scene.live.wait()
+    assert heard[0] == "performer 2"
+    assert sorted(heard[1:]) == ["performer 0", "performer 1", "performer 3"]
+
+
 def test_several_changes_in_one_turn_ask_for_one_solve(make_scene: Any) -> None:
     scene = make_scene(characters=1)
     scene.live.wait()

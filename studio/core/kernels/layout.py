@@ -23,6 +23,8 @@ TOE = 76  # 2 x 4 relative to the foot
 HIP_PLAY = 84  # 2 x 3 how far the hips stray from their place in the pelvis, parts of the leg length
 HEAD_PLAY = 90  # 3   how far the head joint strays from the end of the neck, parts of the neck length
 SPINE = 93  # (K-1) x 4 spine segments 1.. relative to the pelvis
+TURNS = (PELVIS, NECK, HEAD, *range(CLAVICLE, LIMB_SLACK, 4), *range(HAND, HIP_PLAY, 4))
+"""Where quaternions begin, but for those of the spine."""
 
 # --- measures -------------------------------------------------------------------------------------------------
 M_NECK = 0

@@ -25,7 +25,7 @@ def align_segments(joint_rotations, joints, alignments, out_rotations):
 
 @allocating_kernel
 def encode_frames(points, rotations, yaw, rests, hips, sizes, totals, out_channels):
-    """Channels (F, 93 + 4 (K - 1)) of a body in motion (METHOD 2).
+    """Channels (F, 93 + 4 (K - 1)) of a body in motion (METHOD 2), each frame by itself: ``continue_turns`` follows.
 
     ``points`` (F, K + 23, 3) and ``rotations`` (F, K + 18, 3, 3) canonical, in the motion's space; ``yaw`` (F,) the
     low-passed heading. Of the actor: ``rests`` (3, 3, 3) the rest of neck and clavicles in the thorax, ``hips`` (2, 3)
@@ -34,18 +34,38 @@ def encode_frames(points, rotations, yaw, rests, hips, sizes, totals, out_channe
     work = np.empty((5, 3, 3))
     for frame in range(out_channels.shape[0]):
         point, turns = points[frame], rotations[frame]
-        encode_trunk(frame, point, turns, yaw[frame], rests, hips, sizes, work, out_channels)
+        encode_trunk(point, turns, yaw[frame], rests, hips, sizes, work, out_channels[frame])
         for limb in range(4):
-            encode_limb(frame, limb, point, turns, totals[limb], work, out_channels)
+            encode_limb(limb, point, turns, totals[limb], work, out_channels[frame])
 
 
 @kernel
-def encode_trunk(frame, points, rotations, yaw, rests, hips, sizes, work, out_channels):
+def continue_turns(turn_columns, channels):
+    """Quaternions at ``turn_columns`` and twists of limbs made to go on from the frame before, in place.
+
+    A quaternion takes the sign that lies nearer to it, a twist the whole turns.
+    """
+    for frame in range(1, channels.shape[0]):
+        before, now = channels[frame - 1], channels[frame]
+        for column in turn_columns:
+            dot = 0.0
+            for part in range(4):
+                dot += now[column + part] * before[column + part]
+            if dot < 0.0:
+                for part in range(4):
+                    now[column + part] = -now[column + part]
+        for column in range(at.LIMB_TWIST, at.LIMB_TWIST + 8):
+            beyond = now[column] - before[column] + math.pi
+            now[column] -= 2.0 * math.pi * math.floor(beyond / (2.0 * math.pi))
+
+
+@kernel
+def encode_trunk(points, rotations, yaw, rests, hips, sizes, work, out):
     """Root, spine, neck, head, clavicles and what strays of one frame (METHOD 3.1 to 3.3, backwards).
 
     ``work[1:3]`` become the thorax carried along by each clavicle, in which arms lie.
     """
-    out, spine_count = out_channels[frame], rotations.shape[0] - 18
+    spine_count = rotations.shape[0] - 18
     pelvis, thorax, neck = rotations[0], rotations[spine_count - 1], spine_count
     place_hips(points[0], pelvis, hips, sizes, out)
     out[at.YAW] = yaw
@@ -55,16 +75,16 @@ def encode_trunk(frame, points, rotations, yaw, rests, hips, sizes, work, out_ch
         turn[0, column] = c * pelvis[0, column] + s * pelvis[1, column]
         turn[1, column] = c * pelvis[1, column] - s * pelvis[0, column]
         turn[2, column] = pelvis[2, column]
-    put_turn(out_channels, frame, at.PELVIS, turn)
+    put_turn(out, at.PELVIS, turn)
     for segment in range(1, spine_count):
-        put_between(out_channels, frame, at.SPINE + 4 * (segment - 1), pelvis, rotations[segment], local)
+        put_between(out, at.SPINE + 4 * (segment - 1), pelvis, rotations[segment], local)
     multiply_by_transposed(rotations[neck], rests[0], turn)
-    put_between(out_channels, frame, at.NECK, thorax, turn, local)
-    put_between(out_channels, frame, at.HEAD, turn, rotations[neck + 1], local)
+    put_between(out, at.NECK, thorax, turn, local)
+    put_between(out, at.HEAD, turn, rotations[neck + 1], local)
     for side in range(2):
         carrier = work[1 + side]
         multiply_by_transposed(rotations[spine_count + 2 + 4 * side], rests[1 + side], carrier)
-        put_between(out_channels, frame, at.CLAVICLE + 4 * side, thorax, carrier, local)
+        put_between(out, at.CLAVICLE + 4 * side, thorax, carrier, local)
         for axis in range(3):
             hip = along(points[0], points[spine_count + 13 + 5 * side], pelvis, axis)
             out[at.HIP_PLAY + 3 * side + axis] = (hip - hips[side, axis]) / sizes[1]
@@ -84,9 +104,9 @@ def place_hips(root, pelvis, hips, sizes, out_channel):
 
 
 @kernel
-def encode_limb(frame, limb, points, rotations, total, work, out_channels):
+def encode_limb(limb, points, rotations, total, work, out):
     """Frame, slack, bend, twists and extremity of one arm (limb 0, 1) or leg (2, 3) (METHOD 2, "limb encoding")."""
-    out, spine_count = out_channels[frame], rotations.shape[0] - 18
+    spine_count = rotations.shape[0] - 18
     side, is_leg = limb % 2, limb >= 2
     root = spine_count + (13 if is_leg else 4) + 5 * side
     upper = spine_count + (10 if is_leg else 3) + 4 * side
@@ -96,7 +116,7 @@ def encode_limb(frame, limb, points, rotations, total, work, out_channels):
     zx, zy, zz, reach = unit_between(points[root], points[root + 2])
     turns.put_turn(turns.shortest(ux, uy, uz, zx, zy, zz), arc)
     frame_of_hinge(arc, rotations[upper], zx, zy, zz, limb_frame)
-    put_between(out_channels, frame, at.LIMB_FRAME + 4 * limb, carrier, limb_frame, local)
+    put_between(out, at.LIMB_FRAME + 4 * limb, carrier, limb_frame, local)
     out[at.LIMB_SLACK + limb] = 1.0 - reach / total
     out[at.LIMB_OFF_PLANE + limb] = along(points[root], points[root + 1], limb_frame, 0) / total
     out[at.LIMB_BEND + limb] = -1.0 if along(points[root], points[root + 1], limb_frame, 1) < 0.0 else 1.0
@@ -104,15 +124,12 @@ def encode_limb(frame, limb, points, rotations, total, work, out_channels):
         dx, dy, dz = (ux, uy, uz) if bone == 0 else (fx, fy, fz)
         straight = turns.product(turns.shortest(zx, zy, zz, dx, dy, dz), turns.turn_in(limb_frame))
         turn = turns.product(turns.inverse(straight), turns.turn_in(rotations[upper + bone]))
-        twist = math.atan2(turn[3] - turn[1], turn[0] + turn[4])
-        column = at.LIMB_TWIST + 2 * limb + bone
-        before = out_channels[frame - 1, column] if frame > 0 else twist
-        out[column] = twist - 2.0 * math.pi * math.floor((twist - before + math.pi) / (2.0 * math.pi))
+        out[at.LIMB_TWIST + 2 * limb + bone] = math.atan2(turn[3] - turn[1], turn[0] + turn[4])
     if is_leg:
-        put_between(out_channels, frame, at.FOOT + 4 * side, rotations[0], rotations[upper + 2], local)
-        put_between(out_channels, frame, at.TOE + 4 * side, rotations[upper + 2], rotations[upper + 3], local)
+        put_between(out, at.FOOT + 4 * side, rotations[0], rotations[upper + 2], local)
+        put_between(out, at.TOE + 4 * side, rotations[upper + 2], rotations[upper + 3], local)
     else:
-        put_between(out_channels, frame, at.HAND + 4 * side, rotations[upper + 1], rotations[upper + 2], local)
+        put_between(out, at.HAND + 4 * side, rotations[upper + 1], rotations[upper + 2], local)
 
 
 @kernel
@@ -150,25 +167,22 @@ def along(start, end, axes, column):
 
 
 @kernel
-def put_between(out_channels, frame, column, carrier, rotation, scratch):
+def put_between(out_channel, column, carrier, rotation, scratch):
     """``put_turn`` of carrier^T rotation."""
     turns.put_turn(turns.product(turns.inverse(turns.turn_in(carrier)), turns.turn_in(rotation)), scratch)
-    put_turn(out_channels, frame, column, scratch)
+    put_turn(out_channel, column, scratch)
 
 
 @kernel
-def put_turn(out_channels, frame, column, matrix):
-    """A rotation (3, 3) as unit quaternion, by its largest component (Shepperd 1978), in four columns of a frame.
-
-    Its sign is the one that lies nearer to the frame before.
-    """
+def put_turn(out_channel, column, matrix):
+    """A rotation (3, 3) as unit quaternion, by its largest component (Shepperd 1978), in four columns of a frame."""
     trace = matrix[0, 0] + matrix[1, 1] + matrix[2, 2]
     i = 3
     largest = trace
     for axis in range(2, -1, -1):
         if matrix[axis, axis] >= largest:
             i, largest = axis, matrix[axis, axis]
-    quaternion = out_channels[frame, column : column + 4]
+    quaternion = out_channel[column : column + 4]
     if i == 3:
         quaternion[0] = matrix[2, 1] - matrix[1, 2]
         quaternion[1] = matrix[0, 2] - matrix[2, 0]
@@ -180,11 +194,9 @@ def put_turn(out_channels, frame, column, matrix):
         quaternion[j] = matrix[j, i] + matrix[i, j]
         quaternion[k] = matrix[k, i] + matrix[i, k]
         quaternion[3] = matrix[k, j] - matrix[j, k]
-    size, dot = 0.0, 0.0
+    size = 0.0
     for part in range(4):
         size += quaternion[part] * quaternion[part]
-        if frame > 0:
-            dot += quaternion[part] * out_channels[frame - 1, column + part]
-    scale = (-1.0 if dot < 0.0 else 1.0) / math.sqrt(size)
+    scale = 1.0 / math.sqrt(size)
     for part in range(4):
         quaternion[part] *= scale

@@ -7,7 +7,7 @@ about which elbow and knee are seen to bend, because reference poses bend the wr
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.normalized.landmarks import Landmarks
+from studio.core.normalized.landmarks import Landmarks, spread
 from studio.core.rotations import frame_along, normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
@@ -76,9 +76,10 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     sign is right, so samples are not turned towards a guess. Anatomy decides where no frame is bent.
     """
     root = marks.layout.proximal_points()[upper]
-    u = normalized(marks.points[:, root + 1] - marks.points[:, root])
-    f = normalized(marks.points[:, root + 2] - marks.points[:, root + 1])
-    bend = np.einsum("fji,fj->fi", marks.rotations_of(upper), np.cross(u, f))
+    seen = spread(len(marks.points))
+    points = marks.points[seen, root : root + 3]
+    u, f = normalized(points[:, 1] - points[:, 0]), normalized(points[:, 2] - points[:, 1])
+    bend = np.einsum("fji,fj->fi", marks.rotations_of(upper)[seen], np.cross(u, f))
     total = bend[np.linalg.norm(bend, axis=1) > BENT].sum(axis=0)
     if np.linalg.norm(total) > BENT:
         return normalized(marks.reference_rotations[upper] @ total)
@@ -86,14 +87,14 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     return body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
 
 
-def level_feet(alignments: FloatArray, rotations: FloatArray, segment: int, flat_frames: NDArray[np.bool_]) -> None:
-    """Turn a foot's (or toe's) alignment in place so that its sole is level, on average, in ``flat_frames`` (F,).
+def level_feet(alignments: FloatArray, segment: int, standing: FloatArray) -> None:
+    """Turn a foot's (or toe's) alignment in place so that its sole is level, on average, while it stands.
 
-    The reference pose of many files stands on tiptoe or heel; the frames in which the foot rests do not.
-    ``rotations`` (F, 3, 3) are the canonical rotations before. Needs 5 frames and a tilt below 45 degrees.
+    The reference pose of many files stands on tiptoe or heel; the frames in which the foot rests do not. ``standing``
+    (N, 3, 3) are the rotations of its joint in those. Needs 5 frames and a tilt below 45 degrees.
     """
-    if np.count_nonzero(flat_frames) < 5:
+    if len(standing) < 5:
         return
-    up = normalized(rotations[flat_frames][:, 2, :].mean(axis=0))
+    up = normalized(standing[:, 2].mean(axis=0) @ alignments[segment])
     if up[2] > np.cos(np.deg2rad(45.0)):
         alignments[segment] = alignments[segment] @ shortest_arc(UP, up)

@@ -10,12 +10,14 @@ from studio.core.capture import Capture
 from studio.core.humanoid import BodyMap
 from studio.core.kernels.normalize import align_segments
 from studio.core.kinematics import joint_world, rest_poses
+from studio.core.pieces import do_over_frames
 from studio.core.skeleton import Skeleton
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _SIDES = ("left", "right")
+_ENOUGH = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +47,17 @@ class Landmarks:
     def aligned(self, alignments: FloatArray) -> FloatArray:
         """(F, S, 3, 3) canonical rotations R_joint A of all segments, A as ``find_alignments`` has it."""
         rotations = np.empty((len(self.points), self.layout.segment_count, 3, 3))
-        align_segments(self.joint_rotations, self.moving_joints, alignments, rotations)
+
+        def align(run: slice) -> None:
+            align_segments(self.joint_rotations[run], self.moving_joints, alignments, rotations[run])
+
+        do_over_frames(align, len(rotations))
         return rotations
+
+
+def spread(frame_count: int, first: int = 0) -> slice:
+    """Frames from ``first`` on in which bones are measured: of a long capture as many as are enough, evenly spread."""
+    return slice(first, None, max(1, (frame_count - first) // _ENOUGH))
 
 
 def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from studio.core.contacts import ContactPoint, contact_mask
 from studio.core.morphology import Morphology
-from studio.core.normalized.landmarks import Landmarks
+from studio.core.normalized.landmarks import Landmarks, spread
 
 FloatArray = NDArray[np.float64]
 
@@ -19,18 +19,17 @@ def measure_actor(
     marks: Landmarks,
     alignments: FloatArray,
     rotations: FloatArray,
-    points: FloatArray,
     contacts: dict[ContactPoint, list[tuple[int, int]]],
     first_frame: int,
+    floor: float,
 ) -> Morphology:
     """Medians over the motion of all bones, in canonical axes; sole heights where feet stand.
 
-    ``alignments`` (S, 3, 3) and ``rotations`` (F, S, 3, 3) canonical; ``points`` (F, P, 3) in the motion's space
-    (ground at z = 0).
+    ``alignments`` (S, 3, 3) and ``rotations`` (F, S, 3, 3) canonical; ``floor`` the height of the ground in metres.
     """
-    layout = marks.layout
+    layout, points = marks.layout, marks.points
     thorax = layout.spine_count - 1
-    moving = slice(first_frame, None)
+    moving = spread(len(points), first_frame)
 
     def vector(segment: int, start: int, end: int) -> FloatArray:
         bones = points[moving, end] - points[moving, start]
@@ -43,11 +42,12 @@ def measure_actor(
     arms, legs = [layout.collar(side) for side in (0, 1)], [layout.hip(side) for side in (0, 1)]
     feet = np.array([vector(layout.spine_count + 12 + 4 * side, legs[side] + 2, legs[side] + 3) for side in (0, 1)])
     leg = np.array([[length(hip, hip + 1), length(hip + 1, hip + 2)] for hip in legs])
-    ankle = _ankle_heights(points, contacts, layout.ankle(0), layout.ankle(1), float(leg.sum() / 2))
+    heights = points[:, [layout.ankle(0), layout.ankle(1)], 2] - floor
+    ankle = _ankle_heights(heights, contacts, float(leg.sum() / 2))
     return Morphology(
         spine=np.array([vector(k, k, k + 1) for k in range(layout.spine_count)]),
         neck=length(layout.neck_base, layout.head_joint),
-        head=_head_length(marks, points, first_frame),
+        head=_head_length(marks, points[moving]),
         collar_base=np.array([vector(thorax, layout.neck_base, collar) for collar in arms]),
         clavicle=np.array([length(collar, collar + 1) for collar in arms]),
         arm=np.array([[length(c + 1, c + 2), length(c + 2, c + 3)] for c in arms]),
@@ -70,27 +70,23 @@ def _rest_direction(marks: Landmarks, alignments: FloatArray, segment: int) -> F
     return np.asarray(reference[marks.layout.spine_count - 1].T @ reference[segment][:, 2])
 
 
-def _head_length(marks: Landmarks, points: FloatArray, first_frame: int) -> float:
+def _head_length(marks: Landmarks, points: FloatArray) -> float:
     """From the head joint up to the crown; captures end at the eyes as often, so never less than a usual head."""
     layout = marks.layout
-    bones = points[first_frame:, layout.head_end] - points[first_frame:, layout.head_joint]
+    bones = points[:, layout.head_end] - points[:, layout.head_joint]
     trunk = np.linalg.norm(marks.reference[layout.neck_base] - marks.reference[0])
     return max(float(np.median(np.linalg.norm(bones, axis=1))), 0.3 * float(trunk))
 
 
 def _ankle_heights(
-    points: FloatArray,
-    contacts: dict[ContactPoint, list[tuple[int, int]]],
-    left_ankle: int,
-    right_ankle: int,
-    leg_length: float,
+    heights: FloatArray, contacts: dict[ContactPoint, list[tuple[int, int]]], leg_length: float
 ) -> FloatArray:
-    """Median height of each ankle while its heel stands; both alike where only one does, a usual one else."""
-    heights: list[float] = []
-    for name, ankle in (("left", left_ankle), ("right", right_ankle)):
-        standing = contact_mask(contacts[ContactPoint(f"{name}_heel")], len(points))
-        heights.append(float(np.median(points[standing, ankle, 2])) if standing.any() else np.nan)
+    """Median of each ankle's ``heights`` (F, 2) while its heel stands; alike where only one does, a usual one else."""
+    standing_at: list[float] = []
+    for side, heel in enumerate((ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)):
+        standing = contact_mask(contacts[heel], len(heights))
+        standing_at.append(float(np.median(heights[standing, side])) if standing.any() else np.nan)
     usual = 2.0 * USUAL_ANKLE * leg_length
-    known = np.clip(np.array(heights), 0.25 * usual, 2.5 * usual)
+    known = np.clip(np.array(standing_at), 0.25 * usual, 2.5 * usual)
     both = np.nanmean(known) if np.isfinite(known).any() else usual
     return np.asarray(np.where(np.isfinite(known), known, both))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.frozen_array import unwritten
 from studio.core.kernels import layout
 
 FloatArray = NDArray[np.float64]
@@ -26,9 +27,7 @@ class NormalizedMotion:
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, unwritten(getattr(self, name)))
         if self.channels.ndim != 2 or self.channels.shape[1] != layout.SPINE + 4 * (len(self.spine_places) - 1):
             raise ValueError(
                 f"Channels of shape {self.channels.shape} do not fit {len(self.spine_places)} spine segments."

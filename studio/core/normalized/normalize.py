@@ -22,16 +22,18 @@ from studio.core.contacts import (
 )
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
-from studio.core.kernels.normalize import encode_frames
+from studio.core.kernels.normalize import continue_turns, encode_frames
 from studio.core.kinematics import joint_world
 from studio.core.morphology import Morphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.alignment import find_alignments, level_feet
-from studio.core.normalized.landmarks import Landmarks, find_landmarks
+from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import trunk_places
+from studio.core.pieces import do_over_frames
 from studio.core.rotations import frame_along, from_matrix, sign_continuous
+from studio.core.sharing import Shared
 
 FloatArray = NDArray[np.float64]
 Contacts = dict[ContactPoint, list[tuple[int, int]]]
@@ -53,18 +55,17 @@ def normalize(
         raise StudioError(
             f"'{capture.name}' has no body map: choose which joint plays which part of the body, then try again."
         )
-    marks = find_landmarks(capture, capture.body_map)
-    progress(0.3)
-    contacts = _contacts_of(marks, capture)
+    marks, contacts = _SEEN(capture)
     progress(0.6)
     alignments = find_alignments(marks)
+    _level_soles(marks, contacts, alignments)
     rotations = marks.aligned(alignments)
-    _level_soles(marks, contacts, alignments, rotations)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
-    points = marks.points - origin
-    body = measure_actor(marks, alignments, rotations, points, contacts, capture.first_frame)
-    channels = _channels(body, points, rotations, capture.frame_rate)
+    body = measure_actor(marks, alignments, rotations, contacts, capture.first_frame, capture.floor)
+    channels = _channels(body, marks.points, rotations, capture.frame_rate)
+    channels[:, at.HIPS : at.HIPS + 3] -= origin / body.leg_length
+    channels.setflags(write=False)
     motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine))
     return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
 
@@ -85,7 +86,7 @@ def capture_contacts(capture: Capture) -> Contacts:
     """Contacts of a mapped capture, as found in its own joints; none for one without a body map."""
     if capture.body_map is None:
         return {point: [] for point in ContactPoint}
-    return _contacts_of(find_landmarks(capture, capture.body_map), capture)
+    return _SEEN(capture)[1]
 
 
 def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
@@ -94,12 +95,22 @@ def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval
     return tuple(ContactInterval(motion_id, point, first, last) for point, spans in found for first, last in spans)
 
 
+def _seen(capture: Capture) -> tuple[Landmarks, Contacts]:
+    assert capture.body_map is not None
+    marks = find_landmarks(capture, capture.body_map)
+    return marks, _contacts_of(marks, capture)
+
+
+_SEEN = Shared(_seen)
+"""A capture that is opened is normalised while its contacts are asked for: both need the same."""
+
+
 def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
     layout, points = marks.layout, marks.points
     ankles, toes = (points[:, [joint(0), joint(1)]] for joint in (layout.ankle, layout.toe))
     hips = [layout.hip(0), layout.hip(1)]
-    above = points - [0.0, 0.0, capture.floor]
-    tracks = {point: above[:, touching_points(point, layout)].mean(axis=1) for point in BODY_POINTS}
+    ground = [0.0, 0.0, capture.floor]
+    tracks = {point: points[:, touching_points(point, layout)].mean(axis=1) - ground for point in BODY_POINTS}
     leg = np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum()
     bodies = detect_body_contacts(tracks, float(leg), capture.frame_rate, capture.first_frame)
     feet = detect_contacts(ankles, toes, capture.frame_rate, capture.first_frame)
@@ -115,26 +126,30 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
     return feet | bodies
 
 
-def _level_soles(marks: Landmarks, contacts: Contacts, alignments: FloatArray, rotations: FloatArray) -> None:
-    """Turn the feet's alignments, and their rotations (F, S, 3, 3), so that they stand flat where they do."""
+def _level_soles(marks: Landmarks, contacts: Contacts, alignments: FloatArray) -> None:
+    """Turn the feet's alignments so that they stand flat where they do."""
     for side, name in enumerate(("left", "right")):
-        heel = contact_mask(contacts[ContactPoint(f"{name}_heel")], len(rotations))
-        toe = contact_mask(contacts[ContactPoint(f"{name}_toe")], len(rotations))
+        heel = contact_mask(contacts[ContactPoint(f"{name}_heel")], len(marks.points))
+        toe = contact_mask(contacts[ContactPoint(f"{name}_toe")], len(marks.points))
         foot = marks.layout.spine_count + 12 + 4 * side
         for segment in (foot, foot + 1):
-            level_feet(alignments, rotations[:, segment], segment, heel & toe)
-            rotations[:, segment] = marks.rotations_of(segment) @ alignments[segment]
+            level_feet(alignments, segment, marks.rotations_of(segment)[heel & toe])
 
 
 def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame_rate: float) -> FloatArray:
     layout = body.layout
     rests = [frame_along(rest, FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)]
     roots = [layout.collar(0) + 1, layout.collar(1) + 1, layout.hip(0), layout.hip(1)]
-    totals = [sum(_median_length(points[:, root + k], points[:, root + k + 1]) for k in (0, 1)) for root in roots]
+    seen = points[spread(len(points))]
+    totals = [sum(_median_length(seen[:, root + k], seen[:, root + k + 1]) for k in (0, 1)) for root in roots]
     sizes = np.array([body.ankle_height.mean(), body.leg_length, body.neck])
     yaw = heading(rotations[:, 0], frame_rate)
     channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
-    encode_frames(points, rotations, yaw, np.array(rests), body.hip_offset, sizes, np.array(totals), channels)
+    of_actor = (np.array(rests), body.hip_offset, sizes, np.array(totals))
+    do_over_frames(
+        lambda run: encode_frames(points[run], rotations[run], yaw[run], *of_actor, channels[run]), len(points)
+    )
+    continue_turns(np.array([*at.TURNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
     return channels
 
 

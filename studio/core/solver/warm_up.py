@@ -18,7 +18,7 @@ def warm_up(morphology: Morphology) -> AdaptedMotion:
     """Adapt four still frames to ``morphology`` with a contact and a constraint: every kernel runs once."""
     channels = np.zeros((4, at.SPINE + 4))
     channels[:, at.HIPS + 2] = 0.9
-    for column in (at.PELVIS, at.NECK, at.HEAD, *range(at.CLAVICLE, at.LIMB_SLACK, 4), *range(at.HAND, at.HIP_PLAY, 4)):
+    for column in at.TURNS:
         channels[:, column + 3] = 1.0
     channels[:, at.SPINE + 3] = 1.0
     channels[:, at.LIMB_SLACK : at.LIMB_SLACK + 4] = 0.05

@@ -7,12 +7,15 @@ from typing import TypeVar
 Piece = TypeVar("Piece")
 
 THREADS = 2
+_RUN = 1024
+"""Frames worked on at a time."""
 
 
 def in_threads(work: Callable[[Piece], object], pieces: Sequence[Piece]) -> Iterator[float]:
     """Do ``work`` for every piece; yields the share that is done. Who stops asking stops the work.
 
-    What ``work`` raises is raised here. Of one piece no thread is made.
+    What ``work`` raises is raised here, that of an earlier piece before that of a later one. Of one piece no thread is
+    made.
     """
     if len(pieces) == 1:
         work(pieces[0])
@@ -27,3 +30,14 @@ def in_threads(work: Callable[[Piece], object], pieces: Sequence[Piece]) -> Iter
         finally:
             for each in waiting:
                 each.cancel()
+
+
+def over_frames(work: Callable[[slice], object], count: int) -> Iterator[float]:
+    """``in_threads`` for ``count`` frames, a run of them at a time."""
+    return in_threads(work, [slice(first, min(first + _RUN, count)) for first in range(0, count, _RUN)])
+
+
+def do_over_frames(work: Callable[[slice], object], count: int) -> None:
+    """``over_frames`` to its end, for who tells nobody how far it is."""
+    for _ in over_frames(work, count):
+        pass
