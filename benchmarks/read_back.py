@@ -13,6 +13,7 @@ from studio.core.skeleton import Skeleton
 from studio.io.c3d import read_c3d
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
+from studio.io.guessing import AXES
 from studio.io.importing import ImportOptions, load_capture
 
 FloatArray = NDArray[np.float64]
@@ -79,7 +80,8 @@ def _of_csv(path: Path) -> Places:
 
 def _of_c3d(path: Path) -> Places:
     trial = read_c3d(path).trial
-    return {label: trial.points[:, place] / 1000.0 for place, label in enumerate(trial.labels)}
+    points = trial.points @ AXES["Z"].T / 1000.0
+    return {label: points[:, place] for place, label in enumerate(trial.labels)}
 
 
 def _of_npz(path: Path) -> Places:

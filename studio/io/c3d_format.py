@@ -1,8 +1,10 @@
 """C3D as a format of the registry: what such a file begins with, and how a take is written."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from studio.io.export import Take
+from studio.io.guessing import AXES
 from studio.io.registry import Progress
 
 _WORN = 0.6
@@ -19,7 +21,10 @@ def is_c3d(head: bytes) -> bool:
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write the joints of ``take`` and the markers its body would wear; read back, every one is within 0.001 mm."""
+    """Write the joints of ``take`` and the markers its body would wear; read back, every one is within 0.001 mm.
+
+    Z is up and -Y the front, as the reader has it: a body that is read back faces where it did.
+    """
     from studio.core.markers.virtual import virtual_trial
     from studio.io.c3d_writer import write_c3d
 
@@ -28,4 +33,5 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
         take.annotations.contacts or (),
         lambda share: progress(_WORN * share, f"Placing the markers of {path.name}"),
     )
+    trial = replace(trial, points=trial.points @ AXES["Z"])
     write_c3d(path, trial, lambda share, text: progress(_WORN + (1.0 - _WORN) * share, text))

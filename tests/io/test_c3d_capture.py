@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.core.canonical import BodyPart
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world
+from studio.core.kinematics import joint_positions, joint_world
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.take import centre_errors
@@ -18,6 +19,7 @@ from studio.core.project import Project
 from studio.io.c3d import read_c3d
 from studio.io.c3d_writer import write_c3d
 from studio.io.export import take_of_capture, write_take
+from studio.io.guessing import AXES
 from studio.io.importing import GUESS_ALL, ImportOptions, load_annotations, load_capture
 from studio.io.marker_capture import capture_of_take
 from studio.io.project_file import read_project, write_project
@@ -136,11 +138,24 @@ def test_virtual_markers_are_read_back_equal_and_make_the_same_body(captures: Pa
     read = read_c3d(tmp_path / "take.c3d").trial
     positions = joint_world(capture.skeleton, capture.poses)[0][capture.first_frame :]
     for joint, label in enumerate(capture.skeleton.names):
-        np.testing.assert_allclose(read.track(label) / 1000.0, positions[:, joint], atol=1e-6)
+        np.testing.assert_allclose(read.track(label) @ AXES["Z"].T / 1000.0, positions[:, joint], atol=1e-6)
     again = load_capture(tmp_path / "take.c3d")
     assert again.body_map is not None
     assert again.markers.marker_map.name == "Morpho Studio"
     assert max(centre_errors(again.markers).values()) < 1e-5
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".s4d", ".glb", ".c3d"])
+def test_a_body_that_is_written_and_read_faces_where_it_did(captures: Path, tmp_path: Path, suffix: str) -> None:
+    [path] = (captures / "bvh").rglob("accad_male2_G8_RoundhouseLeft.bvh")
+    capture = load_capture(path)
+    write_take(take_of_capture(capture), tmp_path / f"take{suffix}")
+    again = load_capture(tmp_path / f"take{suffix}")
+    (before, own), (after, found) = (
+        (joint_positions(each.skeleton, each.poses), each.body_map.parts) for each in (capture, again)
+    )
+    for part in (BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM, BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT):
+        np.testing.assert_allclose(after[:, found[part]], before[capture.first_frame :, own[part]], atol=0.03)
 
 
 def test_a_failed_export_leaves_nothing(tmp_path: Path) -> None:
