@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from studio.core.canonical import BodyPart
 from studio.core.capture import Capture
 from studio.core.errors import StudioError
 from studio.io.importing import ImportOptions, load_capture
@@ -16,6 +17,8 @@ Options = dict[str, Any]
 """Fields of ImportOptions with their values, as JSON has them."""
 _LASTING_REFERENCES = ("zero", "0")
 """Reference poses that every file of a kind has; of other frames, which are this file's own, the pose is kept."""
+_ABSENT = {part.value: "" for part in BodyPart if part not in (BodyPart.ABDOMEN, BodyPart.THORAX)}
+"""A map says of every part of the body, those of the spine aside, that no joint plays it, until one does."""
 _SUBJECTS = {"unit": "unit", "up_axis": "up axis", "frame_rate": "frame rate", "floor": "floor", "body_map": "body map"}
 
 
@@ -55,7 +58,7 @@ def values_of(capture: Capture) -> Options:
         "up_axis": capture.up_axis,
         "frame_rate": capture.frame_rate,
         "floor": capture.floor,
-        "body_map": capture.body_map.to_json(capture.skeleton) if capture.body_map else None,
+        "body_map": _ABSENT | capture.body_map.to_json(capture.skeleton) if capture.body_map else None,
     }
 
 

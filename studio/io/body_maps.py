@@ -54,8 +54,8 @@ def naming_families() -> tuple[NamingFamily, ...]:
 def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, str] | None = None) -> FoundBody:
     """The body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
 
-    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search. Raises StudioError when
-    a chosen part or joint does not exist or the chosen ones do not make a body.
+    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search; no name where the body has no
+    such part. Raises StudioError when a chosen part or joint does not exist or the chosen ones do not make a body.
     """
     search = BodySearch(skeleton, positions)
     fixed = _fixed(skeleton, chosen or {})
@@ -144,7 +144,8 @@ def _candidates(family: NamingFamily, by_name: dict[str, list[int]]) -> dict[Bod
 
 
 def _fixed(skeleton: Skeleton, chosen: Mapping[str, str]) -> dict[BodyPart, list[int]]:
-    return {part_called(key): [skeleton.index(name)] for key, name in chosen.items() if not is_spine(key)}
+    said = {part_called(key): name for key, name in chosen.items() if not is_spine(key)}
+    return {part: [skeleton.index(name)] if name else [] for part, name in said.items()}
 
 
 def _overruled(
@@ -153,7 +154,8 @@ def _overruled(
     """What the user chose stands, also where the search would have decided by topology."""
     if not chosen:
         return found
-    parts = dict(found.parts) | {part: joints[0] for part, joints in fixed.items()}
+    parts = {part: joint for part, joint in found.parts.items() if part not in fixed}
+    parts |= {part: joints[0] for part, joints in fixed.items() if joints}
     given = sorted((int(key[6:]), skeleton.index(name)) for key, name in chosen.items() if is_spine(key))
     chest = given[-1][1] if given else found.spine[-1]
     spine = skeleton.path(parts[BodyPart.PELVIS], chest)

@@ -24,7 +24,7 @@ class ImportOptions:
     floor: float | None = None
     """Height of the ground in metres."""
     body_map: Mapping[str, str] | None = None
-    """Joints by part, as ``BodyMap.to_json`` gives them; parts left out are still guessed."""
+    """Joints by part, as ``BodyMap.to_json`` gives them, "" for none; parts left out are still guessed."""
     reference: str | Mapping[str, Sequence[float]] | None = None
     """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
     marker_map: MarkerMap | None = None
