@@ -160,13 +160,14 @@ def _content(path: Path) -> bytes:
 
 def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
     """Lines before MOTION, the line of MOTION (from 1), lines after it."""
-    head, found, tail = _partition_motion(content)
+    found = _MOTION.search(content)
     if not found:
         if not content.lstrip(b"\xef\xbb\xbf \t\r\n")[:9].upper() == b"HIERARCHY":
             raise StudioError(
                 f"{name}, line 1: a BVH file begins with HIERARCHY, this one does not. Choose a BVH file."
             )
         raise StudioError(f"{name}, line {len(content.splitlines())}: the file ends before MOTION. It is cut off.")
+    head = content[: found.start(1)]
     if len(head) > _LONGEST_HIERARCHY:
         raise StudioError(f"{name}: its hierarchy is {len(head) >> 20} MB long. That is no body; check the file.")
     try:
@@ -174,15 +175,7 @@ def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
     except UnicodeDecodeError:
         text = head.decode("latin-1")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    return lines, len(lines), lines_of(tail)
-
-
-def _partition_motion(content: bytes) -> tuple[bytes, bool, bytes]:
-    """Split at the line that is MOTION alone."""
-    found = _MOTION.search(content)
-    if found is None:
-        return content, False, b""
-    return content[: found.start(1)], True, content[found.end() :]
+    return lines, len(lines), lines_of(content, found.end())
 
 
 @dataclass

@@ -37,19 +37,19 @@ def not_a_number(text: str, where: str) -> StudioError:
     return StudioError(f"{where}: {_shown(text)} is not a number. {hint}")
 
 
-def lines_of(content: bytes) -> list[bytes]:
-    """The lines without their ends, of whatever system; one more, empty, where the last line is ended.
+def lines_of(content: bytes, start: int = 0) -> list[bytes]:
+    """The lines from byte ``start`` on, of whatever system, without ends; one more, empty, where the last has one.
 
     Taken piece by piece, so that other threads are never kept waiting for long.
     """
-    end = b"\n" if b"\n" in content else b"\r"
+    ended = content.endswith((b"\n", b"\r")) or start >= len(content)
+    end = b"\n" if content.find(b"\n", start) >= 0 else b"\r"
     lines: list[bytes] = []
-    start = 0
     while start < len(content):
         cut = content.find(end, start + _PIECE) + 1 or len(content)
         lines += content[start:cut].splitlines()
         start = cut
-    return lines if content and not content.endswith((b"\n", b"\r")) else [*lines, b""]
+    return [*lines, b""] if ended else lines
 
 
 def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
