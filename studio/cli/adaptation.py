@@ -57,7 +57,13 @@ def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = Fals
     """Read a humanoid capture and normalise it; ``all_frames`` counts a calibration pose at its start as motion."""
     capture = load_capture(path, options)
     if capture.body_map is None:
-        reason = next((guess.reason for guess in capture.guesses if guess.subject == "body map"), "")
+        reasons = {guess.subject: guess.reason for guess in capture.guesses}
+        if capture.markers is not None:
+            raise StudioError(
+                f"{path.name} cannot be adapted. {reasons.get('marker map', '')} Say which marker lies where with"
+                " --marker-map."
+            )
+        reason = reasons.get("body map", "")
         raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
     capture = capture.with_first_frame(0) if all_frames else capture
     return made_ready(capture, load_annotations(path, capture, MOTION_ID))

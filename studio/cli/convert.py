@@ -1,6 +1,7 @@
 """``convert``: a motion in another file format, with its own joints and frame rate; or a character."""
 
 from argparse import ArgumentParser, Namespace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from studio.cli.export_options import add_export_options, export_options
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
 from studio.io.character_file import actor_character
-from studio.io.export import format_for, take_of_capture, write_take
+from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
 
@@ -30,10 +31,9 @@ def run(arguments: Namespace) -> int:
         return _convert_character(arguments)
     format_for(arguments.target)
     export_options(arguments).check(arguments.target)
-    capture = load_capture(arguments.source, import_options(arguments))
-    annotations = load_annotations(arguments.source, capture, MOTION_ID)
-    take = export_options(arguments).applied_to(take_of_capture(capture, annotations), arguments.target)
-    written = write_take(take, arguments.target)
+    read = _take_of(arguments.source, import_options(arguments))
+    capture = read.capture
+    written = write_take(export_options(arguments).applied_to(read, arguments.target), arguments.target)
     joints = int(np.count_nonzero(~capture.skeleton.end_sites))
     guesses = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in capture.guesses]
     if arguments.json:
@@ -58,6 +58,16 @@ def run(arguments: Namespace) -> int:
         for sentence in sentences:
             print(f"  {kind:<9} {sentence}")
     return 0
+
+
+def _take_of(source: Path, options: ImportOptions) -> Take:
+    """The motion in a file, or the character in one that can hold no motion: it stands for one frame."""
+    if not format_of(source, "capture_reader", "character_reader").capture_reader:
+        read = load_character(source, options)
+        standing = take_of_standing(read.character)
+        return replace(standing, capture=replace(standing.capture, guesses=read.guesses, repairs=read.repairs))
+    capture = load_capture(source, options)
+    return take_of_capture(capture, load_annotations(source, capture, MOTION_ID))
 
 
 def _writes_characters(target: Path) -> bool:

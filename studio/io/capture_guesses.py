@@ -29,7 +29,10 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
     if options.body_map:
         return []
     parts = len(found.body_map.parts)
-    reason = f"Names as in {found.family}; topology, constant bones and symmetry agree."
+    if found.family:
+        reason = f"Names as in {found.family}; topology, constant bones and symmetry agree."
+    else:
+        reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
     return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)]
 
 

@@ -14,10 +14,13 @@ from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
 from studio.core.pose import PoseSequence
+from studio.core.rest_pose import rest_pose
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.registry import Format, Progress, known_formats
+
+_STILL_RATE = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +71,13 @@ class Take:
 def take_of_capture(capture: Capture, annotations: Annotations | None = None) -> Take:
     """A capture with its own joints, poses and frame rate."""
     return Take(capture, annotations or Annotations())
+
+
+def take_of_standing(character: Character) -> Take:
+    """A character as it stands at rest, for one frame."""
+    positions, rotations = (each[None] for each in rest_pose(character.morphology))
+    still = AdaptedMotion(character.morphology, _STILL_RATE, 0, positions, rotations, np.empty((0, 1)))
+    return take_of_adapted(character.name, still, character)
 
 
 def take_of_adapted(

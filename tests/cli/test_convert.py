@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from studio.cli.main import main
+from studio.core.canonical import BodyPart
 from studio.core.kinematics import joint_world
 from studio.io.export import write_capture
-from studio.io.importing import load_capture
+from studio.io.importing import load_capture, load_character
 from tests.builders import make_capture
 
 
@@ -60,3 +61,26 @@ def test_a_damaged_file_leaves_the_target_as_it_was(capsys, tmp_path):
     assert main(["convert", str(tmp_path / "bad.bvh"), str(tmp_path / "out.bvh")]) == 1
     assert "bad.bvh, line 4" in capsys.readouterr().err
     assert (tmp_path / "out.bvh").read_text() == "precious"
+
+
+@pytest.mark.parametrize("name", ["vrm1_debug_robot.vrm", "joe_hanim_kick.x3dv"])
+@pytest.mark.parametrize("suffix", [".bvh", ".s4d", ".glb"])
+def test_a_character_in_a_file_that_holds_no_motion_stands_for_one_frame(capsys, captures, tmp_path, name, suffix):
+    source, target = captures / "characters" / name, tmp_path / f"out{suffix}"
+    assert main(["convert", str(source), str(target)]) == 0
+    assert "1 frames" in capsys.readouterr().out
+    character, capture = load_character(source).character, load_capture(target)
+    assert capture.frame_count == 1
+    standing = joint_world(capture.skeleton, capture.poses)[0][0]
+    hip, ankle = (standing[capture.body_map[part], 2] for part in (BodyPart.LEFT_THIGH, BodyPart.LEFT_FOOT))
+    assert hip - ankle == pytest.approx(character.morphology.leg_length, rel=0.05)
+    if suffix == ".glb":
+        again = load_character(target).character.skin.vertices
+        assert again.min(axis=0) == pytest.approx(character.skin.vertices.min(axis=0), abs=0.02)
+        assert again.max(axis=0) == pytest.approx(character.skin.vertices.max(axis=0), abs=0.02)
+
+
+def test_markers_that_show_no_body_are_told_what_to_say(capsys, captures, tmp_path):
+    source = captures / "c3d" / "sample15_FP1_metres.c3d"
+    assert main(["convert", str(source), str(tmp_path / "actor.json")]) == 1
+    assert "Say which marker lies where with --marker-map." in capsys.readouterr().err

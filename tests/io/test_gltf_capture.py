@@ -8,8 +8,11 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from studio.cli.main import main
+from studio.core.canonical import BodyPart
 from studio.core.errors import StudioError
 from studio.core.kinematics import joint_world
+from studio.core.normalized.normalize import normalize
+from studio.core.normalized.round_trip import round_trip
 from studio.io.export import take_of_capture, write_take
 from studio.io.gltf.animation import Track
 from studio.io.importing import ImportOptions, load_capture
@@ -50,6 +53,15 @@ def test_joints_under_a_turned_root_stand_upright(captures):
     heights = world(capture)[0, :, 2]
     assert 1.0 < np.ptp(heights) < 1.7
     assert capture.frame_count > 40
+
+
+def test_joints_whose_names_say_nothing_make_a_body_by_shape(captures):
+    capture = load_capture(captures / "characters" / "cesium_man.gltf")
+    assert capture.body_map is not None
+    assert "names of its joints say nothing" in {guess.subject: guess.reason for guess in capture.guesses}["body map"]
+    assert round_trip(capture, *normalize(capture)).position < TENTH_OF_A_MILLIMETRE
+    feet = world(capture)[:, [capture.body_map[BodyPart.LEFT_FOOT], capture.body_map[BodyPart.RIGHT_FOOT]]]
+    assert (np.ptp(feet[:, :, 2], axis=0) > 0.05).all()
 
 
 def test_any_format_becomes_any_other(tmp_path):

@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body_shape import body_by_shape
 from studio.core.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.pose import PoseSequence
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.skeleton import Skeleton
-from studio.io.body_maps import find_body
+from studio.io.body_maps import FoundBody, find_body
 from studio.io.capture_guesses import body_guesses, stood_capture
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import Track, read_tracks
@@ -68,6 +69,9 @@ def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture
     sample = places[np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))]
     chosen = {part: figure.names[figure.nodes.index(node)] for part, node in bones.items()}
     found = find_body(skeleton, sample, {**chosen, **(options.body_map or {})} or None)
+    by_shape = body_by_shape(skeleton, rest_places[0]) if found.body_map is None else None
+    if by_shape is not None:
+        found = FoundBody(by_shape, "", ())
     guesses += body_guesses(skeleton, found, options)
     metres = 1.0
     if options.unit is not None:
