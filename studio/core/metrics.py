@@ -89,7 +89,10 @@ def _slide(joint: FloatArray, normal: FloatArray) -> FloatArray:
 def _standing_foot(
     adapted: AdaptedMotion, point: ContactPoint, span: slice, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """The same of a heel or ball. Where the foot lies over an edge the ground is the plane of what it stands on."""
+    """The same of a heel, or the lower one of ball and tip of the toes.
+
+    Where the foot lies over an edge the ground is the plane of what it stands on.
+    """
     layout, side = adapted.morphology.layout, point.side
     frames = adapted.first_frame + np.arange(span.start, span.stop)
     measures = at_frames(sole_rows(adapted.body, side), frames)
@@ -108,6 +111,10 @@ def _standing_foot(
         heights = (sole - [*soles[0, 1], planes.heights[0]]) @ normal
     else:
         heights = (sole[:, 2] - ground.height_at(sole)) * normal[2]
+    if not point.is_heel:
+        turns = adapted.rotations[span, layout.spine_count + 12 + 4 * side :][:, :2]
+        tip = Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points[:, -1]
+        heights = np.minimum(heights, (tip[:, 2] - worn_height(ground, tip)) * normal[2])
     return _slide(ankle if point.is_heel else toe, normal), heights
 
 

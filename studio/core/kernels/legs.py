@@ -11,8 +11,10 @@ from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.realize import put_foot, put_hip
 from studio.core.kernels.turns import aimed, product, turn_in, turn_of, twisted
 
-KNEE_GUARD = 0.0004
-"""Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
+KNEE_GUARD, KNEE_DOUBT = 0.0004, 0.006
+"""Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go; and
+so many more for one that is hardly held any more.
+"""
 
 
 @allocating_kernel
@@ -62,13 +64,14 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, ro
     if distance > 1e-9:
         frame = aimed(frame, x / distance, y / distance, z / distance)
     off_plane = channels[at.LIMB_OFF_PLANE + 2 + side] * length
+    reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
     if ankle.shape[0] > 3 and ankle[6] > 0.0:
-        frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, min(distance, length), off_plane, frame))
+        frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
     t = at.LIMB_TWIST + 2 * (2 + side)
     end, _ = place_limb(
         hip,
         frame,
-        max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6),
+        reach,
         (upper, lower),
         off_plane,
         1.0,
@@ -129,4 +132,5 @@ def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
     away = radius * math.hypot(wanted_x, wanted_y)
     angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
-    return ankle[6] * smoothstep(min(away / KNEE_GUARD, 1.0)) * angle
+    guard = KNEE_GUARD + (1.0 - ankle[6]) * KNEE_DOUBT
+    return ankle[6] * smoothstep(min(away / guard, 1.0)) * angle

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.kernels import layout as at
 from studio.core.kernels import realize as kernel
 from studio.core.morphology import AnyMorphology
 from studio.core.normalized.actor import Actor
@@ -25,7 +26,19 @@ def realize(
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
     kernel.realize_frames(motion.channels, motion.spine_places, morphology.rows, float(play), positions, rotations)
+    if len(morphology.rows) > 1:
+        positions[..., :2] -= _drift(motion.channels[:, at.HIPS : at.HIPS + 2], morphology)[:, None]
     return positions, rotations
+
+
+def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
+    """(F, 2) metres by which ``hips`` (F, 2), in leg lengths, go astray only because the legs change their length.
+
+    A body that grows goes L dx, not d(L x): else where it stands would depend on how far the origin is.
+    """
+    legs = morphology.rows[:, at.M_LEG : at.M_FOOT].sum(axis=1) / 2
+    steps = (hips[1:] + hips[:-1]) / 2 * np.diff(legs)[:, None]
+    return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
 
 def trunk_places(spine: FloatArray) -> FloatArray:

@@ -99,7 +99,7 @@ def stand(
             positions, rotations = carrying.pose[0] + carrying.shift[:, None], carrying.pose[1]
     footing, arms = find_footing(motion, morphology, contacts, ground, positions, rotations, share, upright), None
     if carrying is not None:
-        footing, arms = settle(carrying, footing, motion, morphology, positions, rotations)
+        footing, arms = settle(carrying, footing, motion, morphology, ground, positions, rotations)
     measures, legs = morphology.rows, _legs(footing, slice(None))
     place_frames(motion.channels, measures, footing.drops, *legs, positions, rotations)
     if arms is not None:

@@ -208,7 +208,7 @@ def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) 
             steps = np.arange(1, min(room, fade) + 1)
             shares = steps / (min(room, fade) + 1)
             speed = corrections[edge] - corrections[edge - step]
-            filled[edge + step * steps] += (steps * (1.0 - _smoothstep(shares)))[:, None] * speed
+            filled[edge + step * steps] += (steps * (1.0 - smoothstep(shares)))[:, None] * speed
     return filled
 
 
@@ -220,7 +220,8 @@ def _frames_to_nearest(known: NDArray[np.bool_]) -> NDArray[np.int64]:
     return np.asarray(np.minimum(np.abs(frames - behind), np.abs(ahead - frames)))
 
 
-def _smoothstep(t: FloatArray) -> FloatArray:
+def smoothstep(t: FloatArray) -> FloatArray:
+    """(6) of METHOD."""
     return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
 
 

@@ -242,10 +242,10 @@ def leashes(footing: Footing, frame_rate: float) -> FloatArray:
     return np.where(free < 1.0, footing.comforts + LEASH * free, np.inf)
 
 
-def freedom(planted: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """(F,) 0 while a foot stands, eased to 1 within ``FREED_AFTER`` seconds of the nearest frame that does."""
+def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = FREED_AFTER) -> FloatArray:
+    """(F,) 0 while a foot stands, eased to 1 within ``after`` seconds of the nearest frame that does."""
     free = np.empty(len(planted))
-    kernel.free_feet(planted, FREED_AFTER * frame_rate, free)
+    kernel.free_feet(planted, after * frame_rate, free)
     return free
 
 

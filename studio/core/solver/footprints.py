@@ -21,6 +21,8 @@ FloatArray = NDArray[np.float64]
 EDGE = 0.03
 """Metres by which ground may stray from the plane of its own slope under one sole; more is an edge."""
 STEEPEST_SOLE = np.radians(35.0)
+TOES_BEND = np.radians([-20.0, 40.0])
+"""How far toes bend down and up at most to follow ground that turns off under the ball."""
 LONGEST_FLIGHT = 1.0
 """Seconds without contact after which a foot follows the ground below it, asked this often: ``WAYPOINT``."""
 WAYPOINT = 0.5
@@ -35,13 +37,15 @@ _SETTLING = 4
 
 @dataclass(frozen=True, eq=False)
 class Planes:
-    """Where soles lie: ``heights`` (N,) of their balls, ``normals`` (N, 3), and whether the heel or the ball
-    stands beyond an edge, over nothing: ``overhangs`` (N, 2).
+    """Where soles lie: ``heights`` (N,) of their balls, ``normals`` (N, 3), whether the heel or the ball stands beyond
+    an edge, over nothing: ``overhangs`` (N, 2), and how far toes bend up from that plane to lie on the ground, ``bends``
+    (N,) radians.
     """
 
     heights: FloatArray
     normals: FloatArray
     overhangs: NDArray[np.bool_]
+    bends: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +53,7 @@ class Footprints:
     """Contacts of one foot in time: frames ``first`` to ``last`` (N,), both included.
 
     ``pivots`` (N, 3) are balls on the level floor, ``moves`` (N, 3) where to they go, ``tilts`` (N, 3) rotation
-    vectors about them; ``hanging`` (N,) heels that stand over nothing.
+    vectors about them, ``bends`` (N,) radians by which toes bend up; ``hanging`` (N,) heels that stand over nothing.
     """
 
     first: NDArray[np.int64]
@@ -57,6 +61,7 @@ class Footprints:
     pivots: FloatArray
     moves: FloatArray
     tilts: FloatArray
+    bends: FloatArray
     hanging: NDArray[np.bool_]
 
 
@@ -101,7 +106,11 @@ def planes_under(ground: Ground, soles: FloatArray) -> Planes:
     at_heel = at_ball - np.einsum("nk,nk->n", slope, line)
     overhangs = np.stack([at_heel - heights[:, 0], at_ball - heights[:, 1]], axis=1) > EDGE
     normal = np.column_stack([-slope, np.ones(len(slope))])
-    return Planes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs)
+    to_tip = soles[:, 2] - soles[:, 1]
+    gap = heights[:, 2] - at_ball - np.einsum("nk,nk->n", slope, to_tip)
+    bends = np.arctan2(gap, np.maximum(np.linalg.norm(to_tip, axis=1), 1e-9))
+    bends = np.where(edge | (np.abs(gap) > EDGE), 0.0, np.clip(bends, *TOES_BEND))
+    return Planes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs, bends)
 
 
 def tilts_of(normals: FloatArray) -> FloatArray:
@@ -137,7 +146,7 @@ def find_footprints(
         sloping = np.einsum("nij,nj->ni", turned, lines)[:, None, :2]
         placed = placed[:, 1:2] + reach[..., None] * sloping
     moves = np.column_stack([nudges, planes.heights - ground.height])
-    return Footprints(first, last, level, moves, tilts_of(planes.normals), planes.overhangs[:, 0])
+    return Footprints(first, last, level, moves, tilts_of(planes.normals), planes.bends, planes.overhangs[:, 0])
 
 
 def drape(
@@ -149,8 +158,9 @@ def drape(
     pivots, tilts = (_eased(prints, values, count) for values in (prints.pivots, prints.tilts))
     moves = _eased(prints, prints.moves, count, frame_rate)
     turns = Rotation.from_rotvec(tilts).as_matrix()
+    bent = toes @ Rotation.from_rotvec(_eased(prints, prints.bends[:, None] * [0.0, -1.0, 0.0], count)).as_matrix()
     return Draped(
-        pivots + moves + np.einsum("fij,fj->fi", turns, ankles - pivots), turns @ feet, turns @ toes, moves[:, 2]
+        pivots + moves + np.einsum("fij,fj->fi", turns, ankles - pivots), turns @ feet, turns @ bent, moves[:, 2]
     )
 
 
@@ -250,8 +260,9 @@ def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, fram
             (prints.tilts, tilts_of(ground.normal_at(level))),
         )
     )
+    bends = np.append(prints.bends, np.zeros(len(extra)))[order]
     hanging = np.append(prints.hanging, np.zeros(len(extra), dtype=np.bool_))[order]
-    return Footprints(first, last, pivots, all_moves, tilts, hanging)
+    return Footprints(first, last, pivots, all_moves, tilts, bends, hanging)
 
 
 def _eased(prints: Footprints, values: FloatArray, count: int, frame_rate: float = math.inf) -> FloatArray:

@@ -4,12 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from studio.core.contacts import ContactPoint
+from studio.core.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.carrying import move_bodies, settle_frames
 from studio.core.kernels.feet import HEEL, TOE
-from studio.core.morphology import AnyMorphology
+from studio.core.kernels.swing import keep_above
+from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.solver.carrying import (
@@ -20,9 +23,11 @@ from studio.core.solver.carrying import (
     laid_hands,
     lengths_of,
     reach_of,
+    smoothstep,
     track_of,
 )
 from studio.core.solver.footing import LEASH, Footing, freedom, leashes
+from studio.core.solver.footprints import tilts_of
 
 FloatArray = NDArray[np.float64]
 
@@ -30,6 +35,14 @@ SOFT, FIRM = 1e-2, 1e-4
 """Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
 LYING_REACH = 0.999
 """Part of its length to which a standing leg may always stretch while seat or knee carries: it bears no weight."""
+RAISES = 3
+"""Times a foot that the shank of a standing knee drags along is raised off the ground, about that knee."""
+INSTEP_ROOM = 0.005
+"""Metres of the ground within which the tip of a foot that lies on its instep begins to be raised."""
+KNEE_FREED = 0.2
+"""Seconds in which a knee that has left the ground, or is about to stand, is let go."""
+CRAWLING_REACH = 0.9
+"""Part of its length to which the leg of who crawls may stretch in the air, however bent the motion's own is."""
 ROUNDS = 4
 """Times what is left to be moved is averaged over time before the last, exact move."""
 
@@ -68,6 +81,7 @@ def settle(
     footing: Footing,
     motion: NormalizedMotion,
     body: AnyMorphology,
+    ground: Ground,
     positions: FloatArray,
     rotations: FloatArray,
 ) -> tuple[Footing, Arms]:
@@ -84,7 +98,7 @@ def settle(
         footing = replace(footing, comforts=_eased_off(footing.comforts, seated))
     kneeling = [holds[point] for point in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE) if point in holds]
     if kneeling:
-        footing = _kneeling(kneeling, footing, body, rate, positions)
+        footing = _kneeling(kneeling, footing, motion, body, ground, positions)
     links = _Links([], [], [], [])
     for side, leash in enumerate(leashes(footing, rate)):
         hip, legs = positions[:, layout.hip(side)], lengths_of(body, at.M_LEG + 2 * side)
@@ -129,25 +143,32 @@ def _seats(hold: Hold | None, body: AnyMorphology, frame_rate: float, positions:
 
 
 def _kneeling(
-    holds: list[Hold], footing: Footing, body: AnyMorphology, frame_rate: float, positions: FloatArray
+    holds: list[Hold],
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
 ) -> Footing:
     """The footing with knees: (2, F, 7) ankles, knees, and how firmly these are held; shanks keep their lengths.
 
     Where only the knee stands, the foot comes along; where the toe stands as well, the foot turns about it; where the
     heel stands, the knee yields.
     """
+    frame_rate = motion.frame_rate
     ankles = np.concatenate([footing.ankles, np.zeros((*footing.ankles.shape[:2], 4))], axis=2)
-    feet, comforts = footing.feet.copy(), footing.comforts.copy()
+    feet, toes, comforts = footing.feet.copy(), footing.toes.copy(), footing.comforts.copy()
     for hold in holds:
         side = hold.point.side
-        firm = (1.0 - freedom(hold.standing, frame_rate))[:, None]
+        firm = (1.0 - freedom(hold.standing, frame_rate, KNEE_FREED))[:, None]
         knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
         shank = lengths_of(body, at.M_LEG + 2 * side)[:, 1:]
         to_toe = np.einsum(
             "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.M_FOOT + 3 * side :][:, :3], knees.shape)
         )
         heel, toe = (1.0 - freedom((footing.states[side] & bit) != 0, frame_rate)[:, None] for bit in (HEEL, TOE))
-        ankle = footing.ankles[side]
+        soles, states = sole_rows(body, side), footing.states[side]
+        ankle = footing.ankles[side] + _off_its_instep(footing.ankles[side], feet[side], toes[side], soles, ground)
         tip, length = ankle + to_toe, np.linalg.norm(to_toe, axis=1, keepdims=True)
         knees = knees + firm * heel * (ankle + shank * normalized(knees - ankle) - knees)
         pinned = _on_both(knees, shank, tip, length, ankle)
@@ -157,9 +178,53 @@ def _kneeling(
         placed = placed + by_toe * (tip + length * normalized(placed - tip) - placed)
         turned = normalized(tip - ankle - toe * (placed - ankle))
         feet[side] = shortest_arc(normalized(to_toe), turned) @ feet[side]
+        for _ in range(RAISES):
+            raised = _kept_above(placed, feet[side], toes[side], soles, states, ground, frame_rate)
+            swung = shank * (normalized(raised - knees) - normalized(placed - knees))
+            placed = raised + firm * (placed + swung - raised)
         ankles[side] = np.concatenate([placed, knees, firm], axis=1)
+        bent = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], CRAWLING_REACH, comforts[side])
+        comforts[side] += freedom(states != 0, frame_rate) * (bent - comforts[side])
         comforts[side] = _eased_off(comforts[side], firm[:, 0])
-    return replace(footing, ankles=ankles, feet=feet, comforts=comforts)
+    return replace(footing, ankles=ankles, feet=feet, toes=toes, comforts=comforts)
+
+
+def _kept_above(
+    ankles: FloatArray,
+    feet: FloatArray,
+    toes: FloatArray,
+    soles: FloatArray,
+    states: NDArray[np.int64],
+    ground: Ground,
+    frame_rate: float,
+) -> FloatArray:
+    """(F, 3) ``ankles`` of who kneels, raised off the plane of the ground below them; ``toes`` bend up, in place."""
+    under = np.column_stack([ankles[:, :2], averaged(ground.height_at(ankles)[:, None], EASE, frame_rate)])
+    tilts = averaged(tilts_of(ground.normal_at(ankles)), EASE, frame_rate)
+    turns = Rotation.from_rotvec(tilts).as_matrix()
+    back = np.swapaxes(turns, 1, 2)
+    places, bent = np.einsum("fij,fj->fi", back, ankles - under), back @ toes
+    keep_above(soles, states, 0.0, frame_rate, places, back @ feet, bent)
+    toes[:] = turns @ bent
+    raised = under + np.einsum("fij,fj->fi", turns, places)
+    flying = states[:, None] == 0
+    return np.asarray(raised + np.where(flying, _off_its_instep(raised, feet, toes, soles, ground), 0.0))
+
+
+def _off_its_instep(
+    ankles: FloatArray, feet: FloatArray, toes: FloatArray, soles: FloatArray, ground: Ground
+) -> FloatArray:
+    """(F, 3) by how much feet whose soles look up are raised to keep the tips of their toes off the ground (METHOD (7)).
+    """
+    forward, left, down, height, _, length = np.broadcast_to(soles, (len(feet), 6)).T
+    joint = ankles + np.einsum("fij,fj->fi", feet, np.column_stack([forward, left, down]))
+    tip = joint + np.einsum("fij,fj->fi", toes, np.column_stack([length, 0.0 * length, -height - down]))
+    normals = ground.normal_at(joint)
+    above = (tip[:, 2] - ground.height_at(tip)) * normals[:, 2]
+    share = np.clip(above / INSTEP_ROOM, -1.0, 1.0)
+    lack = INSTEP_ROOM * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-above - INSTEP_ROOM, 0.0)
+    upside = smoothstep(np.clip(-8.0 * np.einsum("fk,fk->f", feet[..., 2], normals), 0.0, 1.0))
+    return np.asarray((upside * lack)[:, None] * normals)
 
 
 def _eased_off(comforts: FloatArray, share: FloatArray) -> FloatArray:
