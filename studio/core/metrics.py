@@ -23,6 +23,10 @@ QUIET = 20.0
 """Radians a second squared: a source peak below it counts as this, or a still source would divide by nothing."""
 
 
+STEEP = 0.5
+"""Cosine of the angle from level beyond which a foot stands on its toes alone, wherever its heel would be."""
+
+
 @dataclass(frozen=True)
 class ContactQuality:
     """Worst values over all contacts of a motion, in metres."""
@@ -101,7 +105,8 @@ def _standing_foot(
     middle = np.array([len(foot) // 2])
     soles = soles_of(ankle[middle], foot[middle], at_frames(measures, middle))
     planes = planes_under(ground, soles)
-    normal = planes.normals[0]
+    steep = not point.is_heel and foot[middle[0], 2, 2] < STEEP
+    normal = ground.normal_at(toe[middle[0]]) if steep else planes.normals[0]
     if point.is_heel:
         below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])
         sole = ankle + np.einsum("fij,fj->fi", foot, np.broadcast_to(below, ankle.shape))

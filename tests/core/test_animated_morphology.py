@@ -1,5 +1,7 @@
 """Bodies whose measures change at every frame: feet stay locked, bones have their frame's length, nothing jitters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,6 +13,7 @@ from studio.core.grounds import Slope
 from studio.core.kinematics import joint_world
 from studio.core.metrics import angular_acceleration, contact_quality
 from studio.core.morphology import AnimatedMorphology, sole_rows
+from studio.core.normalized.realize import realize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.character_file import bundled_characters
@@ -55,6 +58,16 @@ def test_joints_are_as_smooth_as_on_a_still_body(first: str, second: str) -> Non
     turns, usual = (angular_acceleration(each.rotations, WALK.frame_rate).max(axis=0) for each in (growing, still[0]))
     other = angular_acceleration(still[1].rotations, WALK.frame_rate).max(axis=0)
     assert (turns < 3.0 * np.maximum(usual, other) + 5.0).all()
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (20.0, -7.0)])
+def test_where_a_growing_body_goes_does_not_depend_on_how_far_the_origin_is(shift: tuple[float, float]) -> None:
+    body, channels = _between("child", "giant"), WALK.channels.copy()
+    channels[:, :2] += shift
+    here, there = (realize(replace(WALK, channels=each), body)[0] for each in (WALK.channels, channels))
+    apart = there - here
+    assert np.allclose(apart, apart[0], atol=1e-9)
+    assert np.allclose(apart[0, 0, :2], np.array(shift) * BODIES["child"].leg_length, atol=1e-9)
 
 
 def test_every_frame_has_its_own_lengths_and_constraints_are_met() -> None:

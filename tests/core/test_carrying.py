@@ -242,13 +242,13 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     way = random.normal(size=3)
     wrist = positions[shoulder] + random.uniform(0.2, 1.3) * BODY.arm[side].sum() * way / np.linalg.norm(way)
     hand, clavicle = random_rotations(random), rotations[upper - 1].copy()
-    kernel.place_arm(row, BODY.packed, side, wrist, hand, 1.0, positions, rotations)
+    comfort = random.uniform(0.9, 1.0)
+    kernel.place_arm(row, BODY.packed, side, wrist, hand, 1.0, comfort, positions, rotations)
 
     rest = _frame_along(BODY.clavicle_rest[side])
     frame = clavicle @ rest.T @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
     apart, length = wrist - before[shoulder], BODY.arm[side].sum()
     distance = np.linalg.norm(apart)
-    comfort = min(max(1.0 - row[at.LIMB_SLACK + side], 0.985), 1.0 - 1e-9)
     elbow, reached, first, second = place_limb(
         before[shoulder],
         shortest_arc(frame[:, 2], apart / distance) @ frame,

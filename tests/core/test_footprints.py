@@ -135,6 +135,13 @@ def test_heel_and_ball_lie_on_smooth_ground_under_their_plane(seed: int) -> None
     assert not planes.overhangs.any()
 
 
+@given(st.floats(-15.0, 15.0))
+def test_toes_bend_with_a_slope_that_begins_under_the_ball(degrees: float) -> None:
+    ground = Slope(0.0, math.radians(degrees), 0.0, (0.16, 0.0))
+    planes = planes_under(ground, np.array([[[0.0, 0.0], [0.16, 0.0], [0.24, 0.0]]]))
+    assert planes.bends[0] == pytest.approx(math.radians(degrees), abs=1e-9)
+
+
 def test_a_sole_over_an_edge_lies_level_on_the_higher_step() -> None:
     steps = Steps(0.0, 0.17, 0.30, 5)
     sole = np.array([[[-0.05, 0.0], [0.12, 0.0], [0.18, 0.0]]])

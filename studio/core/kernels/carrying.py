@@ -117,16 +117,16 @@ def move_bodies(moves, positions, rotations):
 
 
 @allocating_kernel
-def place_arms(channels, measures, wrists, hands, bends, firm, positions, rotations):
-    """Arms of all frames on their wrists, in place, where ``firm`` (2, F); hands as given (METHOD 6, limb_to).
+def place_arms(channels, measures, wrists, hands, bends, comforts, positions, rotations):
+    """Arms of all frames on their wrists, in place, where ``comforts`` (2, F) are not 0; hands as given (METHOD 6).
 
     ``wrists`` (2, F, 3); ``hands`` (2, F, 3, 3) world rotations; ``bends`` (2, F) sign of the side to which the elbow
-    bends. An arm stretches freely as far as the motion's own does, but for ``soft_reach``.
+    bends. An arm stretches freely to its comfort, a part of its length, and ever less beyond (``soft_reach``).
     """
     for frame in range(positions.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         for side in range(2):
-            if firm[side, frame]:
+            if comforts[side, frame] > 0.0:
                 place_arm(
                     channels[frame],
                     row,
@@ -134,13 +134,14 @@ def place_arms(channels, measures, wrists, hands, bends, firm, positions, rotati
                     wrists[side, frame],
                     hands[side, frame],
                     bends[side, frame],
+                    comforts[side, frame],
                     positions[frame],
                     rotations[frame],
                 )
 
 
 @kernel
-def place_arm(channels, measures, side, wrist, hand, bend, positions, rotations):
+def place_arm(channels, measures, side, wrist, hand, bend, comfort, positions, rotations):
     """One arm of one frame: shoulder from the clavicle, wrist (3,) at its target, hand (3, 3) as given."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     shoulder, upper_arm = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
@@ -158,7 +159,7 @@ def place_arm(channels, measures, side, wrist, hand, bend, positions, rotations)
     end, _ = place_limb(
         origin,
         frame,
-        max(length * soft_reach(distance / length, arm_comfort(channels, side)), abs(upper - lower) + 1e-6),
+        max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6),
         (upper, lower),
         channels[at.LIMB_OFF_PLANE + side] * length,
         bend,
@@ -172,9 +173,3 @@ def place_arm(channels, measures, side, wrist, hand, bend, positions, rotations)
     put_turn(turn, rotations[upper_arm + 2])
     m = at.M_HAND + 3 * side
     put_beside(end, turn, measures[m], measures[m + 1], measures[m + 2], positions[shoulder + 3])
-
-
-@kernel
-def arm_comfort(channels, side):
-    """Part of its length to which an arm stretches freely: as far as the motion's own does, or nearly straight."""
-    return min(max(1.0 - channels[at.LIMB_SLACK + side], 0.985), 1.0 - 1e-9)

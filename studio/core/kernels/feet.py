@@ -18,6 +18,8 @@ TOE = 2
 FLAT = 3
 STEEP = -0.7
 """Vertical part of a foot's forward axis below which it stands on tucked toes."""
+SMALLEST = 1.02
+"""Parts of its least size through a contact up to which a growing body's places count: those it reaches always."""
 
 
 @kernel
@@ -211,7 +213,8 @@ def plant_ankles(ankles, feet, states, soles, ground, out_ankles):
 
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot. One anchor an
     episode of contact: the ankle's median place in its longest stretch on the heel (the toe's, if no heel stands);
-    every other pivot is where the foot is when the contact passes from heel to toe or back, so nothing jumps.
+    every other pivot is where the foot is when the contact passes from heel to toe or back, so nothing jumps. A foot
+    that grows is anchored where it is while it is small.
     """
     count = states.shape[0]
     shift = np.zeros((count, 3))
@@ -245,13 +248,19 @@ def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
     heel = last > first
     if not heel:
         first, last = longest_stretch(states, TOE, begin, end)
-    reach = np.zeros((last - first, 3))
+    reach, count, least = np.zeros((last - first, 3)), 0, math.inf
     for frame in range(first, last):
+        least = min(least, soles[frame if soles.shape[0] > 1 else 0, 0])
+    for frame in range(first, last):
+        sole = soles[frame if soles.shape[0] > 1 else 0]
+        if sole[0] - least > (SMALLEST - 1.0) * abs(least):
+            continue
         if not heel:
-            to_toe(feet[frame], soles[frame if soles.shape[0] > 1 else 0], reach[frame - first])
+            to_toe(feet[frame], sole, reach[count])
         for axis in range(3):
-            reach[frame - first, axis] += ankles[frame, axis]
-    anchor = np.array([np.median(reach[:, 0]), np.median(reach[:, 1])])
+            reach[count, axis] += ankles[frame, axis]
+        count += 1
+    anchor = np.array([np.median(reach[:count, 0]), np.median(reach[:count, 1])])
     pivots = np.zeros((2, 2))
     offset = np.zeros(3)
     for way in range(2):

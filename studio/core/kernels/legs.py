@@ -11,10 +11,10 @@ from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.realize import put_foot, put_hip
 from studio.core.kernels.turns import aimed, product, turn_in, turn_of, twisted
 
-KNEE_GUARD, KNEE_DOUBT = 0.0004, 0.006
-"""Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go; and
-so many more for one that is hardly held any more.
-"""
+KNEE_GUARD = 0.0004
+"""Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
+KNEE_DOUBT = 1.2
+"""Radians about which a knee that is hardly held any more does not turn: its place may lie on the other side."""
 
 
 @allocating_kernel
@@ -132,5 +132,5 @@ def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
     away = radius * math.hypot(wanted_x, wanted_y)
     angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
-    guard = KNEE_GUARD + (1.0 - ankle[6]) * KNEE_DOUBT
-    return ankle[6] * smoothstep(min(away / guard, 1.0)) * angle
+    doubt = 1.0 + (1.0 - ankle[6]) * (angle / KNEE_DOUBT) ** 2
+    return ankle[6] * smoothstep(min(away / KNEE_GUARD, 1.0)) * angle / doubt

@@ -103,7 +103,7 @@ def stand(
     measures, legs = morphology.rows, _legs(footing, slice(None))
     place_frames(motion.channels, measures, footing.drops, *legs, positions, rotations)
     if arms is not None:
-        stance = arms.wrists, arms.hands, arms.bends, arms.placed
+        stance = arms.wrists, arms.hands, arms.bends, arms.comforts
         place_arms(motion.channels, measures, *stance, positions, rotations)
     holds = () if carrying is None else carrying.holds
     known = tuple(contacts), ground

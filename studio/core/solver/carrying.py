@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.contacts import BODY_POINTS, ContactInterval, ContactPoint, contact_mask, touching_points
 from studio.core.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.kernels.feet import fill_gaps
+from studio.core.kernels.feet import SMALLEST, fill_gaps
 from studio.core.morphology import AnyMorphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc
@@ -153,11 +153,13 @@ def leaning(
 def _hold(
     point: ContactPoint, spans: list[tuple[int, int]], body: AnyMorphology, ground: Ground, track: FloatArray
 ) -> Hold:
-    """One anchor a contact: the median place of the joint, raised from the ground there."""
+    """One anchor a contact: the median place of the joint (while small, if the body grows), raised from the ground."""
+    legs = np.broadcast_to(lengths_of(body, at.M_LEG).sum(axis=1), len(track))
     standing, places, normals = np.zeros(len(track), dtype=np.bool_), track.copy(), np.zeros_like(track)
     for first, last in spans:
         span = slice(first, last + 1)
-        middle = np.median(track[span, :2], axis=0)
+        small = legs[span] <= SMALLEST * legs[span].min()
+        middle = np.median(track[span, :2][small], axis=0)
         normal = ground.normal_at(middle)
         standing[span] = True
         places[span] = np.array([*middle, ground.height_at(middle)]) + clearance(body, point) * normal

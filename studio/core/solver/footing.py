@@ -31,7 +31,7 @@ FREED_AFTER = 0.15
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
 LEASH = 0.3
-"""Part of its length by which a limb's leash has run out when its contact becomes free."""
+"""Part of its length by which a limb's leash has run out when its contact is half free."""
 FOLDED, FOLD_ROOM = 0.35, 0.12
 """Part of its length by which a folded leg's ankle hangs below the hip, and parts by which it may come nearer; less
 the farther it is from below the hip, nothing at a leg's length.
@@ -136,7 +136,9 @@ def _keep_below_hips(
         own = positions[:, morphology.layout.ankle(side), 2] - hips[:, 2]
         aside = np.linalg.norm(ankles[side, :, :2] - hips[:, :2], axis=1) / legs
         least = -FOLDED * legs * (1.0 - np.minimum(aside, 1.0) ** 2) ** 2
-        beyond = ankles[side, :, 2] - (hips[:, 2] - drops) - np.maximum(own, least)
+        over = own - least
+        highest = least + 0.5 * (over + np.hypot(over, FOLD_ROOM * legs))  # the higher one, without a corner
+        beyond = ankles[side, :, 2] - (hips[:, 2] - drops) - highest
         softened = FOLD_ROOM * legs * -np.expm1(-np.maximum(beyond, 0.0) / (FOLD_ROOM * legs))
         ankles[side, :, 2] -= freedom(states[side] != 0, frame_rate) * (np.maximum(beyond, 0.0) - softened)
 
@@ -239,7 +241,12 @@ def leashes(footing: Footing, frame_rate: float) -> FloatArray:
     if not footing.states.any():
         return np.full(footing.states.shape, np.inf)
     free = np.array([freedom(states != 0, frame_rate) for states in footing.states])
-    return np.where(free < 1.0, footing.comforts + LEASH * free, np.inf)
+    return footing.comforts + run_out(free)
+
+
+def run_out(free: FloatArray) -> FloatArray:
+    """(F,) how far a leash has run out that leaves hold smoothly, parts of a limb's length; all the way where free."""
+    return np.asarray(np.divide(LEASH * free, 1.0 - free, out=np.full(free.shape, np.inf), where=free < 1.0))
 
 
 def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = FREED_AFTER) -> FloatArray:

@@ -38,8 +38,8 @@ _SETTLING = 4
 @dataclass(frozen=True, eq=False)
 class Planes:
     """Where soles lie: ``heights`` (N,) of their balls, ``normals`` (N, 3), whether the heel or the ball stands beyond
-    an edge, over nothing: ``overhangs`` (N, 2), and how far toes bend up from that plane to lie on the ground, ``bends``
-    (N,) radians.
+    an edge, over nothing: ``overhangs`` (N, 2), and by how many radians toes bend up from that plane to lie on the
+    ground: ``bends`` (N,).
     """
 
     heights: FloatArray

@@ -96,17 +96,18 @@ def release_hands(
     """
     layout = body.layout
     wrists, hands = arms.wrists[:, window].copy(), arms.hands[:, window].copy()
-    leaving = np.zeros(wrists.shape[:2], dtype=np.bool_)
+    comforts = np.zeros(wrists.shape[:2])
     for hold in holds:
         if hold.point.member != "hand":
             continue
         side = hold.point.side
         firm = (1.0 - freedom(hold.standing, frame_rate))[window]
-        leaving[side] = (firm > 0.0) & (firm < 1.0)
+        leaving = (firm > 0.0) & (firm < 1.0)
+        comforts[side, leaving] = arms.comforts[side, window][leaving]
         own = positions[:, layout.wrist(side)]
         wrists[side] = own + firm[:, None] * (wrists[side] - own)
         turned = rotations[:, layout.spine_count + 5 + 4 * side]
         apart = Rotation.from_matrix(hands[side] @ np.swapaxes(turned, 1, 2)).as_rotvec()
         hands[side] = Rotation.from_rotvec(firm[:, None] * apart).as_matrix() @ turned
     bends = np.ascontiguousarray(arms.bends[:, window])
-    place_arms(channels, at_frames(body.rows, window), wrists, hands, bends, leaving, positions, rotations)
+    place_arms(channels, at_frames(body.rows, window), wrists, hands, bends, comforts, positions, rotations)

@@ -26,7 +26,7 @@ from studio.core.solver.carrying import (
     smoothstep,
     track_of,
 )
-from studio.core.solver.footing import LEASH, Footing, freedom, leashes
+from studio.core.solver.footing import Footing, freedom, leashes, run_out
 from studio.core.solver.footprints import tilts_of
 
 FloatArray = NDArray[np.float64]
@@ -37,6 +37,8 @@ LYING_REACH = 0.999
 """Part of its length to which a standing leg may always stretch while seat or knee carries: it bears no weight."""
 RAISES = 3
 """Times a foot that the shank of a standing knee drags along is raised off the ground, about that knee."""
+SWINGING_ARM = 0.95
+"""Part of its length to which an arm on its way to or from the ground stretches freely."""
 INSTEP_ROOM = 0.005
 """Metres of the ground within which the tip of a foot that lies on its instep begins to be raised."""
 KNEE_FREED = 0.2
@@ -50,13 +52,14 @@ ROUNDS = 4
 @dataclass(frozen=True, eq=False)
 class Arms:
     """Arms that stand now and then: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) the
-    side to which the elbow goes, ``placed`` (2, F) where they are put there, ``standing`` (2, F) where they stand.
+    side to which the elbow goes, ``comforts`` (2, F) the part of its length to which each stretches freely, 0 where it
+    is left alone, ``standing`` (2, F) where they stand.
     """
 
     wrists: FloatArray
     hands: FloatArray
     bends: FloatArray
-    placed: NDArray[np.bool_]
+    comforts: FloatArray
     standing: NDArray[np.bool_]
 
 
@@ -111,9 +114,9 @@ def settle(
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point in holds:
             free, shoulder = freedom(holds[point].standing, rate), positions[:, layout.wrist(side) - 2]
-            reach = reach_of(motion, body, side) + LEASH * free * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
+            reach = reach_of(motion, body, side) + run_out(free) * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
             wrists = holds[point].displaced(track_of(point, body, positions), rate)
-            links.add(shoulder - roots, wrists, 0.0, np.where(free < 1.0, reach, np.inf))
+            links.add(shoulder - roots, wrists, 0.0, reach)
     seats = _seats(holds.get(ContactPoint.SEAT), body, rate, positions)
     move_bodies(_moves(roots, links, seats, rate), positions, rotations)
     return footing, _arms(holds, motion, body, positions, rotations)
@@ -214,7 +217,9 @@ def _kept_above(
 def _off_its_instep(
     ankles: FloatArray, feet: FloatArray, toes: FloatArray, soles: FloatArray, ground: Ground
 ) -> FloatArray:
-    """(F, 3) by how much feet whose soles look up are raised to keep the tips of their toes off the ground (METHOD (7)).
+    """(F, 3) by how much feet whose soles look up are raised off their toes, so that these are not in the ground.
+
+    METHOD (7).
     """
     forward, left, down, height, _, length = np.broadcast_to(soles, (len(feet), 6)).T
     joint = ankles + np.einsum("fij,fj->fi", feet, np.column_stack([forward, left, down]))
@@ -256,7 +261,7 @@ def _arms(
 ) -> Arms:
     """Where the arms of a settled body go."""
     layout, count = body.layout, len(positions)
-    placed, standing = np.zeros((2, count), dtype=np.bool_), np.zeros((2, count), dtype=np.bool_)
+    comforts, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
     wrists = np.stack([positions[:, layout.wrist(side)] for side in range(2)])
     hands = np.stack([rotations[:, layout.spine_count + 5 + 4 * side] for side in range(2)])
     bends = np.ones((2, count))
@@ -267,8 +272,11 @@ def _arms(
         own, standing[side] = wrists[side].copy(), hold.standing
         wrists[side] = hold.displaced(own, motion.frame_rate)
         hands[side] = laid_hands(hold, body, hands[side], motion.frame_rate)
-        placed[side] = hold.standing | (wrists[side] != own).any(axis=1)
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], placed[side], [False]]).astype(np.int8)))
+        placed = hold.standing | (wrists[side] != own).any(axis=1)
+        free = freedom(hold.standing, motion.frame_rate) * freedom(~placed, motion.frame_rate)
+        stretch = reach_of(motion, body, side) / lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
+        comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - SWINGING_ARM, 0.0), 0.0)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], placed, [False]]).astype(np.int8)))
         for first, past in edges.reshape(-1, 2):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
-    return Arms(wrists, hands, bends, placed, standing)
+    return Arms(wrists, hands, bends, comforts, standing)
