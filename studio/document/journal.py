@@ -20,9 +20,11 @@ from PySide6.QtCore import QObject, Signal
 from studio.core.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
-from studio.io.entity_json import Members, entity_record, line, npy_bytes, project_json
+from studio.io.entity_json import Members, entity_record, line, npy_parts, project_json
 
 STEPS_BETWEEN_SNAPSHOTS = 50
+_PIECE = 1 << 20
+"""Bytes of an array that are stored at a time."""
 SCHEMA = """
 CREATE TABLE session (key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE arrays (name TEXT PRIMARY KEY, content BLOB);
@@ -234,9 +236,16 @@ class Journal(QObject):
         connection.execute("INSERT INTO snapshots VALUES (?, ?, ?)", row)
 
     def _store(self, connection: sqlite3.Connection, members: Members) -> None:
+        """In pieces: a long capture's array in one would be copied under Python's lock, and stop the window."""
         for name in members.keys() - self._stored:
-            row = (name, npy_bytes(members[name]))
-            connection.execute("INSERT OR IGNORE INTO arrays VALUES (?, ?)", row)
+            parts = npy_parts(members[name])
+            row = (name, sum(map(len, parts)))
+            stored = connection.execute("INSERT OR IGNORE INTO arrays VALUES (?, zeroblob(?))", row)
+            if stored.rowcount and stored.lastrowid is not None:
+                with connection.blobopen("arrays", "content", stored.lastrowid) as blob:
+                    for part in parts:
+                        for start in range(0, len(part), _PIECE):
+                            blob.write(part[start : start + _PIECE])
             self._stored.add(name)
 
 

@@ -49,10 +49,10 @@ _names: dict[int, tuple[weakref.ref[Array], str]] = {}
 
 def npy_bytes(array: Array) -> bytes:
     """The array as an ``.npy`` file; the same numbers always give the same bytes."""
-    return b"".join(_npy_parts(array))  # lets go of Python's lock
+    return b"".join(npy_parts(array))  # lets go of Python's lock
 
 
-def _npy_parts(array: Array) -> tuple[bytes, memoryview]:
+def npy_parts(array: Array) -> tuple[bytes, memoryview]:
     """Head and content of an ``.npy`` file."""
     little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
     stream = io.BytesIO()
@@ -76,7 +76,7 @@ def member_name(array: Array, folder: str) -> str:
     """``folder/<sha256>.npy``; remembered for arrays that cannot change."""
     known = _names.get(id(array))
     if known is None or known[0]() is not array:
-        digest = sha256_of(*_npy_parts(array))
+        digest = sha256_of(*npy_parts(array))
         if not array.flags.writeable:
             key = id(array)
             _names[key] = (weakref.ref(array, lambda _gone: _names.pop(key, None)), digest)
