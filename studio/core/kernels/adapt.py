@@ -12,6 +12,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import is_placed, place_leg
+from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import follow_body, miss_of, turn_error
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
@@ -77,14 +78,55 @@ def solve_frames(
     as copies of the unsolved ones.
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
-    constraint_count, frame_count = activations.shape
-    work = make_work(constraint_count, chain[1].shape[0], positions.shape[1])
-    clear_work, clears = make_clear_work(clearance), clearance[2].shape[0] > 0
+    work = make_work(activations.shape[0], chain[1].shape[0], positions.shape[1])
+    clear_work = make_clear_work(clearance)
     motion = (start_positions, start_rotations, positions, rotations)
-    for frame in range(frame_count):
+    solve_each(
+        asked,
+        areas,
+        chain,
+        recruits,
+        wishes,
+        activations,
+        leashes,
+        stance,
+        body,
+        clearance,
+        clear_work,
+        work,
+        motion,
+        out_residuals,
+    )
+
+
+@kernel
+def solve_each(
+    asked,
+    areas,
+    chain,
+    recruits,
+    wishes,
+    activations,
+    leashes,
+    stance,
+    body,
+    clearance,
+    clear_work,
+    work,
+    motion,
+    out_residuals,
+):
+    """``solve_frames`` with its scratch: ``work``, and that of ``kernels.clearance``."""
+    chain, recruits, wishes, stance, body = pack(chain), pack(recruits), pack(wishes), pack(stance), pack(body)
+    clearance, clear_work, clears = pack(clearance), pack(clear_work), clearance[2].shape[0] > 0
+    ask, solving, carried, turned, grips, points, sums, turns, full = work
+    work = pack((pack(ask), pack(solving), carried, turned, grips, points, sums, turns, pack(full)))
+    motion = pack(motion)
+    for frame in range(activations.shape[1]):
+        start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
         if clears:
-            clear_before(frame, clearance, clear_work, (start_positions[frame], start_rotations[frame]))
-            positions[frame], rotations[frame] = start_positions[frame], start_rotations[frame]
+            clear_before(frame, clearance, clear_work, start)
+            copy_pose(start, pose)
         acts = solve_one(
             frame,
             asked,
@@ -101,8 +143,17 @@ def solve_frames(
             out_residuals,
         )
         if clears:
-            clear_after(frame, acts, asked, clearance, clear_work, (positions[frame], rotations[frame]))
+            clear_after(frame, acts, asked, clearance, clear_work, pose)
             note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
+
+
+@kernel
+def copy_pose(start, pose):
+    """``pose`` becomes ``start``."""
+    for point in range(pose[0].shape[0]):
+        copy_point(start[0][point], pose[0][point])
+    for segment in range(pose[1].shape[0]):
+        copy_matrix(start[1][segment], pose[1][segment])
 
 
 @kernel
@@ -110,8 +161,8 @@ def solve_one(
     frame, asked, areas, chain, recruits, wishes, activations, leashes, stance, body, work, motion, out_residuals
 ):
     """One frame of ``solve_frames``; whether anything acts. ``motion`` is what was, and what is being solved."""
-    start, pose = (motion[0][frame], motion[1][frame]), (motion[2][frame], motion[3][frame])
-    frame_body = body_at(frame, leashes, stance, body)
+    start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
+    frame_body = pack(body_at(frame, leashes, stance, body))
     acts = set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose)
     if acts:
         free_limbs(frame, recruits, chain)
@@ -132,8 +183,8 @@ def body_at(frame, leashes, stance, body):
 @kernel
 def note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals):
     """By how much each constraint is missed at one frame."""
-    pose = (motion[2][frame], motion[3][frame])
-    frame_body = body_at(frame, leashes, stance, body)
+    pose = pack((motion[2][frame], motion[3][frame]))
+    frame_body = pack(body_at(frame, leashes, stance, body))
     for c in range(asked.shape[0]):
         out_residuals[c, frame] = math.nan
         if asked[c].wanted:

@@ -40,7 +40,7 @@ from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
-TRIES = 8
+TRIES = 6
 SIMPLE = 2
 """Steps along the rows' own ways, which are all that most targets need, before all joints are looked at (where no feet
 and no other level are to be held: there, what holds would bend the ways of all joints too).
@@ -191,7 +191,8 @@ def step(level, mending, whole, asked, chain, body, work, start, pose):
     errors, roles = ask[1], ask[3]
     worst = 0.0
     for row in range(count):
-        worst = max(worst, errors[row] if roles[row] == BOUND else abs(errors[row]))
+        error = errors[row] if roles[row] == BOUND else abs(errors[row])
+        worst = max(worst, error if row >= own else CLOSE_ENOUGH / KEPT * error)
     if worst < CLOSE_ENOUGH:
         return 0.0
     find_step(own, count, ask, chain, work[2], work[3][0], work[1], body, start, pose[0])

@@ -26,11 +26,11 @@ LONGEST_STEP = 0.25
 """Metres, a radian counting half a one, that a step moves anything."""
 SINGULAR = 3e-3
 """Part of itself that must be left of the pivot of a held row, or it is taken to be spoken for by others."""
-SPOKEN_FOR = 0.2
+SPOKEN_FOR = 0.1
 """The same of a row that asks, while its errors are large."""
 EASED = 0.05
 """Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
-CLOSER, CLOSEST = 0.1, 3e-5
+CLOSER, CLOSEST = 0.3, 3e-5
 """Part of its room before a limit that a step leaves a joint, and part of the limit that always stays."""
 
 
