@@ -116,7 +116,7 @@ def test_steps_for_one_constraint_close_a_small_error(seed: int) -> None:
 @settings(max_examples=25, deadline=None)
 def test_what_is_held_stays_while_others_ask(seed: int) -> None:
     search = _Search(seed, count=2, held=1)
-    for _ in range(5):
+    for _ in range(8):
         search.step()
     assert abs(search.gained[0]) < 2e-4
 

@@ -5,26 +5,34 @@ were a third of the time of all kernels. A packed tuple is written into its make
 used; indexed and taken apart it is a tuple like any other, but it must not outlive its maker.
 """
 
+# mypy: allow-untyped-calls, allow-untyped-decorators, allow-subclassing-any
+# Numba says no types of its own.
+
+from collections.abc import Iterator
 from typing import Any
 
-from llvmlite import ir
+from llvmlite import ir  # type: ignore[import-untyped]
 from numba.core import cgutils, config, types
 from numba.core.imputils import impl_ret_borrowed
 from numba.extending import NativeValue, intrinsic, lower_builtin, models, register_model, unbox
 
 
-class Packed(types.Tuple):  # type: ignore[misc]  # numba has no types
-    """The type of the address of a tuple of ``types``."""
+class Packed(types.BaseTuple):
+    """The type of the address of a tuple of ``types``; no tuple turns into one, nor it into a tuple."""
 
-    def __new__(cls, types: tuple[Any, ...]) -> "Packed":
-        return object.__new__(cls)
+    def __init__(self, types: tuple[Any, ...]) -> None:
+        self.types, self.count = tuple(types), len(types)
+        super().__init__(f"Packed({', '.join(map(str, types))})")
 
-    def __unliteral__(self) -> "Packed":
-        return self
+    def __len__(self) -> int:
+        return self.count
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.types)
 
 
 @register_model(Packed)
-class PackedModel(models.PrimitiveModel):  # type: ignore[misc]
+class PackedModel(models.PrimitiveModel):
     """One word, whatever it leads to."""
 
     def __init__(self, manager: Any, packed: Packed) -> None:
@@ -32,7 +40,7 @@ class PackedModel(models.PrimitiveModel):  # type: ignore[misc]
         super().__init__(manager, packed, kept.as_pointer())
 
 
-@unbox(Packed)  # type: ignore[untyped-decorator]
+@unbox(Packed)
 def refuse(packed: Any, _value: Any, code: Any) -> Any:
     """Python has no such tuples to hand on."""
     code.pyapi.err_set_string("PyExc_TypeError", "A packed tuple is made by kernels only.")
@@ -57,13 +65,15 @@ def read_whole(builder: Any, address: Any, kind: Any) -> Any:
     if not isinstance(kind, ir.LiteralStructType | ir.ArrayType):
         return builder.load(address)
     value = ir.Constant(kind, ir.Undefined)
-    for place, each in enumerate(kind.elements if isinstance(kind, ir.LiteralStructType) else [kind.element] * kind.count):
+    for place, each in enumerate(
+        kind.elements if isinstance(kind, ir.LiteralStructType) else [kind.element] * kind.count
+    ):
         word = read_whole(builder, cgutils.gep_inbounds(builder, address, 0, place), each)
         value = builder.insert_value(value, word, place)
     return value
 
 
-@lower_builtin("static_getitem", Packed, types.IntegerLiteral)  # type: ignore[untyped-decorator]
+@lower_builtin("static_getitem", Packed, types.IntegerLiteral)
 def member_of(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """Write the code of ``packed[index]`` and of taking apart."""
     packed, index = signature.args[0], arguments[1]
@@ -73,5 +83,5 @@ def member_of(context: Any, builder: Any, signature: Any, arguments: Any) -> Any
     return impl_ret_borrowed(context, builder, signature.return_type, value)
 
 
-pack: Any = (lambda values: values) if config.DISABLE_JIT else intrinsic(pack_values)
+pack: Any = (lambda values: values) if vars(config)["DISABLE_JIT"] else intrinsic(pack_values)
 """``pack(values)``: a tuple, handed on as one address from here."""
