@@ -257,7 +257,7 @@ def add_limited_row(row, end, owner, is_held, count, ask, chain, wanted, points,
 
 @kernel
 def radius_of_reach(x, y, z, point, root):
-    """Radius in metres by which what a limb reaches curves about ``point``, seen along the unit (x, y, z) of its miss (30).
+    """Metres by which what a limb reaches curves about ``point``, seen along the unit (x, y, z) of its miss (30).
 
     A free limb reaches a ball about its ``root``, and misses along itself; the further it misses aside, at limits, the
     more it is a stiff one.
