@@ -6,8 +6,10 @@ ankle: ``axes`` (2, 3, 3) of the joint at the middle of its range in the segment
 half of the range of its turn about itself, ``well`` (2, 4) cosines of three quarters of the least radius and of half
 the range, cosine and sine of its middle; and of elbow or knee ``bends`` (2,), ``aslant`` and ``turns`` (2,), in
 radians. For one frame: what the unsolved pose has of all these, ``own_swings`` (2, 2), ``own_parts`` (2,) of the
-limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``acts``, 1 + the constraint whose place a limit
-has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is as far as it goes.
+limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``caps`` (2, 3) the parts of its limits that
+swing, twist and twist back may take, ``fresh`` whether they are not noted yet; ``sure``, less than 1 where a wish could
+be had by either way round; ``acts``, 1 + the constraint whose place a limit has kept the limb from, or 0. The unsolved
+pose is never limited: where it is beyond, the limit is as far as it goes.
 """
 
 import math
@@ -35,6 +37,9 @@ LIMITED = np.dtype(
         ("own_bend", _REAL),
         ("own_slant", _REAL),
         ("own_turn", _REAL),
+        ("caps", _REAL, (2, 3)),
+        ("sure", _REAL),
+        ("fresh", np.int64),
         ("acts", np.int64),
     ],
     align=True,
@@ -43,15 +48,13 @@ BRAKED = 0.95
 """Part of its limit from which on a joint gives way ever more, so that it never stops at once."""
 SWIVELLED, SWIVELLED_TO = 0.75, 0.92
 """Parts of its limit between which a limb swivels back, if that leaves its point in place."""
-SWIVELS, WALK = 4, 10
-"""Steps of a swivel back, and of one towards a second wish."""
-UNSURE = 0.02
-"""What damps a swivel that brings hardly anything."""
+WALK = 10
+"""Steps of a swivel towards a second wish."""
 BRAKING = 0.1
 """Part of a second wish's swivel that brakes take before it counts as braked."""
-SLIGHT = 0.05
-"""Radians beyond from which on a limit counts half in a swivel."""
-FADE = 0.35
+UNTWISTED = 0.3
+"""Part of a swing's limit beyond it by which the motion's own twist is the best."""
+FADE = 0.7
 """Radians short of a half turn, beyond any limit, within which a wish fades: it could be had by either way round."""
 
 
@@ -153,8 +156,9 @@ def note_own(limb, limits, pose):
         x, y, twist = swing_of(row, joint, parent, rotations[upper + 2 * joint])
         row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_twists[joint] = x, y, twist
         row.own_parts[joint] = part_of_swing(row.radii[joint], x, y)
+        note_caps(row, joint, (x, y, twist))
     row.own_bend, row.own_slant, row.own_turn = bend_of(rotations[upper], rotations[upper + 1])
-    row.acts = 0
+    row.acts, row.fresh = 0, 1
 
 
 @kernel
@@ -182,64 +186,67 @@ def is_well_within(limb, joint, limits, rotations):
 
 
 @kernel
-def drawn_back(row, joint, swing):
-    """``swing_and_twist`` (3,) within the limits: as it is up to ``BRAKED``, then softly (28)."""
-    x, y, twist = swing
-    own_x, own_y, own = row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_twists[joint]
-    part, own_part = part_of_swing(row.radii[joint], x, y), row.own_parts[joint]
-    kept = soft(part, own_part, BRAKED, 1.0)
-    middle, half = row.twists[joint, 0], row.twists[joint, 1]
-    turn, own_turn = part_of_range(middle, half, twist), part_of_range(middle, half, own)
-    kept_turn = soft_part(turn, own_turn, BRAKED, 1.0)
-    if kept == part and kept_turn == turn:
-        return swing
-    share = 1.0
-    angle = math.hypot(x, y)
-    if kept != part:
-        share = surely(angle, max(1.0, own_part) * angle / part)
-        x, y = own_x + share * (kept / part * x - own_x), own_y + share * (kept / part * y - own_y)
-    if kept_turn != turn:
-        share *= surely(half * abs(turn), half * max(1.0, abs(own_turn)))
-    return x, y, middle + half * (own_turn + share * (kept_turn - own_turn))
+def note_caps(row, joint, swing):
+    """Note how far a joint goes that wants to be at ``swing_and_twist``: as far as that up to ``BRAKED``, then softly.
+
+    METHOD (27).
+    """
+    own, own_turn = (
+        row.own_parts[joint],
+        part_of_range(row.twists[joint, 0], row.twists[joint, 1], row.own_twists[joint]),
+    )
+    part = part_of_swing(row.radii[joint], swing[0], swing[1])
+    turn = part_of_range(row.twists[joint, 0], row.twists[joint, 1], swing[2])
+    row.caps[joint, 0] = max(soft(part, own, BRAKED, 1.0), max(own, BRAKED))
+    row.caps[joint, 1] = max(soft(turn, own_turn, BRAKED, 1.0), max(own_turn, BRAKED))
+    row.caps[joint, 2] = max(soft(-turn, -own_turn, BRAKED, 1.0), max(-own_turn, BRAKED))
 
 
 @kernel
-def swivel_back(row, parent, upper, ax, ay, az):
-    """The angle about a world axis through its root that brings a limb back, or as nearly as a swivel can (28).
+def twisted_back(row, joint, swing):
+    """``swing_and_twist`` with a twist within its range, and the more of the motion's own the further out it is.
 
-    Damped steps on what swing and twist are to give way by, from none: continuous, and none at either of two ways out.
+    Opposite to the middle of its range a twist might come back by either way round, and so might every twist there is
+    where the bone lies opposite to the middle of its swings: in both places there is none but the motion's own.
     """
-    axes, radii, middle, half = row.axes[0], row.radii[0], row.twists[0, 0], row.twists[0, 1]
-    own = part_of_range(middle, half, row.own_twists[0])
-    x0 = into(parent, axes, upper[0, 0], upper[1, 0], upper[2, 0])
-    z0 = into(parent, axes, upper[0, 2], upper[1, 2], upper[2, 2])
-    a = into(parent, axes, ax, ay, az)
-    angle, x, z = 0.0, x0, z0
-    for _ in range(SWIVELS):
-        if angle != 0.0:
-            x, z = turned_about(a, angle, x0), turned_about(a, angle, z0)
-        sx, sy, twist = swing_and_twist(x, z)
-        part, turn = part_of_swing(radii, sx, sy), part_of_range(middle, half, twist)
-        over = part - soft(part, row.own_parts[0], SWIVELLED, SWIVELLED_TO)
-        over_turn = half * (turn - soft_part(turn, own, SWIVELLED, SWIVELLED_TO))
-        if over == 0.0 and over_turn == 0.0:
-            break
-        size = math.hypot(sx, sy)
-        sure = 1.0 if part <= 1.0 else surely(size, max(1.0, row.own_parts[0]) * size / part)
-        push, firm = 0.0, UNSURE
-        if over > 0.0:
-            radius = size / part
-            slope = radius * swing_rate(radii, a, z, sx, sy, size) / part
-            weight = sure * over * radius / (over * radius + SLIGHT)
-            push, firm = push + weight * over * radius * slope, firm + weight * slope * slope
-        if over_turn != 0.0:
-            slope = (a[2] + a[0] * z[0] + a[1] * z[1] + a[2] * z[2]) / max(1.0 + z[2], 1e-3)
-            sure *= surely(half * abs(turn), half * max(1.0, abs(own))) if abs(turn) > 1.0 else 1.0
-            weight = sure * abs(over_turn) / (abs(over_turn) + SLIGHT)
-            push, firm = push + weight * over_turn * slope, firm + weight * slope * slope
-        step = push / firm
-        angle -= step / math.sqrt(1.0 + 4.0 * step * step)
-    return angle
+    x, y, twist = swing
+    middle, half = row.twists[joint, 0], row.twists[joint, 1]
+    part, turn, own = part_of_swing(row.radii[joint], x, y), part_of_range(middle, half, twist), row.own_twists[joint]
+    own_turn = part_of_range(middle, half, own)
+    least, most = min(own_turn, -1.0), max(own_turn, 1.0)
+    kept = min(max(turn, least), most)
+    if kept == turn and part <= max(BRAKED, row.own_parts[joint]):
+        return swing
+    share = eased_off(abs(turn - kept) * half / (math.pi - half * abs(kept))) if kept != turn else 1.0
+    share *= eased_off((part - max(BRAKED, row.own_parts[joint])) / UNTWISTED)
+    return x, y, middle + half * (own_turn + share * (kept - own_turn))
+
+
+@kernel
+def eased_off(share):
+    """1 at 0 and below, 0 at 1 and beyond, smoothly between."""
+    share = min(max(share, 0.0), 1.0)
+    return 1.0 - share * share * (3.0 - 2.0 * share)
+
+
+@kernel
+def drawn_back(row, joint, swing):
+    """``swing_and_twist`` (3,) no further than ``note_caps`` says, and how sure that is."""
+    x, y, twist = swing
+    own_x, own_y, own_part = row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_parts[joint]
+    part = part_of_swing(row.radii[joint], x, y)
+    kept = min(part, row.caps[joint, 0])
+    middle, half = row.twists[joint, 0], row.twists[joint, 1]
+    turn = part_of_range(middle, half, twist)
+    kept_turn = min(max(turn, -row.caps[joint, 2]), row.caps[joint, 1])
+    if kept == part and kept_turn == turn:
+        return x, y, twist, 1.0
+    share = 1.0
+    if kept != part:
+        angle = math.hypot(x, y)
+        share = surely(angle, max(1.0, own_part) * angle / part)
+        x, y = own_x + share * (kept / part * x - own_x), own_y + share * (kept / part * y - own_y)
+    return x, y, middle + half * kept_turn, share
 
 
 @kernel
@@ -261,10 +268,12 @@ def braked_swivel(row, parent, upper, ax, ay, az, wish):
         cosine, sine = x[0] + z[2] * x[0] - z[0] * x[2], x[1] - (z[1] * x[2] - z[2] * x[1])
         if z[2] < well[0] or well[2] * cosine + well[3] * sine <= well[1] * (1.0 + z[2]):
             sx, sy, twist = swing_and_twist(x, z)
-            turn, size = part_of_range(middle, half, twist), math.hypot(sx, sy)
-            if wish * swing_rate(radii, a, z, sx, sy, size) > 0.0:
-                left = min(left, left_of(part_of_swing(radii, sx, sy), row.own_parts[0]))
-            if wish * turn * (a[2] + a[0] * z[0] + a[1] * z[1] + a[2] * z[2]) > 0.0:
+            turn = part_of_range(middle, half, twist)
+            part = part_of_swing(radii, sx, sy)
+            out, on = swing_slope(radii, z, sx, sy, part), twist_slope(z)
+            if wish * (a[0] * out[0] + a[1] * out[1] + a[2] * out[2]) > 0.0:
+                left = min(left, left_of(part, row.own_parts[0]))
+            if wish * turn * (a[0] * on[0] + a[1] * on[1] + a[2] * on[2]) > 0.0:
                 left = min(left, left_of(abs(turn), own if turn > 0.0 else -own))
         angle += left * wish / WALK
         x, z = turned_about(a, angle, x0), turned_about(a, angle, z0)
@@ -280,15 +289,22 @@ def left_of(part, own):
 
 
 @kernel
-def swing_rate(radii, a, z, sx, sy, size):
-    """Half of how fast the square of ``part_of_swing`` grows while the bone ``z`` turns about ``a``."""
+def swing_slope(radii, z, sx, sy, part):
+    """How fast ``part_of_swing`` grows while the bone ``z`` turns about each axis, (3,)."""
     across = max(math.hypot(z[0], z[1]), 1e-6)
-    out = (a[1] * z[0] - a[0] * z[1]) / across
-    round_x, round_y = a[1] * z[2] - a[2] * z[1], a[2] * z[0] - a[0] * z[2]
-    about = size * (z[0] * round_y - z[1] * round_x) / (across * across)
-    rate_x = (-out * z[1] - about * z[0]) / across
-    rate_y = (out * z[0] - about * z[1]) / across
-    return sx * rate_x / radii[0 if sx >= 0.0 else 1] ** 2 + sy * rate_y / radii[2 if sy >= 0.0 else 3] ** 2
+    size = math.hypot(sx, sy)
+    px, py = sx / radii[0 if sx >= 0.0 else 1] ** 2, sy / radii[2 if sy >= 0.0 else 3] ** 2
+    scale = 1.0 / (max(part, 1e-6) * across)
+    out = scale * (py * z[0] - px * z[1]) / across
+    about = -scale * (px * z[0] + py * z[1]) * size / (across * across)
+    return -out * z[1] - about * z[0] * z[2], out * z[0] - about * z[1] * z[2], about * across * across
+
+
+@kernel
+def twist_slope(z):
+    """How fast the twist grows while the bone ``z`` turns about each axis, (3,)."""
+    scale = 1.0 / max(1.0 + z[2], 1e-3)
+    return scale * z[0], scale * z[1], 1.0
 
 
 @kernel
@@ -304,34 +320,20 @@ def turned_about(a, angle, v):
 
 
 @kernel
-def swivel_within(limb, held, limits, pose):
-    """Turn a limb about the line from its root through ``held`` (3,) towards its limits."""
-    positions, rotations = pose
-    spine_count = positions.shape[0] - 23
-    carrier, upper, root = limb_parts(limb, spine_count)
-    root = positions[root]
-    x, y, z = held[0] - root[0], held[1] - root[1], held[2] - root[2]
-    length = math.sqrt(x * x + y * y + z * z)
-    if length < 1e-9:
-        return
-    x, y, z = x / length, y / length, z / length
-    angle = swivel_back(limits[limb], rotations[carrier], rotations[upper], x, y, z)
-    if angle != 0.0:
-        turn_part(turn_by(angle * x, angle * y, angle * z), upper, spine_count, root, positions, rotations)
+def keep_root(limb, anew, noting, limits, pose):
+    """Draw shoulder or hip back within its limits; whether that was needed.
 
-
-@kernel
-def keep_root(limb, limits, pose):
-    """Draw shoulder or hip back within its limits; whether that was needed."""
+    ``anew``: from where a wish has put it; ``noting`` how far it goes for that.
+    """
     carrier, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
-    return keep_joint(limits[limb], 0, carrier, upper, pose[0][root], pose)
+    return keep_joint(limits[limb], 0, carrier, upper, pose[0][root], anew, noting, pose)
 
 
 @kernel
-def keep_tip(limb, limits, pose):
+def keep_tip(limb, anew, noting, limits, pose):
     """The same of wrist or ankle."""
     _, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
-    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose[0][root + 2], pose)
+    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose[0][root + 2], anew, noting, pose)
 
 
 @kernel
@@ -342,11 +344,15 @@ def keep_middle(limb, limits, pose):
 
 
 @kernel
-def keep_joint(row, joint, carrier, segment, pivot, pose):
+def keep_joint(row, joint, carrier, segment, pivot, anew, noting, pose):
     """Draw one joint back within its limits; whether that was needed."""
     positions, rotations = pose
     swing = swing_of(row, joint, rotations[carrier], rotations[segment])
-    x, y, twist = drawn_back(row, joint, swing)
+    wish = twisted_back(row, joint, swing) if anew else swing
+    if noting:
+        note_caps(row, joint, wish)
+    x, y, twist, sure = drawn_back(row, joint, wish)
+    row.sure = min(row.sure, sure)
     if x == swing[0] and y == swing[1] and twist == swing[2]:
         return False
     axes = product(turn_in(rotations[carrier]), turn_in(row.axes[joint]))

@@ -20,18 +20,20 @@ from studio.core.kernels.joint_limits import (
     limb_parts,
     put_end,
     soft,
-    swivel_within,
 )
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_range, bend_to, span_range, swivel_to, swivel_way
 from studio.core.kernels.stiffness import stiff_span, turn_back
 from studio.core.kernels.turns import inverse, product, turn_by, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
+from studio.core.kernels.within_limits import step_within
 
 CLOSE_ENOUGH = 5e-5
 """Metres (or radians) of error that are left as they are."""
-AGAIN_WITHIN = 4
-"""Times that a limb is drawn back within its limits, reaching again between."""
+STEPS_WITHIN = 6
+"""Steps that a limb takes along its limits towards what it misses, at most."""
+STILL_WITHIN = 1e-4
+"""Radians of such a step after which no other follows."""
 LIMB_COMFORT = 0.985
 """Part of its reach from which on a limb that nothing helps stretches ever less (``soft_reach``)."""
 
@@ -144,10 +146,12 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
             if free and solved == 0:
                 held_upper, swivels = segment == upper, segment != upper and not row.stiff
                 reached, ending = c, end
-                reach_with_limb(row, end, limb >= 2 or turning, False, limits, turns, points, pose)
+                reach_with_limb(row, end, limb >= 2 or turning, limits, turns, points, pose)
             elif free and solved == 1 and limits.shape[0] > 0:
-                holds_end = limb >= 2 or turning
-                keep_within(limb, swivels, False, holds_end, asked[reached], ending, limits, turns, points, pose)
+                holds_end, row_helps = limb >= 2 or turning, asked[reached].helped == 1
+                keep_within(
+                    limb, swivels, row_helps, False, holds_end, asked[reached], ending, limits, turns, points, pose
+                )
                 end_place(asked[reached], ending, pose, first)
                 end_place(row, end, pose, point)
                 swivel_within_to(limb, target, point, first, limits, pose)
@@ -170,10 +174,10 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
                 end_place(row, end, pose, first)
             solved += 1
     if limits.shape[0] > 0:
-        keep_within(
-            limb, swivels, turns_lower, limb >= 2 or turning, asked[reached], ending, limits, turns, points, pose
-        )
+        helped, holds_end = (swivels or held_upper) and asked[reached].helped == 1, limb >= 2 or turning
+        keep_within(limb, swivels, helped, turns_lower, holds_end, asked[reached], ending, limits, turns, points, pose)
         limits[limb].acts *= (reached + 1) * (swivels or held_upper)
+        limits[limb].fresh = 0
 
 
 @kernel
@@ -189,52 +193,74 @@ def swivel_within_to(limb, target, point, held, limits, pose):
 
 
 @kernel
-def keep_within(limb, swivels, turns_lower, holds_end, row, end, limits, turns, points, pose):
+def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits, turns, points, pose):
     """Bring a limb back within its limits where its constraints have put it beyond (METHOD 6, (28)).
 
-    Where it ``swivels`` (its first wish is the place of one ``end`` of ``row``), by a swivel, which leaves its point in
-    place; what is left is drawn back, and the limb reaches again from there. ``turns_lower``: its forearm or shank was
-    turned for itself. ``holds_end``: hand or foot keeps its orientation as far as wrist or ankle allow.
+    Where it ``swivels`` (its first wish is the place of one ``end`` of ``row``), it goes on from there along its limits
+    to where that is missed least. ``helped``: by joints beside it, which find the limits where the unsolved pose met
+    them. ``turns_lower``: its forearm or shank was turned for itself. ``holds_end``: hand or foot keeps its orientation
+    as far as wrist or ankle allow.
     """
-    for attempt in range(AGAIN_WITHIN):
-        drawn = False
-        if turns_lower or not is_well_within(limb, 0, limits, pose[1]):
-            drawn = keep_bones(limb, swivels, turns_lower, holds_end, row, end, limits, turns, points, pose)
-        if not is_well_within(limb, 1, limits, pose[1]):
-            drawn = keep_tip(limb, limits, pose) or drawn
-        if not drawn or not swivels or attempt == AGAIN_WITHIN - 1:
+    rotations, limit = pose[1], limits[limb]
+    if not turns_lower and is_well_within(limb, 0, limits, rotations) and is_well_within(limb, 1, limits, rotations):
+        return
+    parts = limb_parts(limb, pose[0].shape[0] - 23)
+    upper, root, limit.sure = parts[1], parts[2], 1.0
+    drawn = draw_back(limb, True, limit.fresh or not helped, turns_lower, holds_end, limits, turns, points, pose)
+    if not drawn or not swivels:
+        return
+    point, goal, tip = points[3], row.places[end], pose[0][root + 2]
+    by_tip = holds_end and row.ends[end, 1] >= upper + 2
+    end_place(row, end, pose, point)
+    wish = (
+        point[0] + limit.sure * (goal[0] - point[0]),
+        point[1] + limit.sure * (goal[1] - point[1]),
+        point[2] + limit.sure * (goal[2] - point[2]),
+    )
+    for _ in range(STEPS_WITHIN):
+        x, y, z = wish[0], wish[1], wish[2]
+        if by_tip:
+            x, y, z = x + tip[0] - point[0], y + tip[1] - point[1], z + tip[2] - point[2]
+            copy_point(tip, point)
+        shoulder = pose[0][root]
+        far = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
+        now = distance(point, shoulder)
+        spans = min(row.easings[end], now), max(comfortable(row, end, far), now)
+        if holds_end:
+            lift_end(limb, root + 2, upper + 2, turns, points, pose)
+        size = step_within(limit, parts, point, (x, y, z), spans, pose)
+        if holds_end:
+            put_end(limb, root + 2, upper + 2, turns, points, pose)
+        draw_back(limb, False, False, False, holds_end, limits, turns, points, pose)
+        if size < STILL_WITHIN:
             return
-        end_place(row, end, pose, points[3])
-        reach_with_limb(row, end, holds_end, True, limits, turns, points, pose)
+        end_place(row, end, pose, point)
 
 
 @kernel
-def keep_bones(limb, swivels, turns_lower, holds_end, row, end, limits, turns, points, pose):
-    """``keep_within`` for all but the last joint: a swivel, then what is left is drawn back; whether any was."""
+def draw_back(limb, anew, noting, turns_lower, holds_end, limits, turns, points, pose):
+    """Draw all joints of a limb back within their limits (``keep_root``); whether any was."""
     root, upper = limb_indices(limb, pose[0].shape[0] - 23)
-    held = points[2]
-    if holds_end:
-        lift_end(limb, root + 2, upper + 2, turns, points, pose)
-    if swivels:
+    drawn = False
+    if anew or not is_well_within(limb, 0, limits, pose[1]):
         if holds_end:
-            copy_point(pose[0][root + 2], held)
-        else:
-            end_place(row, end, pose, held)
-        swivel_within(limb, held, limits, pose)
-    drawn = keep_root(limb, limits, pose)
-    if turns_lower:
-        drawn = keep_middle(limb, limits, pose) or drawn
-    if holds_end:
-        put_end(limb, root + 2, upper + 2, turns, points, pose)
+            lift_end(limb, root + 2, upper + 2, turns, points, pose)
+        drawn = keep_root(limb, anew, noting, limits, pose)
+        if turns_lower:
+            drawn = keep_middle(limb, limits, pose) or drawn
+        if holds_end:
+            put_end(limb, root + 2, upper + 2, turns, points, pose)
+    if anew or not is_well_within(limb, 1, limits, pose[1]):
+        drawn = keep_tip(limb, anew, noting, limits, pose) or drawn
     return drawn
 
 
 @kernel
-def reach_with_limb(row, end, holds_end, again, limits, turns, points, pose):
+def reach_with_limb(row, end, holds_end, limits, turns, points, pose):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
     A foot, or a hand whose orientation is held, keeps its orientation in the world; else it goes with the limb.
-    ``points[3]`` is the point; it moves along. ``again`` from where limits have left it: to what is nearest that way.
+    ``points[3]`` is the point; it moves along.
     """
     positions, rotations = pose
     limb, segment = row.ends[end, 2], row.ends[end, 1]
@@ -250,8 +276,6 @@ def reach_with_limb(row, end, holds_end, again, limits, turns, points, pose):
             copy_point(positions[tip], point)
     if segment != upper:
         span = distance(goal, positions[root])
-        if again:
-            span = 0.5 * (span + max(along(goal, point, positions[root]), 0.0))
         span = comfortable(row, end, span)
         if limits.shape[0] > 0 and span < row.easings[end]:
             span = -soft(-span, -math.inf, -row.easings[end], -row.folds[end])
@@ -268,15 +292,6 @@ def reach_with_limb(row, end, holds_end, again, limits, turns, points, pose):
         row.change[end, 0] = turn_back(1.0, row.most[end, 0], upper, root, turns[5], turns[0], points[0], pose)
     if holds_end:
         put_end(limb, tip, upper + 2, turns, points, pose)
-
-
-@kernel
-def along(goal, point, root):
-    """How far ``goal`` lies from ``root`` in the direction of ``point``, all (3,)."""
-    total = 0.0
-    for axis in range(3):
-        total += (goal[axis] - root[axis]) * (point[axis] - root[axis])
-    return total / max(distance(point, root), 1e-9)
 
 
 @kernel

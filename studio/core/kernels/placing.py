@@ -83,7 +83,7 @@ def keep_recruited(limb, slots, limits, pose):
     if limits.shape[0] == 0 or slots[limb_parts(limb, pose[0].shape[0] - 23)[1]] < 0:
         return
     if not is_well_within(limb, 0, limits, pose[1]):
-        keep_root(limb, limits, pose)
+        keep_root(limb, True, True, limits, pose)
 
 
 @kernel
