@@ -142,6 +142,17 @@ def test_toes_bend_with_a_slope_that_begins_under_the_ball(degrees: float) -> No
     assert planes.bends[0] == pytest.approx(math.radians(degrees), abs=1e-9)
 
 
+@pytest.mark.parametrize("length", [0.15, 0.25, 0.4])
+def test_a_foot_lies_over_where_a_slope_begins_however_long_it_is(length: float) -> None:
+    ground = Slope(0.0, TILT, 0.0, (0.5 * length, 0.0))
+    sole = np.array([[0.0, 0.0], [length, 0.0], [1.5 * length, 0.0]])
+    planes = planes_under(ground, sole[None])
+    assert planes.heights[0] == pytest.approx(ground.height_at(sole[1]))
+    assert planes.normals[0, 0] == pytest.approx(-math.sin(math.atan(0.5 * math.tan(TILT))))
+    assert planes.bends[0] == pytest.approx(math.atan(0.5 * math.tan(TILT)))
+    assert not planes.overhangs.any()
+
+
 def test_a_sole_over_an_edge_lies_level_on_the_higher_step() -> None:
     steps = Steps(0.0, 0.17, 0.30, 5)
     sole = np.array([[[-0.05, 0.0], [0.12, 0.0], [0.18, 0.0]]])

@@ -32,9 +32,10 @@ LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
 LEASH = 0.3
 """Part of its length by which a limb's leash has run out when its contact is half free."""
-FOLDED, FOLD_ROOM = 0.35, 0.12
+FOLDED, FOLD_ROOM, FOLD_CORNER = 0.35, 0.12, 0.03
 """Part of its length by which a folded leg's ankle hangs below the hip, and parts by which it may come nearer; less
-the farther it is from below the hip, nothing at a leg's length.
+the farther it is from below the hip, nothing at a leg's length. The corner where the motion's own leg folds that much
+is rounded.
 """
 CLIMB_SMOOTHING = 0.12
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
@@ -137,7 +138,7 @@ def _keep_below_hips(
         aside = np.linalg.norm(ankles[side, :, :2] - hips[:, :2], axis=1) / legs
         least = -FOLDED * legs * (1.0 - np.minimum(aside, 1.0) ** 2) ** 2
         over = own - least
-        highest = least + 0.5 * (over + np.hypot(over, FOLD_ROOM * legs))  # the higher one, without a corner
+        highest = least + 0.5 * (over + np.hypot(over, FOLD_CORNER * legs))  # the higher one, without a corner
         beyond = ankles[side, :, 2] - (hips[:, 2] - drops) - highest
         softened = FOLD_ROOM * legs * -np.expm1(-np.maximum(beyond, 0.0) / (FOLD_ROOM * legs))
         ankles[side, :, 2] -= freedom(states[side] != 0, frame_rate) * (np.maximum(beyond, 0.0) - softened)

@@ -18,11 +18,13 @@ from studio.core.morphology import at_frames
 
 FloatArray = NDArray[np.float64]
 
-EDGE = 0.03
-"""Metres by which ground may stray from the plane of its own slope under one sole; more is an edge."""
+EDGE, EDGE_STEEP = 0.03, 0.15
+"""Metres by which ground may stray from the plane of its own slope under one sole, and the same of a long one in parts
+of its length; more is an edge.
+"""
 STEEPEST_SOLE = np.radians(35.0)
 TOES_BEND = np.radians([-20.0, 40.0])
-"""How far toes bend down and up at most to follow ground that turns off under the ball."""
+"""How far toes bend down and up to follow ground that turns off under the ball; what is steeper is not for them."""
 LONGEST_FLIGHT = 1.0
 """Seconds without contact after which a foot follows the ground below it, asked this often: ``WAYPOINT``."""
 WAYPOINT = 0.5
@@ -90,7 +92,7 @@ def planes_under(ground: Ground, soles: FloatArray) -> Planes:
     slopes = -normals[..., :2] / normals[..., 2:]
     expected = np.einsum("npk,nk->n", slopes[:, :2] / 2, line)
     tip_expected = np.einsum("nk,nk->n", slopes[:, 1:].mean(axis=1), soles[:, 2] - soles[:, 1])
-    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > EDGE) | (
+    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > np.maximum(EDGE, EDGE_STEEP * length[:, 0])) | (
         heights[:, 2] - heights[:, 1] - tip_expected > EDGE
     )
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
@@ -109,7 +111,7 @@ def planes_under(ground: Ground, soles: FloatArray) -> Planes:
     to_tip = soles[:, 2] - soles[:, 1]
     gap = heights[:, 2] - at_ball - np.einsum("nk,nk->n", slope, to_tip)
     bends = np.arctan2(gap, np.maximum(np.linalg.norm(to_tip, axis=1), 1e-9))
-    bends = np.where(edge | (np.abs(gap) > EDGE), 0.0, np.clip(bends, *TOES_BEND))
+    bends = np.where(edge | (bends < TOES_BEND[0]) | (bends > TOES_BEND[1]), 0.0, bends)
     return Planes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs, bends)
 
 
