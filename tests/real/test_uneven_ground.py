@@ -23,7 +23,7 @@ STEMS = (
     "bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180",
     "accad_female1_B21_PutDownBoxToWalk", "accad_female1_C20_RunToJumpToWalk",
 )  # fmt: skip
-MOST_BRUSHING = {"up": 0.01, "down": 0.0, "across": 0.0, "stairs up": 0.05, "stairs down": 0.05, "bumps": 0.01}
+MOST_BRUSHING = {"up": 0.002, "down": 0.0, "across": 0.0, "stairs up": 0.05, "stairs down": 0.05, "bumps": 0.002}
 """Parts of the frames of feet in the air, of all characters, in which one is more than 2 mm below the ground."""
 TILT = math.radians(15.0)
 

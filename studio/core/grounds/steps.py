@@ -13,6 +13,8 @@ GREATEST_NUDGE = 0.06
 """Metres by which a foot may be put elsewhere to stand on one tread."""
 FULL_NUDGE_RISE = 0.03
 """Metres of rise from which feet mind the edges fully; lower steps are ever less worth it."""
+RISER_ROOM = 0.02
+"""Metres more that it keeps from the one that rises before it or behind it: it leaves and comes past that."""
 EDGE_ROOM = 0.005
 HALF_WIDTH = 0.035
 """Metres that a sole keeps from a riser, and half its width."""
@@ -60,14 +62,19 @@ class Steps(Ground):
         for step in near:
             begin = (step - 1) * self.tread if step > 0 else -math.inf
             end = step * self.tread if step < self.count else math.inf
-            if high - low <= end - begin:
-                wanted = min(max(0.0, begin - low), end - high)
+            fits = high - low <= end - begin
+            if self.rise > 0.0:
+                clear = end - high - RISER_ROOM
+                wanted = max(min(0.0, clear), begin - low) if fits else clear
             else:
-                wanted = end - high if self.rise > 0.0 else begin - low
+                clear = begin - low + RISER_ROOM
+                wanted = min(max(0.0, clear), end - high) if fits else clear
             shift = min(max(wanted, -GREATEST_NUDGE), GREATEST_NUDGE)
-            over_end, over_begin = max(high + shift - end, 0.0), max(begin - low - shift, 0.0)
+            over_end, over_begin = high + shift - end, begin - low - shift
             into, over = (over_end, over_begin) if self.rise > 0.0 else (over_begin, over_end)
-            costs.append(100.0 * into + over + 0.1 * abs(shift))
+            within = max(into, over) <= 1e-9
+            close = 0.0 if within else max(into + RISER_ROOM, 0.0)
+            costs.append(100.0 * close + max(over, 0.0) + 0.1 * abs(shift))
             shifts.append(shift)
         return float(shifts[int(np.argmin(costs))])
 

@@ -88,7 +88,7 @@ def led_clear(level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground
     ways = np.zeros((len(states), 3))
     for first, past in spans:
         frames = np.arange(first, past)
-        lifts = np.maximum(flight.lack(frames, np.broadcast_to(WAYS, (past - first, *WAYS.shape))), 0.0)
+        lifts = np.maximum(flight.lack(frames, WAYS[None]), 0.0)
         near = steps_to_ground(first, past, len(states)) / frame_rate
         ways[first:past] = _least_way(lifts, near, frame_rate, first > 0, past < len(states))
     return flight.moved(_smooth_path(ways, spans, flight, frame_rate))
@@ -121,7 +121,7 @@ class _Flight:
         return cls(sole, ground, states, ahead, heading, arms, np.minimum(level.points[..., 2] - ground.height, CLEAR))
 
     def lack(self, frames: NDArray[np.int64], path: FloatArray) -> FloatArray:
-        """(N, ...) metres by which soles at ``frames`` (N,), moved by ``path`` (N, ..., 3), are still too low."""
+        """(N, ...) metres by which soles at ``frames`` (N,), moved by ``path`` (N or 1, ..., 3), are still too low."""
         more = (frames, *[None] * (path.ndim - 2))
         c, s = np.cos(path[..., 2])[..., None] - 1.0, np.sin(path[..., 2])[..., None]
         along, up = self.arms[more][..., 0], self.arms[more][..., 1]
@@ -165,10 +165,14 @@ def _least_way(
     costs = lengths * (1.0 + (HURRIED / near[:, None]) ** 4) / (frame_rate * PACE) ** 2
     between = np.sum((flat[:, None] - flat) ** 2, axis=2)
     total, came = costs[0] + from_ground * lengths[0], np.zeros(lifts.shape, dtype=np.int64)
+    whole, ways = np.empty(between.shape), np.arange(len(flat))
     for row in range(1, count):
-        whole = total[:, None] + between + (lifts[row - 1][:, None] - lifts[row]) ** 2
-        came[row] = whole.argmin(axis=0)
-        total = whole.min(axis=0) + costs[row]
+        np.subtract(lifts[row][:, None], lifts[row - 1], out=whole)
+        np.multiply(whole, whole, out=whole)
+        whole += between
+        whole += total
+        came[row] = whole.argmin(axis=1)
+        total = whole[ways, came[row]] + costs[row]
     best, chosen = int((total + to_ground * lengths[-1]).argmin()), np.zeros((count, 3))
     for row in range(count - 1, -1, -1):
         chosen[row] = WAYS[best]
