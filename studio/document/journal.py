@@ -221,9 +221,10 @@ class Journal(QObject):
 
     def _insert(self, connection: sqlite3.Connection, number: int, step: Step) -> None:
         members: Members = {}
-        edits = [edit_record(edit, members) for edit in step.edits]
+        # One by one: an import brings thousands of contacts, and JSON is made under Python's lock.
+        edits = ",".join(json.dumps(edit_record(edit, members)) for edit in step.edits)
         self._store(connection, members)
-        row = (number, step.verb, step.text, step.gesture, json.dumps(edits), self._hash.of(step.project))
+        row = (number, step.verb, step.text, step.gesture, f"[{edits}]", self._hash.of(step.project))
         connection.execute("INSERT INTO steps VALUES (?, ?, ?, ?, ?, ?)", row)
         if number % STEPS_BETWEEN_SNAPSHOTS == 0:
             self._snapshot(connection, number, step.project)
