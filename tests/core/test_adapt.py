@@ -154,11 +154,12 @@ def test_an_arm_alone_moves_nothing_but_the_arm() -> None:
 def test_what_is_out_of_reach_is_pointed_at_and_the_residual_is_what_is_missing(
     body: Morphology, chain: Chain, part: BodyPart
 ) -> None:
-    shoulder = body.layout.collar(0 if part.startswith("left") else 1) + 1
-    for direction in ([1.0, 0.0, 0.5], [0.3, 1.0, 0.0], [0.5, -1.0, 0.2], [0.0, 0.0, 1.0]):
+    side = 0 if part.startswith("left") else 1
+    shoulder, out = body.layout.collar(side) + 1, 1.0 - 2.0 * side
+    for direction in ([1.0, 0.0, 0.5], [0.3, out, 0.0], [0.8, -0.4 * out, 0.2], [0.3, 0.2 * out, 1.0]):
         place = _adapted(body=body, frames=(30, 30)).positions[0, shoulder] + 2.5 * np.array(direction)
         constraint = target(part, place, chain)
-        adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (constraint,), limited=False), 30, 30)
+        adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (constraint,)), 30, 30)
         end = place_of(constraint.point, adapted)[0]
         stretched, wanted = end - adapted.positions[0, shoulder], place - adapted.positions[0, shoulder]
         cosine = stretched @ wanted / np.linalg.norm(stretched) / np.linalg.norm(wanted)

@@ -78,20 +78,14 @@ def test_a_hand_reaches_its_target_and_keeps_its_orientation_there(body: Morphol
     point = BodyPoint(BodyPart.RIGHT_HAND, at_end=True)
     before = adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30)
     target = tuple(place_of(point, before)[0] + [0.05, 0.02, 0.1])
-    adapted = adapt(
-        AdaptRequest(
-            WALK,
-            body,
-            CONTACTS,
-            (
-                ask(PositionConstraint, point, target=target),
-                ask(OrientationConstraint, BodyPoint(BodyPart.RIGHT_HAND), priority=1, target=(0.3, 0.1, 0.0, 0.9)),
-            ),
-            limited=False,
-        ),
-        30,
-        30,
+    turned = (
+        to_matrix(np.array([0.0, -0.3, 0.2, 0.933])) @ before.rotations[0, body.layout.segment(BodyPart.RIGHT_HAND)]
     )
+    asked = (
+        ask(PositionConstraint, point, target=target),
+        ask(OrientationConstraint, BodyPoint(BodyPart.RIGHT_HAND), priority=1, target=tuple(from_matrix(turned))),
+    )
+    adapted = adapt(AdaptRequest(WALK, body, CONTACTS, asked), 30, 30)
     assert adapted.residuals[:, 0] == pytest.approx(0.0, abs=1e-3)
 
 

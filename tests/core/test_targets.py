@@ -156,22 +156,20 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
     goal = tuple(within_reach(body, 0.1, 0.1, 0.2))
     hand = ask(PositionConstraint, RIGHT, ALL, target=goal)
     look = ask(LookAtConstraint, EYES, HEAD, 1, target=FollowBody(RIGHT))
-    palm = ask(
-        OrientationConstraint,
-        BodyPoint(BodyPart.LEFT_HAND),
-        Chain(1.0, 1.0, 1.0),
-        2,
-        target=FollowBody(BodyPoint(BodyPart.RIGHT_HAND), TURN),
-    )
-    request = AdaptRequest(WALK, body, CONTACTS, (hand, look, palm), limited=False)
-    adapted = adapt(request, 25, 40)
+    hands = [body.layout.segment(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
+    left, right = solved(body, hand).rotations[30, hands]
+    turn = from_matrix(right.T @ left @ to_matrix(np.array(TURN) / np.linalg.norm(TURN)))
+    follow = FollowBody(BodyPoint(BodyPart.RIGHT_HAND), tuple(turn))
+    palm = ask(OrientationConstraint, BodyPoint(BodyPart.LEFT_HAND), Chain(1.0, 1.0, 1.0), 2, target=follow)
+    request = AdaptRequest(WALK, body, CONTACTS, (hand, look, palm))
+    adapted = adapt(request, 25, 35)
     line = place_of(RIGHT, adapted) - place_of(EYES, adapted)
     gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
     cosine = np.sum(gaze * line, axis=1) / np.linalg.norm(line, axis=1)
     miss = np.arccos(np.clip(cosine, -1.0, 1.0))
     assert miss == pytest.approx(adapted.residuals[1], abs=np.radians(0.1))
-    left, right = (adapted.rotations[:, body.layout.segment(BodyPart(f"{side}_hand"))] for side in ("left", "right"))
-    wanted = right @ to_matrix(np.array(TURN) / np.linalg.norm(TURN))
+    left, right = (adapted.rotations[:, segment] for segment in hands)
+    wanted = right @ to_matrix(turn)
     assert angle_between(from_matrix(left), from_matrix(wanted)) == pytest.approx(0.0, abs=np.radians(0.1))
 
 

@@ -1,0 +1,97 @@
+"""Limits of limbs on captures and on the bundled clips: kept, and no reason for a jerk."""
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.cli.adaptation import ready_capture
+from studio.cli.bench_cases import FOREARMS, LIMB, WHOLE, WITH_TRUNK, clip_of, make_tasks
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.follow import FollowTracked
+from studio.core.constraints.position import PositionConstraint
+from studio.core.metrics import acceleration_ratio
+from studio.core.solver.adapt import Standing, hold, standing_of
+from studio.core.solver.request import AdaptRequest
+from studio.core.solver.tracks import Track, Tracks
+from studio.io.importing import GUESS_ALL
+from studio.resources_folder import example_captures_folder
+from tests.core.motions import ALWAYS
+from tests.core.test_joint_limits import BODIES, _beyond
+from tests.real.taken import named
+
+CAPTURED = ("accad_male2_A6_BoxLift", "accad_female1_D3_ConversationGestures", "accad_male2_E1_JabLeft")
+BUNDLED = ("reach_grasp", "walk_turn", "straight_punch", "front_kick")
+MADE_FOR = ("adult_woman", "child")
+
+
+@lru_cache
+def _worst(path: Path, body: str) -> AdaptRequest:
+    """Two wrists far out of reach, planted feet and balance."""
+    return make_tasks(*clip_of(ready_capture(path, GUESS_ALL)), BODIES[body])[-1].request
+
+
+def _ratio_and_excess(standing: Standing, wishes: tuple[PositionConstraint, ...], tracks: Tracks) -> tuple[float, ...]:
+    """(ratio, by how much limits are exceeded, ratio with limits off) of the greatest accelerations to the source's."""
+    before = hold(standing, ())
+    limited = hold(standing, wishes, tracks=tracks)
+    free = hold(replace(standing, limited=False), wishes, tracks=tracks)
+    return (
+        float(acceleration_ratio(limited, before)),
+        _beyond(limited, before, {0, 1}),
+        float(acceleration_ratio(free, before)),
+    )
+
+
+def _check_worst(request: AdaptRequest) -> None:
+    ratio, excess, free = _ratio_and_excess(standing_of(request), request.constraints, request.tracks)
+    assert excess < 1e-6
+    assert ratio < 2.2 * max(free, 1.0)
+
+
+@pytest.mark.parametrize("body", MADE_FOR)
+@pytest.mark.parametrize("stem", CAPTURED)
+def test_wrists_far_out_of_reach_stay_within_limits_without_a_jerk(captures: Path, stem: str, body: str) -> None:
+    _check_worst(_worst(named(stem), body))
+
+
+@pytest.mark.parametrize("body", MADE_FOR)
+@pytest.mark.parametrize("name", BUNDLED)
+def test_so_they_do_on_the_bundled_clips(name: str, body: str) -> None:
+    _check_worst(_worst(example_captures_folder() / f"{name}.bvh", body))
+
+
+def _wandering(standing: Standing, seed: int, chain: Chain) -> tuple[tuple[PositionConstraint, ...], Tracks]:
+    """Places for both wrists that wander smoothly about their shoulders, in and out of reach, before and behind."""
+    random, body = np.random.default_rng(seed), standing.morphology.still
+    times = np.arange(standing.motion.frame_count)[:, None] / standing.motion.frame_rate
+    wishes, tracks = [], {}
+    for side in range(2):
+        arm, way = body.arm[side].sum(), random.normal(size=3)
+        place = random.uniform(0.4, 1.6) * way / np.linalg.norm(way)
+        for _ in range(3):
+            phases = random.uniform(0.1, 0.5) * times + random.uniform(size=3)
+            place = place + 0.25 * random.normal(size=3) * np.sin(2.0 * np.pi * phases)
+        follow = FollowTracked(f"place {side}")
+        tracks[follow] = Track(standing.positions[:, body.layout.collar(side) + 1] + arm * place, np.eye(3)[None])
+        wrist = BodyPoint(FOREARMS[side], at_end=True)
+        wishes.append(PositionConstraint("motion", f"Wrist {side}", wrist, chain, 0, ALWAYS, target=follow))
+    return tuple(wishes), tracks
+
+
+@pytest.mark.parametrize("chain", [LIMB, WITH_TRUNK, WHOLE], ids=["arm", "trunk", "root"])
+def test_places_that_wander_about_the_shoulders_before_and_behind_cost_few_jerks_more_for_the_limits(
+    chain: Chain,
+) -> None:
+    costs = []
+    for name in ("walk_turn", "straight_punch", "reach_grasp"):
+        for body in MADE_FOR:
+            standing = standing_of(_worst(example_captures_folder() / f"{name}.bvh", body))
+            for seed in range(3):
+                ratio, excess, free = _ratio_and_excess(standing, *_wandering(standing, seed, chain))
+                assert excess < 1e-6
+                costs.append(ratio / max(free, 1.0))
+    assert np.median(costs) < 7.0
+    assert max(costs) < 35.0
