@@ -191,8 +191,7 @@ def step(level, mending, whole, asked, chain, body, work, start, pose):
     errors, roles = ask[1], ask[3]
     worst = 0.0
     for row in range(count):
-        error = errors[row] if roles[row] == BOUND else abs(errors[row])
-        worst = max(worst, error if row >= own else CLOSE_ENOUGH / KEPT * error)
+        worst = max(worst, errors[row] if roles[row] == BOUND else abs(errors[row]))
     if worst < CLOSE_ENOUGH:
         return 0.0
     find_step(own, count, ask, chain, work[2], work[3][0], work[1], body, start, pose[0])
