@@ -73,8 +73,6 @@ class _Search:
         self.goals = np.where(np.arange(self.count) < held, 0.0, random.uniform(-0.01, 0.01, self.count))
         self.pose = POSITIONS.copy(), ROTATIONS.copy()
         self.work = make_work(self.count, len(self.free.joints), len(POSITIONS))
-        legs = np.zeros(1), np.zeros(2), np.zeros((2, 3)), np.zeros((2, 3, 3)), np.zeros((2, 3, 3)), np.zeros((3, 3, 3))
-        self.body = BODY.packed, np.zeros((1, 1)), np.full(2, np.inf), legs
 
     def step(self) -> float:
         """Ask for what is left of the goals; how far anything moves."""
@@ -88,10 +86,8 @@ class _Search:
             )
         set_brakes(turned[0], self.free.joints, self.free.limits, carried, brakes)
         start = POSITIONS, ROTATIONS
-        find_step(
-            self.held, self.count, ask, self.free.arrays, carried, turned[0], solving, self.body, start, self.pose[0]
-        )
-        moved = move_joints(1.0, self.free.arrays, carried, solving[5][-1], turned[0])
+        find_step(self.held, self.count, ask, self.free.arrays, solving, self.pose[0])
+        moved = move_joints(self.free.arrays, carried, solving[5][-2] + solving[5][-1], turned[0])
         carry_trunk(turned[0], self.free.slots, start, np.empty((3, 3)), carried, self.pose)
         for side in range(2):
             carry_arm(side, turned[0], self.free.slots, start, np.empty((3, 3)), carried, self.pose)

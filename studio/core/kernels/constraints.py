@@ -33,7 +33,7 @@ from studio.core.kernels.limb_constraints import (
 )
 from studio.core.kernels.newton import refine_step
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
-from studio.core.kernels.priorities import find_step, move_joints
+from studio.core.kernels.priorities import find_step, go_on
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import frees_limbs, note_balances
 from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
@@ -194,12 +194,12 @@ def step(level, mending, whole, asked, chain, body, work, start, pose):
         worst = max(worst, errors[row] if roles[row] == BOUND else abs(errors[row]))
     if worst < CLOSE_ENOUGH:
         return 0.0
-    find_step(own, count, ask, chain, work[2], work[3][0], work[1], body, start, pose[0])
+    ways = work[1][5]
+    slope = find_step(own, count, ask, chain, work[1], pose[0])
     if whole:
-        refine_step(count, ask, chain, work[2], work[3][0], work[1][5][-1], work[8], pose[0])
-    way = work[1][5][-1]
-    part = part_of_step(own, count, ask[3], ask[5], way, chain[1], pose[0])
-    return move_joints(part, chain, work[2], way, work[3][0])
+        slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
+    part = part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
+    return go_on(part, body, start, chain, work[2], ways, work[3][0])
 
 
 @kernel

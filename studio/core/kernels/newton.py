@@ -34,6 +34,8 @@ SOFTNESS = 5e-4
 def refine_step(count, ask, chain, carried, turned, step, full, positions):
     """Write Newton's step over all joints into ``step`` (N, 3), where nothing but what asks is to be looked at.
 
+    The slope along it of what is brought to its least.
+
     ``ask``, ``chain``, ``carried`` and ``turned`` as in ``kernels.priorities.find_step``, which comes first and leaves
     rows as their brakes have them; ``full`` scratch (system (D, D + 1), vectors (2, D) of which the first is the
     mobility of every unknown, levers (N, 3)).
@@ -53,12 +55,13 @@ def refine_step(count, ask, chain, carried, turned, step, full, positions):
     add_asks(count, ask, chain[0], full)
     draw_back(SPRING * missed, brakes, carried, turned, joints, full)
     slope = press_on_limits(SOFTNESS * missed, brakes, turned, chain, full)
-    solve_damped(DAMPING * slope + LEAST_DAMPING, SPRING * missed, full)
+    along = solve_damped(DAMPING * slope + LEAST_DAMPING, SPRING * missed, full)
     for k in range(joints.shape[0]):
         for axis in range(3):
             step[k, axis] = way[3 * k + axis]
         if brakes[k, 3] < 1.0:
             brake(math.sqrt(brakes[k, 3]), brakes[k], step[k])
+    return along
 
 
 @inlined_kernel
@@ -246,7 +249,8 @@ def press_on_limits(softness, brakes, turned, chain, full):
 
 @inlined_kernel
 def solve_damped(damping, spring, full):
-    """Solve for the step of the own joints, in units of their mobility, into ``full[1][1]`` (METHOD (24)).
+    """Solve for the step of the own joints, in units of their mobility, into ``full[1][1]`` (METHOD (24)); its product
+    with the right side.
 
     Elimination whose pivots stay positive and whose factors stay bounded, whatever the curvature (Gill, Murray and
     Wright 1981, 4.4.2.2).
@@ -277,5 +281,8 @@ def solve_damped(damping, spring, full):
         for j in range(i + 1, size):
             value -= system[i, j] * way[j]
         way[i] = value / system[i, i]
+    product = 0.0
     for i in range(size):
+        product += system[i, size] * system[i, size] / system[i, i]
         way[i] *= math.sqrt(own[i])
+    return product

@@ -35,17 +35,19 @@ CLOSER, CLOSEST = 0.3, 3e-5
 
 
 @kernel
-def find_step(held, count, ask, chain, carried, turned, solving, body, start, positions):
-    """How all joints are to turn and the root to move towards what the rows ask: the way (N, 3) in ``solving``.
+def find_step(held, count, ask, chain, solving, positions):
+    """How all joints are to turn and the root to move: the way (N, 3) that keeps what is held, and that which is asked.
+
+    They are the last but one and the last of the ways in ``solving``. The slope of half the sum of squared errors along
+    that which is asked.
 
     ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
     (R, 9), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
     slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
-    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3) of which the last is the step, levers (R, R + 12)).
+    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3), levers (R, R + 12)).
     """
     rows, errors, owners, roles, brakes, _, rooms = ask
-    mobilities, slots = chain[0], chain[2]
-    matrix, active, way = solving[0], solving[3], solving[5][-1]
+    mobilities, matrix, active = chain[0], solving[0], solving[3]
     stiffen_rows(count, rows, brakes)
     for i in range(count):
         weights = mobilities[owners[i]]
@@ -53,9 +55,9 @@ def find_step(held, count, ask, chain, carried, turned, solving, body, start, po
             twin = j < i and owners[j] == owners[i]
             matrix[j, i] = matrix[i, j] if twin else weighted_product(rows[j], rows[i], weights)
         active[i] = roles[i] != BOUND
-    first = -1
+    first, slope = -1, 0.0
     for attempt in range(4):
-        solve_rows(held, count, ask, chain, solving, positions)
+        slope = solve_rows(held, count, ask, chain, solving, positions)
         if attempt < 2:
             caught = catch_bound(held, count, errors, rooms, solving)
             first = caught if attempt == 0 else first
@@ -65,9 +67,7 @@ def find_step(held, count, ask, chain, carried, turned, solving, body, start, po
             active[first] = False
         else:
             break
-    root = slots[slots.shape[0] - 1]
-    if root >= 0:
-        keep_feet_in_reach(body, start, carried, turned[root], way[root])
+    return slope
 
 
 @inlined_kernel
@@ -84,31 +84,37 @@ def stiffen_rows(count, rows, brakes):
 
 @kernel
 def solve_rows(held, count, ask, chain, solving, positions):
-    """The step of all joints with the active rows, along their ways."""
+    """``find_step`` with the active rows."""
     rows, errors, owners, _, brakes, _, _ = ask
     mobilities, joints = chain[0], chain[1]
     _, system, _, active, answer, ways, _ = solving
     kept = solve_held(held, count, errors, solving)
     for j in range(held, count):
         way_of(held, j, kept, rows, owners, mobilities, brakes, solving, ways[j])
-    solve_own(held, count, kept, ask, joints, solving, positions)
+    slope = solve_own(held, count, kept, ask, joints, solving, positions)
+    keeping, asking = ways[ways.shape[0] - 2], ways[ways.shape[0] - 1]
+    for k in range(asking.shape[0]):
+        for axis in range(3):
+            total = 0.0
+            for j in range(held, count):
+                total += answer[j] * ways[j, k, axis]
+            asking[k, axis], keeping[k, axis] = total, 0.0
     place = 0
     for i in range(held):
         answer[i] = 0.0
         if active[i]:
             answer[i] = system[place, kept]
+            for k in range(keeping.shape[0]):
+                share = mobilities[owners[i], k] * answer[i]
+                for axis in range(3):
+                    keeping[k, axis] += share * rows[i, k, axis]
             for j in range(held, count):
                 answer[i] -= system[place, kept + 1 + j - held] * answer[j]
             place += 1
-    step = ways[ways.shape[0] - 1]
-    for k in range(step.shape[0]):
-        x, y, z = 0.0, 0.0, 0.0
-        for i in range(count):
-            share = mobilities[owners[i], k] * answer[i]
-            x, y, z = x + share * rows[i, k, 0], y + share * rows[i, k, 1], z + share * rows[i, k, 2]
-        step[k, 0], step[k, 1], step[k, 2] = x, y, z
+    for k in range(keeping.shape[0]):
         if brakes[k, 3] < 1.0:
-            brake(math.sqrt(brakes[k, 3]), brakes[k], step[k])
+            brake(math.sqrt(brakes[k, 3]), brakes[k], keeping[k])
+    return slope
 
 
 @inlined_kernel
@@ -186,7 +192,7 @@ def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
 
 @kernel
 def solve_own(held, count, kept, ask, joints, solving, positions):
-    """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23))."""
+    """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23)); the slope along it."""
     errors = ask[1]
     matrix, system, newton, active, answer, _, levers = solving
     own = count - held
@@ -214,7 +220,7 @@ def solve_own(held, count, kept, ask, joints, solving, positions):
                 along += levers[q, i] * levers[q, j]
             newton[i, j] = along
     add_curvature(held, count, kept, ask, joints, solving, positions)
-    solve_positive(newton, own, matrix, worst / (worst + EASED), answer, held)
+    return solve_positive(newton, own, matrix, worst / (worst + EASED), answer, held)
 
 
 @inlined_kernel
@@ -246,7 +252,8 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
 
 @inlined_kernel
 def solve_positive(newton, count, matrix, damping, answer, first):
-    """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``.
+    """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``. Its product with the right
+    side.
 
     No pivot sinks below what is left of a row when it is spoken for.
     """
@@ -264,6 +271,10 @@ def solve_positive(newton, count, matrix, damping, answer, first):
         for j in range(i + 1, count):
             value -= newton[i, j] * answer[first + j]
         answer[first + i] = value / newton[i, i]
+    product = 0.0
+    for i in range(count):
+        product += newton[i, count] * newton[i, count] / newton[i, i]
+    return product
 
 
 @inlined_kernel
@@ -290,14 +301,30 @@ def catch_bound(held, count, errors, rooms, solving):
 
 
 @inlined_kernel
-def move_joints(part, chain, carried, way, turned):
-    """Add a part of the step to the state of every joint, less where that is too long; the longest way in metres."""
+def go_on(part, body, start, chain, carried, ways, turned):
+    """Go the way that keeps what is held and a part of the way to what is asked, as far as planted feet allow the root.
+
+    How far anything moves, in metres.
+    """
+    slots, way = chain[2], ways[ways.shape[0] - 1]
+    for k in range(way.shape[0]):
+        for axis in range(3):
+            way[k, axis] = ways[ways.shape[0] - 2, k, axis] + part * way[k, axis]
+    root = slots[slots.shape[0] - 1]
+    if root >= 0:
+        keep_feet_in_reach(body, start, carried, turned[root], way[root])
+    return move_joints(chain, carried, way, turned)
+
+
+@inlined_kernel
+def move_joints(chain, carried, way, turned):
+    """Add a step to the state of every joint, less where that is too long; the longest way in metres."""
     _, joints, _, limits = chain
     longest = 0.0
     for k in range(joints.shape[0]):
         size = math.sqrt(way[k, 0] ** 2 + way[k, 1] ** 2 + way[k, 2] ** 2)
         longest = max(longest, size if joints[k, 0] == ROOT else 0.5 * size)
-    scale = min(part, LONGEST_STEP / max(longest, 1e-9))
+    scale = min(1.0, LONGEST_STEP / max(longest, 1e-9))
     for k in range(joints.shape[0]):
         x, y, z = scale * way[k, 0], scale * way[k, 1], scale * way[k, 2]
         if joints[k, 0] == ROOT:

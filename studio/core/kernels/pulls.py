@@ -13,8 +13,10 @@ OWN = 12
 """Numbers of a way before those of its pairs."""
 DRIFT = 2e-3
 """Metres by which a step may bend away what is held, before that is mended."""
-FURTHEST, ROUNDS = 1.5, 2
-"""Part of a step that is gone at most, and how often that part is bettered."""
+FURTHEST = 1.5
+"""Part of a step that is gone at most."""
+LEAST_CURVE = 0.3
+"""Part of a step's curvature that is taken to be left where more of the step is gone."""
 
 
 @kernel
@@ -128,27 +130,29 @@ def along(first, second):
 
 
 @inlined_kernel
-def part_of_step(held, count, roles, pulls, way, joints, positions):
+def part_of_step(held, count, slope, roles, pulls, way, joints, positions):
     """The part of a step after which its own errors are least to the second order, and what is held stays in place.
 
-    An error goes as e - p a + p^2 b / 2 along the step: where b bends it from the goal more than the whole step is
-    needed to get there. Newton's steps on the part p, ``FURTHEST`` at most; what is held may bend away by ``DRIFT``.
+    Along the step an error goes as e - p a + p^2 b / 2, so that with Newton's ``slope`` s the sum of squares has
+
+        g(p) = s (1 - p) + 3/2 p^2 sum (e a)(e b) / e^2 - p^3 / 2 sum (e b)^2 / e^2
+
+    left of it: one of Newton's steps from p = 1. What is held may bend away by ``DRIFT``.
+
+    METHOD (23).
     """
-    slope = squared = curve = third = fourth = worst = 0.0
+    third = fourth = worst = 0.0
     for row in range(count):
         if pulls[row, 7] < 0.0 or (row < held and roles[row] == BOUND):
             continue
-        nearer, bent, speed, swerve = bent_away(pulls[row], way, joints, positions)
+        nearer, bent, _, swerve = bent_away(pulls[row], way, joints, positions)
         if row < held:
             worst = max(worst, swerve)
             continue
         size = pulls[row, 8] * max(pulls[row, 0] ** 2 + pulls[row, 1] ** 2 + pulls[row, 2] ** 2, 1e-24)
-        slope, squared, curve = slope + nearer, squared + speed, curve + speed + bent
         third, fourth = third + nearer * bent / size, fourth + bent * bent / size
-    part = 0.0 if slope > 0.0 else 1.0
-    for _ in range(ROUNDS if slope > 0.0 else 0):
-        left = slope - part * (curve - part * (1.5 * third - 0.5 * part * fourth))
-        gauss = squared - part * (2.0 * third - part * fourth)
-        part += left / max(gauss, curve - part * (3.0 * third - 1.5 * part * fourth), 1e-12)
+    slope = max(slope, 1e-15)
+    third, fourth = third / slope, fourth / slope
+    part = 1.0 + (1.5 * third - 0.5 * fourth) / max(1.0 - 3.0 * third + 1.5 * fourth, LEAST_CURVE)
     part = min(max(part, 0.0), FURTHEST)
     return min(part, math.sqrt(2.0 * DRIFT / worst)) if worst > 0.0 else part
