@@ -153,7 +153,7 @@ def test_a_hand_follows_where_the_other_hand_is_brought(body: Morphology) -> Non
 
 @every_body
 def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology) -> None:
-    goal = tuple(within_reach(body, 0.1, 0.1, 0.2))
+    goal = tuple(within_reach(body, 0.3, 0.1, 0.1))
     hand = ask(PositionConstraint, RIGHT, ALL, target=goal)
     look = ask(LookAtConstraint, EYES, HEAD, 1, target=FollowBody(RIGHT))
     hands = [body.layout.segment(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
@@ -162,7 +162,7 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
     follow = FollowBody(BodyPoint(BodyPart.RIGHT_HAND), tuple(turn))
     palm = ask(OrientationConstraint, BodyPoint(BodyPart.LEFT_HAND), Chain(1.0, 1.0, 1.0), 2, target=follow)
     request = AdaptRequest(WALK, body, CONTACTS, (hand, look, palm))
-    adapted = adapt(request, 25, 35)
+    adapted = adapt(request, 25, 40)
     line = place_of(RIGHT, adapted) - place_of(EYES, adapted)
     gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
     cosine = np.sum(gaze * line, axis=1) / np.linalg.norm(line, axis=1)
