@@ -255,11 +255,18 @@ def solve_positive(newton, count, matrix, damping, answer, first):
     """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``. Its product with the right
     side.
 
-    No pivot sinks below what is left of a row when it is spoken for.
+    No pivot sinks below what is left of a row when it is spoken for, and factors stay bounded whatever the curvature
+    (Gill, Murray and Wright 1981, 4.4.2.2).
     """
+    bound = 1e-15
     for i in range(count):
+        bound = max(bound, newton[i, i])
+    for i in range(count):
+        most = 0.0
+        for j in range(i + 1, count):
+            most = max(most, abs(newton[j, i]))
         floor = SPOKEN_FOR * matrix[first + i, first + i]
-        pivot = max(newton[i, i], 0.0) + damping * floor * floor + 1e-15
+        pivot = max(newton[i, i], most * most / bound) + damping * floor * floor + 1e-15
         newton[i, i] = pivot
         for j in range(i + 1, count):
             factor = newton[j, i] / pivot
