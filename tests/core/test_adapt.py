@@ -273,16 +273,6 @@ def test_a_little_activation_moves_a_little(part: BodyPart, chain: Chain) -> Non
         assert np.abs(after.positions - before.positions).max() < 20 * 3 * little
 
 
-def test_a_wrist_eases_onto_its_target() -> None:
-    """It goes no faster than its own motion and the ease of the ramp together."""
-    wrist, ramp, place = WOMAN.layout.wrist(1), 0.2, np.array([1.35, -0.2, 1.15])
-    curve = ActivationCurve(0.8, 0.8 + ramp, 1.1, 1.1 + ramp)
-    before = _adapted().positions[:, wrist]
-    after = _adapted(target(BodyPart.RIGHT_FOREARM, place, Chain(), activation=curve)).positions[:, wrist]
-    share = curve.at(np.arange(WALK.frame_count) / RATE)[:, None]
-    assert np.allclose(after, before + share * (place - before), atol=2e-4)
-
-
 @pytest.mark.parametrize("spine_count", [2, 3, 7])
 def test_any_number_of_vertebrae_will_do(spine_count: int) -> None:
     body = make_morphology(spine_count=spine_count)

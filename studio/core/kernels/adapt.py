@@ -10,10 +10,11 @@ from studio.core.kernels.body import move_all
 from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
+from studio.core.kernels.edges import IN_PART, blends, clear_state, copy_pose, keep_solution, next_edge, pose_between
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.packed import pack
-from studio.core.kernels.placing import follow_body, miss_of, turn_error
+from studio.core.kernels.placing import KEPT_TURNS, follow_body, miss_of, turn_error
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
@@ -163,12 +164,24 @@ def solve_one(
     """One frame of ``solve_frames``; whether anything acts. ``motion`` is what was, and what is being solved."""
     start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
     frame_body = pack(body_at(frame, leashes, stance, body))
-    acts = set_goals(frame, asked, areas, wishes, activations, frame_body, work, pose)
-    if acts:
-        free_limbs(frame, recruits, chain)
-        solve_frame(chain[0].shape[0] - asked.shape[0], asked, areas, chain, frame_body, work, start, pose)
+    least, any_acts = 0.0, False
+    while True:
+        more = next_edge(least, frame, asked, activations)
+        acts = set_goals(more, frame, asked, areas, wishes, activations, frame_body, work, pose)
+        if acts:
+            free_limbs(frame, recruits, chain)
+            solve_frame(chain[0].shape[0] - asked.shape[0], asked, areas, chain, frame_body, work, start, pose)
+        any_acts = any_acts or acts
+        if least > 0.0:
+            pose_between(least / more, frame, asked, areas, activations, chain, frame_body, work, start, pose)
+        if more == 1.0:
+            break
+        keep_solution(asked, areas, frame_body, work, pose)
+        copy_pose(start, pose)
+        clear_state(work)
+        least = more
     note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
-    return acts
+    return any_acts
 
 
 @kernel
@@ -187,7 +200,9 @@ def note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_re
     frame_body = pack(body_at(frame, leashes, stance, body))
     for c in range(asked.shape[0]):
         out_residuals[c, frame] = math.nan
-        if asked[c].wanted:
+        if asked[c].wanted == IN_PART:
+            out_residuals[c, frame] = asked[c].blended
+        elif asked[c].wanted:
             out_residuals[c, frame] = miss_of(c, asked, areas, frame_body, work, pose)
 
 
@@ -225,22 +240,27 @@ def make_work(constraint_count, joint_count, point_count):
         ask,
         solving,
         carried,
-        np.zeros((2, joint_count, 3)),
-        np.empty(4, np.int64),
+        np.zeros((3, joint_count, 3)),
+        np.zeros(8, np.int64),
         np.empty((8, 3)),
         np.empty((segments + 1, 4)),
-        np.empty((6, 3, 3)),
+        np.empty((KEPT_TURNS + 16, 3, 3)),
         full,
     )
 
 
 @kernel
-def set_goals(frame, asked, areas, wishes, activations, body, work, pose):
-    """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts."""
+def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose):
+    """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts.
+
+    What ``kernels.edges`` blends is wholly wanted, or, where its activation is below ``least``, not at all.
+    """
     places, turns, distances = wishes
     acts, point, other, turn = False, work[5][0], work[5][1], work[7][0]
     for c in range(asked.shape[0]):
         row, share = asked[c], activations[c, frame]
+        if share < 1.0 and blends(row):
+            share = 1.0 if share >= least else 0.0
         row.share = share
         row.wanted = 1 if share > 0.0 else 0
         if share <= 0.0:

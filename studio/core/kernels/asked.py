@@ -10,10 +10,11 @@ another wish stands before it on its limb; ``engaged`` whether an area is entere
 ``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be, ``begin`` (3,) where the unsolved pose has
 the centre of mass; ``helped`` whether joints beside
 its limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that
-which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest,
-``easings`` (2,) the metres below which they fold ever less.
+which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest but for ``slack``
+(2,) metres, ``easings`` (2,) the metres below which they fold ever less.
 ``stiff`` whether upper or lower segment of a limb are, with ``parts``, ``change``, ``most`` (2, 2) and ``own`` (2,) of
 ``kernels.stiffness``.
+On edges (``kernels.edges``): its miss ``blended``, and ``wanted`` 3 where it is not to be solved any more.
 Once its level is solved: ``kept_miss``, ``kept_places`` (2, 3), ``kept_roots`` (2, 3) of its limbs and ``kept_turn``
 (3, 3) are what the levels below have to leave as they are.
 """
@@ -45,6 +46,7 @@ ASKED = np.dtype(
         ("longest", _REAL, (2,)),
         ("comforts", _REAL, (2,)),
         ("reaches", _REAL, (2,)),
+        ("slack", _REAL, (2,)),
         ("folds", _REAL, (2,)),
         ("easings", _REAL, (2,)),
         ("stiff", _FLAG),
@@ -52,6 +54,7 @@ ASKED = np.dtype(
         ("change", _REAL, (2, 2)),
         ("most", _REAL, (2, 2)),
         ("own", _REAL, (2,)),
+        ("blended", _REAL),
         ("kept_miss", _REAL),
         ("kept_places", _REAL, (2, 3)),
         ("kept_roots", _REAL, (2, 3)),

@@ -7,8 +7,9 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``body`` (measures, masses (S, 2), leashes (2,), legs, limits): leashes are the parts of their lengths to which the
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
-``work`` (ask, solving, carried (S + 1, 3, 3), turned (2, N, 3) state and the one before, grips (4,), points (8, 3),
-  sums (S + 1, 4), turns (6, 3, 3), full): scratch, the first two as in ``kernels.priorities``, the last ``newton``'s.
+``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (8,),
+  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full): scratch, the first two as in ``kernels.priorities``, the last
+  ``newton``'s.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
@@ -21,7 +22,7 @@ from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import inlined_kernel, kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joint_limits import note_own
-from studio.core.kernels.joints import set_brakes
+from studio.core.kernels.joints import set_brakes, soft_way
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import (
     CLOSE_ENOUGH,
@@ -51,8 +52,10 @@ FOLDING = 0.05
 """Part of the way from its greatest to its least reach, the last, in which a limb folds ever less."""
 STILL = 2e-5
 """Metres by which a step must move something for another to be worth while."""
-MENDS = 4
+MENDS = 8
 """Steps that may be taken to give those above back what a level has cost them."""
+BACKS = 4
+"""Times that a level goes back by as much as it still disturbs those above, before it is given up."""
 GIVEN_UP = 2
 """What ``wanted`` becomes where a constraint is given up for those above it."""
 KEPT = 1e-4
@@ -73,7 +76,7 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
         if not wants_level(level, asked):
             continue
         note_grips(level, asked, spine_count, work[4])
-        note_reaches(level, asked, work[4], body[4], work[5], start)
+        note_reaches(level, asked, chain, work[4], body[4], work[5], start)
         if not fresh:
             note_kept(level, asked, areas, body, work, pose)
         solve_level(level, fresh, asked, areas, chain, body, work, start, pose)
@@ -120,12 +123,12 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         stiffen(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
     note_balances(level, asked, chain, body, work, pose)
-    whole = level == 0 and chain[2][-1] < 0 and not frees_limbs(chain[2])
+    whole = fresh and chain[2][-1] < 0 and not frees_limbs(chain[2])
     for attempt in range(TRIES):
         if not step(level, False, whole and attempt >= SIMPLE, asked, chain, body, work, start, pose) > STILL:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
-    if level == 0:
+    if fresh:
         return
     for _ in range(MENDS):
         if disturbance(level, asked, areas, body, work, pose) < KEPT:
@@ -133,15 +136,17 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         if not step(level, True, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
-    share = 1.0
-    while disturbance(level, asked, areas, body, work, pose) >= KEPT and share > 0.0:
-        share = 0.5 * share if share > 0.2 else 0.0
+    for attempt in range(1 + BACKS):
+        disturbs = disturbance(level, asked, areas, body, work, pose)
+        if not disturbs >= KEPT:
+            return
+        share = KEPT / disturbs if attempt < BACKS else 0.0
         for joint in range(turned.shape[1]):
             for axis in range(3):
                 before = turned[1, joint, axis]
-                turned[0, joint, axis] = before + (0.5 if share > 0.0 else 0.0) * (turned[0, joint, axis] - before)
+                turned[0, joint, axis] = before + share * (turned[0, joint, axis] - before)
         place(level, False, asked, areas, chain, body, work, start, pose)
-    if share == 0.0 and disturbance(level, asked, areas, body, work, pose) >= KEPT:
+    if disturbance(level, asked, areas, body, work, pose) >= KEPT:
         give_up(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
 
@@ -178,7 +183,7 @@ def step(level, mending, whole, asked, chain, body, work, start, pose):
     """One step of all joints for this level with those above held, or to mend those alone; how far it moves."""
     ask = work[0]
     set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
-    every = asked.shape[0] + level
+    every = min(asked.shape[0] + level, chain[0].shape[0] - 1)
     count = add_feet_rows(every, 0, chain, body, ask, start, pose[0]) if chain[2][-1] >= 0 else 0
     for c in range(asked.shape[0]):
         if asked[c].wanted == 1 and asked[c].rank < level:
@@ -240,7 +245,7 @@ def note_kept(level, asked, areas, body, work, pose):
 
 
 @inlined_kernel
-def note_reaches(level, asked, grips, limits, points, pose):
+def note_reaches(level, asked, chain, grips, limits, points, pose):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 
     Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
@@ -262,7 +267,7 @@ def note_reaches(level, asked, grips, limits, points, pose):
             fold, reach, own = range_of(limb, row.ends[end, 1], holds_end, point, limits, pose)
             row.folds[end], row.longest[end], row.reaches[end] = fold, reach, reach
             row.easings[end] = min(fold + FOLDING * (reach - fold), own)
-            row.comforts[end] = 1.0
+            row.comforts[end], row.slack[end] = 1.0, 0.0
             if reach <= 0.0 or row.ends[end, 1] == upper:
                 continue
             shoulder = pose[0][root]
@@ -272,5 +277,10 @@ def note_reaches(level, asked, grips, limits, points, pose):
                 x, y, z = aim_limb(row, end, False, holds_end, points, pose)
                 row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
                 x, y, z = x - shoulder[0], y - shoulder[1], z - shoulder[2]
-                needed = math.sqrt(x * x + y * y + z * z) / reach
-                row.reaches[end] = reach * min(soft_reach(needed, row.comforts[end]), 0.9999)
+                span = math.sqrt(x * x + y * y + z * z)
+                row.reaches[end] = reach * min(soft_reach(span / reach, row.comforts[end]), 0.9999)
+                way, carrier = span - row.reaches[end], 0 if limb >= 2 else upper - 1
+                if way > 0.0:
+                    row.slack[end] = way - soft_way(
+                        way, c, (x / span, y / span, z / span), shoulder, carrier, chain, pose
+                    )

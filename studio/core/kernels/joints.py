@@ -16,12 +16,19 @@ import numpy as np
 
 from studio.core.kernels.body import distal_range
 from studio.core.kernels.compiling import allocating_kernel, inlined_kernel, kernel
+from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.rotation import add_rotated, multiply
 from studio.core.kernels.vectors import copy_matrix
 
 ROOT = -1
 FREE_PART = 0.7
 """Part of its limit that a joint turns freely; beyond it turns ever less."""
+
+
+FREELY = 0.7
+"""Part of what a clavicle can do that it does freely where it is alone to help, if it can do much."""
+SPREAD = 0.02
+"""Metres of what is asked over which it does the rest: what brings a few millimetres must not be done at once."""
 
 
 @kernel
@@ -111,6 +118,34 @@ def brake(part, axis, vector):
 
 
 @kernel
+def soft_way(way, c, along, point, carrier, chain, pose):
+    """How far of a ``way`` to ask of the chain of constraint ``c`` for a ``point`` (3,) of segment ``carrier``.
+
+    All of it; but where a clavicle is alone to go it, softly no further than it can bring the point along the unit
+    ``along``: at its furthest it would have to turn ever faster for what is left, and stop at once (METHOD (32)).
+    """
+    mobilities, joints, _, limits = chain
+    only = -1
+    for k in range(joints.shape[0]):
+        if mobilities[c, k] > 0.0 and (joints[k, 0] == ROOT or joints[k, 2] <= carrier < joints[k, 3]):
+            if only >= 0 or joints[k, 0] == ROOT:
+                return way
+            only = k
+    if only < 0:
+        return way
+    x, y, z = along
+    pivot = pose[0][joints[only, 1]]
+    rx, ry, rz = point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2]
+    first = rx * x + ry * y + rz * z
+    size = math.sqrt(rx * rx + ry * ry + rz * rz)
+    angle = math.acos(min(max(first / max(size, 1e-9), -1.0), 1.0))
+    able = size * math.cos(max(angle - 2.0 * math.atan(limits[only]), 0.0)) - first
+    if able <= 1e-6:
+        return 0.0
+    return able * soft_reach(way / max(able, SPREAD), FREELY * max(1.0 - SPREAD / able, 0.0))
+
+
+@kernel
 def carry(segment, parent, turned, slots, start, scratch, carried, pose):
     """Turn one segment by what carries it and by its own joint; ``carried`` (S + 1, 3, 3) the turns of all."""
     joint = slots[segment]
@@ -170,6 +205,28 @@ def carry_arm(side, turned, slots, start, scratch, carried, pose):
     for bone in range(1, 3):
         multiply(carried[upper], start[1][upper + bone], pose[1][upper + bone])
         carry_point(shoulder + bone + 1, shoulder, upper, start, carried, pose[0])
+
+
+@kernel
+def hang_limb(carrier, upper, root, first, turns, start, pose):
+    """Put a limb where its segments' rotations in what carries each, ``turns[first:]`` (n, 3, 3), put it."""
+    before = carrier
+    for bone in range(3 if carrier > 0 else 4):
+        segment, point = upper + bone, root + bone
+        multiply(pose[1][before], turns[first + bone], pose[1][segment])
+        x = start[0][point + 1, 0] - start[0][point, 0]
+        y = start[0][point + 1, 1] - start[0][point, 1]
+        z = start[0][point + 1, 2] - start[0][point, 2]
+        turn = start[1][segment]
+        add_rotated(
+            pose[0][point],
+            pose[1][segment],
+            turn[0, 0] * x + turn[1, 0] * y + turn[2, 0] * z,
+            turn[0, 1] * x + turn[1, 1] * y + turn[2, 1] * z,
+            turn[0, 2] * x + turn[1, 2] * y + turn[2, 2] * z,
+            pose[0][point + 1],
+        )
+        before = segment
 
 
 @kernel

@@ -23,7 +23,7 @@ from studio.core.kernels.goals import (
     second_place,
 )
 from studio.core.kernels.joint_limits import is_well_within, keep_root, limb_parts
-from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix
+from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix, hang_limb
 from studio.core.kernels.legs import place_leg
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
 from studio.core.kernels.rotation import (
@@ -36,6 +36,8 @@ from studio.core.kernels.stiffness import carry_leg
 from studio.core.kernels.turns import product, put_turn, shortest, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
+KEPT_TURNS = 6
+"""Where in the scratch ``turns`` the limbs of ``kernels.edges`` begin."""
 ENGAGED = 1e-6
 """Metres into a forbidden area from which on a point counts as in it."""
 AGAIN = 3
@@ -54,6 +56,10 @@ def carry_body(chain, body, work, start, pose):
 def put_back(limb, chain, body, work, start, pose):
     """One limb as the unsolved pose has it: arms in their clavicles, legs on their ankles."""
     slots, turned, turn = chain[2], work[3][0], work[7][3]
+    if work[4][4 + limb]:
+        carrier, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
+        hang_limb(carrier, upper, root, KEPT_TURNS + 4 * limb, work[7], start, pose)
+        return
     if limb < 2:
         carry_arm(limb, turned, slots, start, turn, work[2], pose)
         keep_recruited(limb, slots, body[4], pose)

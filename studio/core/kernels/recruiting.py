@@ -33,7 +33,7 @@ def free_limbs(frame, recruits, chain):
 
 @kernel
 def note_balances(level, asked, chain, body, work, pose):
-    """Where a level's balances are to bring the centre of mass: where they want it, or (METHOD (31)) softly on the way
+    """Where a level's balances are to bring the centre of mass: where they want it, or (METHOD (33)) softly on the way
     there as far as the joints can, where limbs help: at their limits arms would whirl about for what is out of reach.
     """
     for c in range(asked.shape[0]):

@@ -199,7 +199,7 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
         fold = max(fold, row.own[end] - row.most[end, 1])
         reach = max(min(reach, row.own[end] + row.most[end, 1]), fold)
     if not is_held:
-        error = span - min(max(span, fold), reach)
+        error = span - min(max(span, fold), reach + row.slack[end])
         if error == 0.0:
             return count
         begin_row(ask, count, owner, error)

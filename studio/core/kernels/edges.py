@@ -1,0 +1,173 @@
+"""Frames on the edge of a constraint's activation: what is solved is blended there, not what is asked (METHOD (31)).
+
+On the straight way from where a point is to where it is to be, a hand passes by its own shoulder, where the arm whirls
+about, or is out of reach after a moment, where elbow and trunk stop at once. So such a frame is solved with all its
+constraints, then without the one that acts least, and so on until what is wholly active is left, and each pose is
+blended with the one before, joint by joint. Those that both have then get back what the blend has cost them.
+
+The pose before is kept in the ``work`` of ``kernels.constraints``: the state of its search as the last of ``turned``,
+the rotations of its limbs' segments in what carries each from ``KEPT_TURNS`` on in ``turns``, four a limb; misses as
+``blended`` in the records; and as the last four of ``grips`` which limbs are to stay as blended.
+"""
+
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.constraints import KEPT, MENDS, disturbance, note_kept, place, step
+from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
+from studio.core.kernels.joint_limits import limb_parts
+from studio.core.kernels.limb_constraints import CLOSE_ENOUGH
+from studio.core.kernels.placing import KEPT_TURNS, carry_body, miss_of, place_limbs, turn_error
+from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
+from studio.core.kernels.rows import MISSED, TURN_ARM
+from studio.core.kernels.vectors import copy_matrix, copy_point
+
+IN_PART = 3
+"""What ``wanted`` becomes where a constraint is on its edge, or was out of reach in what is blended."""
+
+
+@kernel
+def blends(row):
+    """Whether a constraint (a record of ``kernels.asked``) is blended on its edges; others ease what they ask."""
+    return (row.kind == POSITION or row.kind == BALANCE) and row.ends[1, 0] < 0
+
+
+@kernel
+def next_edge(least, frame, asked, activations):
+    """The smallest activation above ``least`` of what is on its edge; 1 where there is none."""
+    found = 1.0
+    for c in range(asked.shape[0]):
+        if least < activations[c, frame] < found and blends(asked[c]):
+            found = activations[c, frame]
+    return found
+
+
+@kernel
+def copy_pose(source, out_pose):
+    """``out_pose`` becomes ``source``, both (positions (P, 3), rotations (S, 3, 3))."""
+    for point in range(source[0].shape[0]):
+        copy_point(source[0][point], out_pose[0][point])
+    for segment in range(source[1].shape[0]):
+        copy_matrix(source[1][segment], out_pose[1][segment])
+
+
+@kernel
+def clear_state(work):
+    """Nothing has turned yet."""
+    turned = work[3][0]
+    for joint in range(turned.shape[0]):
+        turned[joint, 0] = turned[joint, 1] = turned[joint, 2] = 0.0
+
+
+@kernel
+def keep_solution(asked, areas, body, work, pose):
+    """Note a pose, to be blended with the next."""
+    turned, turns, hung = work[3], work[7], work[4]
+    for joint in range(turned.shape[1]):
+        copy_point(turned[0, joint], turned[2, joint])
+    for limb in range(4):
+        hung[4 + limb] = 0
+        before, upper, _ = limb_parts(limb, pose[0].shape[0] - 23)
+        for bone in range(3 if limb < 2 else 4):
+            turn_between(pose[1][before], pose[1][upper + bone], turns[KEPT_TURNS + 4 * limb + bone])
+            before = upper + bone
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.wanted != IN_PART:
+            row.blended = miss_of(c, asked, areas, body, work, pose) if row.wanted else 0.0
+        note_hung(row, hung)
+
+
+@kernel
+def note_hung(row, hung):
+    """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
+    if row.wanted > 1 and row.kind != BALANCE:
+        for end in range(2):
+            if row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0:
+                hung[4 + row.ends[end, 2]] = 1
+
+
+@kernel
+def blend_kept(part, asked, areas, body, work, pose):
+    """Blend the pose that was kept, which counts ``part``, into the one just solved: state, limbs and misses."""
+    turned, turns, turn, new, vector = work[3], work[7], work[7][0], work[7][1], work[5][7]
+    for joint in range(turned.shape[1]):
+        for axis in range(3):
+            turned[0, joint, axis] += part * (turned[2, joint, axis] - turned[0, joint, axis])
+    for limb in range(4):
+        before, upper, _ = limb_parts(limb, pose[0].shape[0] - 23)
+        for bone in range(3 if limb < 2 else 4):
+            turn_between(pose[1][before], pose[1][upper + bone], new)
+            before = upper + bone
+            kept = turns[KEPT_TURNS + 4 * limb + bone]
+            turn_error(kept, new, turn, vector)
+            rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
+            multiply(turn, new, kept)
+    for c in range(asked.shape[0]):
+        now = miss_of(c, asked, areas, body, work, pose) if asked[c].wanted else 0.0
+        asked[c].blended = part * asked[c].blended + (1.0 - part) * now
+
+
+@kernel
+def turn_between(carrier, segment, out_turn):
+    """Rotation of a segment in the axes of what carries it, all (3, 3)."""
+    for row in range(3):
+        for column in range(3):
+            out_turn[row, column] = (
+                carrier[0, row] * segment[0, column]
+                + carrier[1, row] * segment[1, column]
+                + carrier[2, row] * segment[2, column]
+            )
+
+
+@kernel
+def pose_between(part, frame, asked, areas, activations, chain, body, work, start, pose):
+    """Pose the body ``part`` of the way from what was just solved to what was kept; what both have is held."""
+    level = chain[0].shape[0] - asked.shape[0]
+    hung = work[4]
+    blend_kept(part, asked, areas, body, work, pose)
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        on_edge = not row.wanted and 0.0 < activations[c, frame] < 1.0
+        turns = row.kind == ORIENTATION or row.kind == LOOK_AT
+        if on_edge or (row.wanted == 1 and row.blended * (TURN_ARM if turns else 1.0) > MISSED):
+            row.wanted = IN_PART
+        note_hung(row, hung)
+    carry_body(chain, body, work, start, pose)
+    note_kept(level, asked, areas, body, work, pose)
+    for c in range(asked.shape[0]):
+        if asked[c].wanted == 1:
+            note_held(asked[c], hung, work, pose)
+    place_limbs(level, asked, areas, chain, body, work, start, pose)
+    for _ in range(MENDS):
+        if disturbance(level, asked, areas, body, work, pose) < CLOSE_ENOUGH:
+            break
+        if not step(level, True, False, asked, chain, body, work, start, pose) > 0.0:
+            break
+        place(level, False, asked, areas, chain, body, work, start, pose)
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.wanted == 1 and row.blended > KEPT and row.ends[0, 2] >= 0 and hung[4 + row.ends[0, 2]]:
+            row.wanted = IN_PART  # its place was where the blend has it, and not where it wants to be
+    for limb in range(4):
+        hung[4 + limb] = 0
+
+
+@kernel
+def note_held(row, hung, work, pose):
+    """What both poses have keeps what it asks, or as much of it as they brought."""
+    turn, vector = work[7][0], work[5][7]
+    row.kept_miss = row.blended * (TURN_ARM if row.kind == ORIENTATION or row.kind == LOOK_AT else 1.0)
+    part = min(max(1.1 * (1.0 - row.kept_miss / MISSED), 0.0), 1.0)
+    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+        turn_error(row.turn, pose[1][row.ends[0, 1]], turn, vector)
+        rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
+        multiply(turn, pose[1][row.ends[0, 1]], row.kept_turn)
+        if row.ends[0, 2] >= 0 and hung[4 + row.ends[0, 2]]:
+            copy_matrix(row.kept_turn, row.turn)
+        return
+    for end in range(2):
+        wish = row.places[1 if row.kind == BALANCE else end]
+        for axis in range(3):
+            row.kept_places[end, axis] += part * (wish[axis] - row.kept_places[end, axis])
+        if row.kind == POSITION and row.ends[end, 2] >= 0 and hung[4 + row.ends[end, 2]]:
+            copy_point(row.kept_places[end], row.places[end])
+            row.comforts[end], row.reaches[end] = 1.0, row.longest[end]
