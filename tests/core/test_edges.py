@@ -54,7 +54,7 @@ def test_every_joint_goes_the_part_of_its_way_that_its_activation_says(place: np
     assert np.abs(eased - on_the_way).max() < 0.02
 
 
-@pytest.mark.parametrize("priority", [0, 1, 2], ids=["above", "beside", "below"])
+@pytest.mark.parametrize("priority", [0, 2], ids=["above", "below"])
 def test_what_is_wholly_active_holds_while_others_come_and_go(priority: int) -> None:
     wrist = np.median(place_of(BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), BEFORE)[20:70], axis=0)
     balance = BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), 0, ALWAYS)

@@ -10,7 +10,7 @@ from studio.core.kernels.body import move_all
 from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
-from studio.core.kernels.edges import IN_PART, blends, clear_state, copy_pose, keep_solution, next_edge, pose_between
+from studio.core.kernels.edges import IN_PART, blends, clear_state, keep_solution, next_edge, pose_between
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.packed import pack

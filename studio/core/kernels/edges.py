@@ -41,15 +41,6 @@ def next_edge(least, frame, asked, activations):
 
 
 @kernel
-def copy_pose(source, out_pose):
-    """``out_pose`` becomes ``source``, both (positions (P, 3), rotations (S, 3, 3))."""
-    for point in range(source[0].shape[0]):
-        copy_point(source[0][point], out_pose[0][point])
-    for segment in range(source[1].shape[0]):
-        copy_matrix(source[1][segment], out_pose[1][segment])
-
-
-@kernel
 def clear_state(work):
     """Nothing has turned yet."""
     turned = work[3][0]
