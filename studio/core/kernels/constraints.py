@@ -41,7 +41,12 @@ from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
-TRIES = 6
+TRIES, LATE = 6, 2
+"""Steps that a level takes, and those that it may add where it is nearly there: a body far out of reach would take many
+more to come to rest, for little.
+"""
+NEARLY, FAR_OFF = 0.02, 0.06
+"""Metres of error up to which late steps are taken whole, and from which on they are not taken."""
 SIMPLE = 2
 """Steps along the rows' own ways, which are all that most targets need, before all joints are looked at (where no feet
 and no other level are to be held: there, what holds would bend the ways of all joints too).
@@ -124,8 +129,9 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
     note_balances(level, asked, chain, body, work, pose)
     whole = fresh and chain[2][-1] < 0 and not frees_limbs(chain[2])
-    for attempt in range(TRIES):
-        if not step(level, False, whole and attempt >= SIMPLE, asked, chain, body, work, start, pose) > STILL:
+    for attempt in range(TRIES + LATE):
+        refines, is_late = whole and attempt >= SIMPLE, attempt >= TRIES
+        if not step(level, False, refines, is_late, asked, chain, body, work, start, pose) > STILL:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     if fresh:
@@ -133,7 +139,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     for _ in range(MENDS):
         if disturbance(level, asked, areas, body, work, pose) < KEPT:
             return
-        if not step(level, True, False, asked, chain, body, work, start, pose) > 0.0:
+        if not step(level, True, False, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     for attempt in range(1 + BACKS):
@@ -179,7 +185,7 @@ def note_carried(carried):
 
 
 @kernel
-def step(level, mending, whole, asked, chain, body, work, start, pose):
+def step(level, mending, whole, is_late, asked, chain, body, work, start, pose):
     """One step of all joints for this level with those above held, or to mend those alone; how far it moves."""
     ask = work[0]
     set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
@@ -194,17 +200,19 @@ def step(level, mending, whole, asked, chain, body, work, start, pose):
             if asked[c].wanted == 1 and asked[c].rank == level:
                 count = add_rows(c, c, False, count, asked, chain, body, work, pose)
     errors, roles = ask[1], ask[3]
-    worst = 0.0
+    worst = missed = 0.0
     for row in range(count):
         worst = max(worst, errors[row] if roles[row] == BOUND else abs(errors[row]))
-    if worst < CLOSE_ENOUGH:
+        missed = max(missed, abs(errors[row]) if row >= own else 0.0)
+    ease = min((FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0) if is_late else 1.0
+    if worst < CLOSE_ENOUGH or ease <= 0.0:
         return 0.0
     ways = work[1][5]
     slope = find_step(own, count, ask, chain, work[1], pose[0])
     if whole:
         slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
     part = part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
-    return go_on(part, body, start, chain, work[2], ways, work[3][0])
+    return go_on(ease, part, body, start, chain, work[2], ways, work[3][0])
 
 
 @kernel

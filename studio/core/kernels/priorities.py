@@ -308,15 +308,15 @@ def catch_bound(held, count, errors, rooms, solving):
 
 
 @inlined_kernel
-def go_on(part, body, start, chain, carried, ways, turned):
+def go_on(ease, part, body, start, chain, carried, ways, turned):
     """Go the way that keeps what is held and a part of the way to what is asked, as far as planted feet allow the root.
 
-    How far anything moves, in metres.
+    ``ease`` the part of both that is gone. How far anything moves, in metres.
     """
     slots, way = chain[2], ways[ways.shape[0] - 1]
     for k in range(way.shape[0]):
         for axis in range(3):
-            way[k, axis] = ways[ways.shape[0] - 2, k, axis] + part * way[k, axis]
+            way[k, axis] = ease * (ways[ways.shape[0] - 2, k, axis] + part * way[k, axis])
     root = slots[slots.shape[0] - 1]
     if root >= 0:
         keep_feet_in_reach(body, start, carried, turned[root], way[root])
