@@ -43,9 +43,9 @@ from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 TRIES, LATE = 6, 2
 """Steps that a level takes, and those that it may add where it is nearly there: a body far out of reach would take many
-more to come to rest, for little.
+more to come to rest, for little. So would recruited limbs, which end where they get.
 """
-NEARLY, FAR_OFF = 0.02, 0.06
+NEARLY, FAR_OFF = 0.004, 0.012
 """Metres of error up to which late steps are taken whole, and from which on they are not taken."""
 SIMPLE = 2
 """Steps along the rows' own ways, which are all that most targets need, before all joints are looked at (where no feet
@@ -128,8 +128,9 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         stiffen(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
     note_balances(level, asked, chain, body, work, pose)
-    whole = fresh and chain[2][-1] < 0 and not frees_limbs(chain[2])
-    for attempt in range(TRIES + LATE):
+    frees = frees_limbs(chain[2])
+    whole = fresh and chain[2][-1] < 0 and not frees
+    for attempt in range(TRIES if frees else TRIES + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= TRIES
         if not step(level, False, refines, is_late, asked, chain, body, work, start, pose) > STILL:
             break
