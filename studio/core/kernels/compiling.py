@@ -2,20 +2,20 @@
 
 from typing import Any
 
-from numba import njit
+from studio.core.kernels.linked import compiled
 
-_COUNTED: dict[str, Any] = {"cache": True, "nogil": True, "_nrt": True}
+_COUNTED: dict[str, Any] = {"nogil": True, "_nrt": True}
 _UNCOUNTED: dict[str, Any] = {**_COUNTED, "_nrt": False}
 
-kernel = njit(**_UNCOUNTED, fastmath={"contract"})
+kernel = compiled(**_UNCOUNTED, fastmath={"contract"})
 """A kernel over arrays that its caller owns. It counts no references to them, which makes kernels that call each other
 three times as fast; so it can neither make arrays nor assign slices.
 """
-allocating_kernel = njit(**_COUNTED, fastmath={"contract"})
+allocating_kernel = compiled(**_COUNTED, fastmath={"contract"})
 """A kernel that makes arrays of its own."""
-summing_kernel = njit(**_UNCOUNTED, fastmath={"reassoc", "contract"})
+summing_kernel = compiled(**_UNCOUNTED, fastmath={"reassoc", "contract"})
 """A kernel whose sums may be taken in any order, several terms at once; NaN stays NaN."""
-inlined_kernel = njit(**_UNCOUNTED, inline="always")
+inlined_kernel = compiled(**_UNCOUNTED, inline="always")
 """A kernel with one caller: it is compiled there and not for itself, for all that it calls is compiled with it."""
-small_kernel = njit(**_UNCOUNTED, fastmath={"contract"}, forceinline=True)
+small_kernel = compiled(**_UNCOUNTED, fastmath={"contract"}, forceinline=True)
 """A small kernel that is put in where it is called: arrays and tuples among its arguments cost nothing there."""

@@ -1,0 +1,106 @@
+"""Kernels that call kernels: parts linked into one whole that gives what Python gives, fresh and from the cache."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.kernels import linked
+from studio.core.kernels.compiling import allocating_kernel, inlined_kernel, kernel, small_kernel
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@small_kernel
+def doubled(number):
+    """Twice a number."""
+    return 2 * number
+
+
+@kernel
+def checked(number):
+    """A number that is not negative."""
+    if number < 0:
+        raise ValueError("Less than nothing.")
+    return doubled(number)
+
+
+@inlined_kernel
+def filled(number, out_numbers):
+    """Write what is checked of rising numbers."""
+    for place in range(out_numbers.shape[0]):
+        out_numbers[place] = checked(number + place)
+
+
+@allocating_kernel
+def row_of(number, count):
+    """A new row of doubled numbers."""
+    numbers = np.empty(count)
+    filled(number, numbers)
+    return numbers
+
+
+@allocating_kernel
+def two_rows(number, count):
+    """A row of rows, made by kernels that make arrays."""
+    rows = np.empty((2, count))
+    rows[0], rows[1] = row_of(number, count), row_of(-number, count)
+    return rows, number
+
+
+def test_kernels_that_call_kernels_give_what_python_gives() -> None:
+    assert row_of(1.5, 3).tolist() == [3.0, 5.0, 7.0]
+    rows, number = two_rows(0, 2)
+    assert rows.tolist() == [[0.0, 2.0], [0.0, 2.0]]
+    assert number == 0
+
+
+def test_what_only_kernels_call_becomes_no_machine_code_but_counts_as_there() -> None:
+    row_of(2.5, 1)
+    assert not doubled.overloads
+    assert doubled.signatures
+
+
+def test_what_a_kernel_deep_below_refuses_reaches_python() -> None:
+    with pytest.raises(ValueError, match="Less than nothing"):
+        two_rows(1, 4)
+
+
+def test_a_kernel_can_be_called_by_kernels_first_and_then_by_python() -> None:
+    row_of(4.0, 1)
+    assert checked(4.0) == 8.0
+    assert row_of(4.0, 1).tolist() == [8.0]
+
+
+@pytest.mark.parametrize("own", [linked.Part, linked.Whole, linked.Compiler, linked.Kernel])
+def test_numba_still_has_what_linking_puts_something_else_in_place_of(own) -> None:
+    """A numba that renamed one of these would go on as if nothing were replaced."""
+    added = {"part", "_make_part", "_flags", "parts", "signatures"}
+    replaced = {name for name, what in vars(own).items() if callable(what) and name not in added}
+    assert replaced - {"__init__"}
+    assert not [name for name in replaced if not hasattr(own.__base__, name)]
+
+
+SCRIPT = """
+import json
+from tests.core import test_linked as here
+numbers = [here.row_of(1.5, 3).tolist(), here.checked(4.0)]
+print(json.dumps([numbers, len(here.row_of.stats.cache_hits), len(here.doubled.signatures)]))
+"""
+
+
+def start(cache: Path) -> subprocess.Popen[str]:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(ROOT)}
+    return subprocess.Popen([sys.executable, "-c", SCRIPT], env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def test_a_whole_comes_from_the_cache_without_its_parts(tmp_path) -> None:
+    """Two processes fill one cache at once, the third only fetches."""
+    answers = [json.loads(each.communicate()[0]) for each in [start(tmp_path), start(tmp_path)]]
+    answers.append(json.loads(start(tmp_path).communicate()[0]))
+    assert [numbers for numbers, _, _ in answers] == 3 * [[[3.0, 5.0, 7.0], 8.0]]
+    assert answers[2][1:] == [1, 0]
