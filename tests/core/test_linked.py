@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from studio.core.kernels import linked
-from studio.core.kernels.compiling import allocating_kernel, inlined_kernel, kernel, small_kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -29,7 +29,7 @@ def checked(number):
     return doubled(number)
 
 
-@inlined_kernel
+@kernel
 def filled(number, out_numbers):
     """Write what is checked of rising numbers."""
     for place in range(out_numbers.shape[0]):

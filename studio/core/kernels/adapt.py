@@ -8,7 +8,7 @@ from studio.core.kernels.areas import put_area
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import move_all
 from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
-from studio.core.kernels.compiling import allocating_kernel, inlined_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.edges import IN_PART, blends, clear_state, keep_solution, next_edge, pose_between
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
@@ -157,7 +157,7 @@ def copy_pose(start, pose):
         copy_matrix(start[1][segment], pose[1][segment])
 
 
-@inlined_kernel
+@kernel
 def solve_one(
     frame, asked, areas, chain, recruits, wishes, activations, leashes, stance, body, work, motion, out_residuals
 ):

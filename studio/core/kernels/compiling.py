@@ -15,7 +15,5 @@ allocating_kernel = compiled(**_COUNTED, fastmath={"contract"})
 """A kernel that makes arrays of its own."""
 summing_kernel = compiled(**_UNCOUNTED, fastmath={"reassoc", "contract"})
 """A kernel whose sums may be taken in any order, several terms at once; NaN stays NaN."""
-inlined_kernel = compiled(**_UNCOUNTED, inline="always")
-"""A kernel with one caller: it is compiled there and not for itself, for all that it calls is compiled with it."""
 small_kernel = compiled(**_UNCOUNTED, fastmath={"contract"}, forceinline=True)
 """A small kernel that is put in where it is called: arrays and tuples among its arguments cost nothing there."""

@@ -19,7 +19,7 @@ that neighbouring frames take neighbouring ways.
 import math
 
 from studio.core.kernels.balance import centre_of_mass
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joint_limits import note_own
 from studio.core.kernels.joints import set_brakes, soft_way
@@ -67,7 +67,7 @@ KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 
 
-@inlined_kernel
+@kernel
 def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     """Move one posed frame until its constraints hold as well as their chains and priorities allow."""
     spine_count = pose[0].shape[0] - 23
@@ -88,7 +88,7 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
         fresh = False
 
 
-@inlined_kernel
+@kernel
 def note_limits(asked, slots, limits, start):
     """What the unsolved pose has of every limb that a constraint is about, or a search turns."""
     for limb in range(limits.shape[0]):
@@ -99,7 +99,7 @@ def note_limits(asked, slots, limits, start):
             note_own(limb, limits, start)
 
 
-@inlined_kernel
+@kernel
 def wants_level(level, asked):
     """Whether any constraint of this level acts now."""
     acts = False
@@ -108,7 +108,7 @@ def wants_level(level, asked):
     return acts
 
 
-@inlined_kernel
+@kernel
 def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     """Newton's steps on one level with those above held; in the end those above get back what it cost them."""
     stiff = free_stiff(level, asked)
@@ -158,7 +158,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
 
 
-@inlined_kernel
+@kernel
 def give_up(level, asked):
     """What cannot be had beside the levels above is not asked of limbs any more at this frame."""
     for c in range(asked.shape[0]):
@@ -230,7 +230,7 @@ def disturbance(level, asked, areas, body, work, pose):
     return worst
 
 
-@inlined_kernel
+@kernel
 def note_kept(level, asked, areas, body, work, pose):
     """Note what the constraints above this level have got: it is theirs to keep."""
     spine_count = pose[0].shape[0] - 23
@@ -253,7 +253,7 @@ def note_kept(level, asked, areas, body, work, pose):
                     copy_point(pose[0][root], row.kept_roots[end])
 
 
-@inlined_kernel
+@kernel
 def note_reaches(level, asked, chain, grips, limits, points, pose):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 

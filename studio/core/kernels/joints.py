@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.body import distal_range
-from studio.core.kernels.compiling import allocating_kernel, inlined_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.rotation import add_rotated, multiply
 from studio.core.kernels.vectors import copy_matrix
@@ -93,7 +93,7 @@ def add_turn_row(axis, arm, carrier, joints, row):
             row[joint, axis] += arm
 
 
-@inlined_kernel
+@kernel
 def set_brakes(turned, joints, limits, carried, out_brakes):
     """``brakes`` of all joints as they are turned."""
     for k in range(joints.shape[0]):

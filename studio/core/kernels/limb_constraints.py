@@ -7,7 +7,7 @@ limb's end segment, -1 for none; ``turns`` (4, 3, 3) and ``points`` (8, 3) are s
 import math
 
 from studio.core.kernels.body import body_point, turn_part
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joint_limits import (
     bend_of,
@@ -45,7 +45,7 @@ def limb_indices(limb, spine_count):
     return root, upper
 
 
-@inlined_kernel
+@kernel
 def note_grips(level, asked, spine_count, out_grips):
     """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,), -1 for none."""
     for limb in range(4):
@@ -59,7 +59,7 @@ def note_grips(level, asked, spine_count, out_grips):
             out_grips[limb] = c
 
 
-@inlined_kernel
+@kernel
 def note_seconds(asked):
     """Which places are wanted of a limb that has to bring another point to its place first.
 

@@ -131,9 +131,7 @@ class Kernel(CPUDispatcher):
 
 
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """A decorator that makes a function a ``Kernel`` with ``numba.njit``'s options."""
-
-    def make(function: Callable[..., Any]) -> Any:
-        return function if vars(config)["DISABLE_JIT"] else Kernel(function, {"nopython": True, **options})
-
-    return make
+    """A decorator that makes a function a ``Kernel`` with ``numba.njit``'s options; none is taken over from callers."""
+    options = {"nopython": True, "forceinline": False, **options}
+    disabled = vars(config)["DISABLE_JIT"]
+    return lambda function: function if disabled else Kernel(function, options)

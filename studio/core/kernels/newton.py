@@ -14,7 +14,7 @@ damped by the slope that is left, so that it is bold where it is sure (Li, Fukus
 
 import math
 
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import FREE_PART, brake
 
 SPRING = 0.01
@@ -64,7 +64,7 @@ def refine_step(count, ask, chain, carried, turned, step, full, positions):
     return along
 
 
-@inlined_kernel
+@kernel
 def note_own(count, owners, mobilities, out_own):
     """Mobility (D,) of every unknown: the most that any row that asks gives it."""
     for k in range(mobilities.shape[1]):
@@ -74,7 +74,7 @@ def note_own(count, owners, mobilities, out_own):
         out_own[3 * k] = out_own[3 * k + 1] = out_own[3 * k + 2] = most
 
 
-@inlined_kernel
+@kernel
 def add_pulls(count, ask, chain, full, positions):
     """Second derivatives of all that asks; the root of the sum of squared errors."""
     _, errors, owners, _, _, pulls, _ = ask
@@ -162,7 +162,7 @@ def add_outer(scale, row, system):
                 system[i, j] += share * row[j]
 
 
-@inlined_kernel
+@kernel
 def brake_system(k, part, axis, system):
     """Shorten the unknowns of one joint to ``part`` of themselves along its unit ``axis``, on both sides."""
     size = system.shape[0]
@@ -180,7 +180,7 @@ def brake_system(k, part, axis, system):
             system[3 * k + a, j] += along * axis[a]
 
 
-@inlined_kernel
+@kernel
 def add_asks(count, ask, mobilities, full):
     """A^T A and A^T e of the rows that ask, on joints that may answer each."""
     rows, errors, owners = ask[0], ask[1], ask[2]
@@ -196,7 +196,7 @@ def add_asks(count, ask, mobilities, full):
             system[i, size] += errors[q] * row[i]
 
 
-@inlined_kernel
+@kernel
 def draw_back(spring, brakes, carried, turned, joints, full):
     """The pull of the springs that draw joints to where the motion has them."""
     system, own, force = full[0], full[1][0], full[2]
@@ -214,7 +214,7 @@ def draw_back(spring, brakes, carried, turned, joints, full):
             system[3 * k + axis, size] -= spring / own[3 * k] * force[k, axis]
 
 
-@inlined_kernel
+@kernel
 def press_on_limits(softness, brakes, turned, chain, full):
     """Let limits press back, and stiffen joints by what presses them on; the size of the slope that is left, in metres.
 
@@ -247,7 +247,7 @@ def press_on_limits(softness, brakes, turned, chain, full):
     return math.sqrt(squared)
 
 
-@inlined_kernel
+@kernel
 def solve_damped(damping, spring, full):
     """Solve for the step of the own joints, in units of their mobility, into ``full[1][1]`` (METHOD (24)); its product
     with the right side.

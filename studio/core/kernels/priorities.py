@@ -14,7 +14,7 @@ that it would break most holds first; should it push the step to where a second 
 
 import math
 
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import FREE_PART, ROOT, brake
 from studio.core.kernels.pulls import BOUND, bend
 from studio.core.kernels.stance import keep_feet_in_reach
@@ -70,7 +70,7 @@ def find_step(held, count, ask, chain, solving, positions):
     return slope
 
 
-@inlined_kernel
+@kernel
 def stiffen_rows(count, rows, brakes):
     """A joint near its limit answers less: the root of what its brake leaves goes into the rows, the root again into
     the step.
@@ -117,7 +117,7 @@ def solve_rows(held, count, ask, chain, solving, positions):
     return slope
 
 
-@inlined_kernel
+@kernel
 def solve_held(held, count, errors, solving):
     """What keeps the active held rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the rows a that ask; how many.
 
@@ -146,7 +146,7 @@ def solve_held(held, count, errors, solving):
     return kept
 
 
-@inlined_kernel
+@kernel
 def eliminate(system, count, columns):
     """Solve ``system`` (n, columns + 1) in place by elimination in order for all of its right sides.
 
@@ -169,7 +169,7 @@ def eliminate(system, count, columns):
             system[i, column] = value * system[i, i]
 
 
-@inlined_kernel
+@kernel
 def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
     """Along which (N, 3) a row that asks moves the joints: its own levers less what held rows take back.
 
@@ -223,7 +223,7 @@ def solve_own(held, count, kept, ask, joints, solving, positions):
     return solve_positive(newton, own, matrix, worst / (worst + EASED), answer, held)
 
 
-@inlined_kernel
+@kernel
 def add_curvature(held, count, kept, ask, joints, solving, positions):
     """Add H to the normal equations: what pulls, and what bounds push back with, times how each way bends from it.
 
@@ -250,7 +250,7 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
             bend(push, pulls[q], held, count, ways, joints, newton, scratch, positions)
 
 
-@inlined_kernel
+@kernel
 def solve_positive(newton, count, matrix, damping, answer, first):
     """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``. Its product with the right
     side.
@@ -284,7 +284,7 @@ def solve_positive(newton, count, matrix, damping, answer, first):
     return product
 
 
-@inlined_kernel
+@kernel
 def catch_bound(held, count, errors, rooms, solving):
     """Make the bound active that the step would break most; its row, -1 for none.
 
@@ -307,7 +307,7 @@ def catch_bound(held, count, errors, rooms, solving):
     return caught
 
 
-@inlined_kernel
+@kernel
 def go_on(ease, part, body, start, chain, carried, ways, turned):
     """Go the way that keeps what is held and a part of the way to what is asked, as far as planted feet allow the root.
 
@@ -323,7 +323,7 @@ def go_on(ease, part, body, start, chain, carried, ways, turned):
     return move_joints(chain, carried, way, turned)
 
 
-@inlined_kernel
+@kernel
 def move_joints(chain, carried, way, turned):
     """Add a step to the state of every joint, less where that is too long; the longest way in metres."""
     _, joints, _, limits = chain
@@ -343,7 +343,7 @@ def move_joints(chain, carried, way, turned):
     return scale * longest
 
 
-@inlined_kernel
+@kernel
 def turn_further(x, y, z, carrier, limit, turned):
     """Compose a small turn in world axes with a joint's Gibbs vector: g' = (t + g + t x g) / (1 - t . g), limited.
 

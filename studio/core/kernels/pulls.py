@@ -2,7 +2,7 @@
 
 import math
 
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import ROOT
 
 ASK, HOLD, BOUND = 0, 1, 2
@@ -62,7 +62,7 @@ def bent_away(pull, rates, joints, positions):
     return w * gets_nearer, w * bent, w * squared, math.sqrt(ax * ax + ay * ay + az * az)
 
 
-@inlined_kernel
+@kernel
 def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
     """Add ``push`` times the second derivatives e . H(x_i, x_j) of one pull to ``newton`` (n, n + 1), for every pair of
     the ways ``held`` to ``count`` of (R, N, 3), in one pass over the joints; ``scratch`` (R, R + 12) is written over.
@@ -129,7 +129,7 @@ def along(first, second):
     return first[9] * second[6] + first[10] * second[7] + first[11] * second[8]
 
 
-@inlined_kernel
+@kernel
 def part_of_step(held, count, slope, roles, pulls, way, joints, positions):
     """The part of a step after which its own errors are least to the second order, and what is held stays in place.
 

@@ -6,7 +6,7 @@
 import math
 
 from studio.core.kernels.balance import centre_of_mass, set_balance_rows
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
@@ -28,7 +28,7 @@ between limb and miss at which it is half way there from that of a free one.
 """
 
 
-@inlined_kernel
+@kernel
 def add_feet_rows(owner, count, chain, body, ask, start, positions):
     """Bounds of both legs: their hips go no further from the ankles than the leash. The new number of rows."""
     ankles = body[3][2]

@@ -3,7 +3,7 @@
 import math
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.compiling import inlined_kernel, kernel
+from studio.core.kernels.compiling import kernel
 from studio.core.kernels.vectors import distance
 
 SWEEPS = 6
@@ -22,7 +22,7 @@ def leash_of(side, body, start):
     return leash, min(max(leash - distance(hip, legs[2][side]), 0.0), BRAKING * length)
 
 
-@inlined_kernel
+@kernel
 def keep_feet_in_reach(body, start, carried, moved, way):
     """Shorten the ``way`` (3,) of a root that has ``moved`` (3,) to what both leashes allow, in turns (METHOD 7)."""
     ankles = body[3][2]
