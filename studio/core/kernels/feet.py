@@ -32,7 +32,7 @@ def smoothstep(t):
 
 
 @allocating_kernel
-def plan_foot(states, soles, height, ankle, foot, positions, rotations, out_ankles, out_feet, out_toes):
+def plan_foot(states, soles, height, reach, ankle, foot, positions, rotations, out_ankles, out_feet, out_toes):
     """What one foot does on a level floor (METHOD 4): ankles (F, 3), foot and toe rotations (F, 3, 3) in the world.
 
     ``states`` (F,); ``soles`` (F or 1, 5 or more); ``height`` of the floor in metres; ``ankle`` the point and ``foot``
@@ -50,10 +50,10 @@ def plan_foot(states, soles, height, ankle, foot, positions, rotations, out_ankl
     ankles, source, toes = out_ankles.copy(), out_feet.copy(), np.empty_like(out_toes)
     for frame in range(count):
         put_turn(product(inverse(turn_in(source[frame])), turn_in(out_toes[frame])), toes[frame])
-    level_soles(source, states, out_feet)
-    keep_pitch_on_ground(soles, states, out_feet)
-    level_toes(out_feet, toes, states, out_toes)
-    plant_ankles(ankles, out_feet, states, soles, np.full(count, height), out_ankles)
+    level_soles(source, states, reach, out_feet)
+    keep_pitch_on_ground(soles, states, reach, out_feet)
+    level_toes(out_feet, toes, states, reach, out_toes)
+    plant_ankles(ankles, out_feet, states, soles, np.full(count, height), reach, out_ankles)
 
 
 @kernel
@@ -92,8 +92,40 @@ def fill_gaps(values, known):
             values[gap, axis] = values[last, axis] if last >= 0 else 0.0
 
 
+@kernel
+def ease_gaps(values, known, reach):
+    """``fill_gaps``, but for ``reach`` frames beside what is known values go on as fast as they did there, ever less.
+
+    So what is corrected comes to rest, and starts from it, without a jolt: a correction that stood still at once would
+    leave the motion its own speed one frame away from where it has none.
+
+    METHOD (6).
+    """
+    fill_gaps(values, known)
+    count, frame = known.shape[0], 0
+    while frame < count:
+        if known[frame]:
+            frame += 1
+            continue
+        end = frame
+        while end < count and not known[end]:
+            end += 1
+        span = min(reach, end - frame + 1.0)
+        for side in range(2):
+            edge, inner = (frame - 1, frame - 2) if side == 0 else (end, end + 1)
+            if min(edge, inner) < 0 or max(edge, inner) >= count or not known[inner]:
+                continue
+            for gap in range(frame, end):
+                steps = abs(gap - edge)
+                if steps < span:
+                    share = steps * (1.0 - smoothstep(steps / span))
+                    for axis in range(3):
+                        values[gap, axis] += share * (values[edge, axis] - values[inner, axis])
+        frame = end
+
+
 @allocating_kernel
-def level_soles(rotations, states, out_rotations):
+def level_soles(rotations, states, reach, out_rotations):
     """Foot rotations (F, 3, 3), level and of one heading through each stretch of frames that stands flat.
 
     The heading is the mean of the stretch; the correction eases from one stretch to the next (METHOD 4).
@@ -118,7 +150,7 @@ def level_soles(rotations, states, out_rotations):
             multiply(level, rotations[standing].T, turn)
             matrix_to_rotation_vector(turn, corrections[standing])
         frame = end
-    fill_gaps(corrections, known)
+    ease_gaps(corrections, known, reach)
     for frame in range(count):
         put_turn(corrected(corrections[frame], turn_in(rotations[frame])), out_rotations[frame])
 
@@ -131,7 +163,7 @@ def corrected(correction, turn):
 
 
 @allocating_kernel
-def keep_pitch_on_ground(soles, states, rotations):
+def keep_pitch_on_ground(soles, states, reach, rotations):
     """Foot rotations (F, 3, 3), in place: no ball below the heel in a heel stand, none above it in a toe stand."""
     count = states.shape[0]
     corrections = np.zeros((count, 3))
@@ -153,7 +185,7 @@ def keep_pitch_on_ground(soles, states, rotations):
             corrections[frame, 0], corrections[frame, 1] = -pitch * y / level, pitch * x / level
             rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], 0.0, turn)
             multiply(turn, rotations[frame], turned)
-    fill_gaps(corrections, states != 0)
+    ease_gaps(corrections, states != 0, reach)
     for frame in range(count):
         put_turn(corrected(corrections[frame], turn_in(rotations[frame])), rotations[frame])
 
@@ -175,7 +207,7 @@ def set_heading(matrix, along, across):
 
 
 @allocating_kernel
-def level_toes(feet, toes, states, out_toes):
+def level_toes(feet, toes, states, reach, out_toes):
     """Toe rotations (F, 3, 3) lying level while the toe stands, heading as the foot; eased in between (METHOD (6)).
 
     A foot that stands steeply on its tucked toes heads where its instep looks; one that lies on its instep keeps them.
@@ -201,14 +233,14 @@ def level_toes(feet, toes, states, out_toes):
             multiply(local, toes[frame].T, turn)
             matrix_to_rotation_vector(turn, corrections[frame])
             corrections[frame] *= smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
-    fill_gaps(corrections, known)
+    ease_gaps(corrections, known, reach)
     for frame in range(count):
         local_toe = corrected(corrections[frame], turn_in(toes[frame]))
         put_turn(product(turn_in(feet[frame]), local_toe), out_toes[frame])
 
 
 @allocating_kernel
-def plant_ankles(ankles, feet, states, soles, ground, out_ankles):
+def plant_ankles(ankles, feet, states, soles, ground, reach, out_ankles):
     """Ankle targets (F, 3): anchored through every contact, displaced by an eased amount in between (METHOD 4).
 
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot. One anchor an
@@ -232,7 +264,7 @@ def plant_ankles(ankles, feet, states, soles, ground, out_ankles):
             for axis in range(3):
                 shift[frame, axis] = out_ankles[frame, axis] - ankles[frame, axis]
         begin = end
-    fill_gaps(shift, known)
+    ease_gaps(shift, known, reach)
     for frame in range(count):
         for axis in range(3):
             out_ankles[frame, axis] = ankles[frame, axis] + shift[frame, axis]

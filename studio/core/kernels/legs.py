@@ -13,8 +13,8 @@ from studio.core.kernels.turns import aimed, product, turn_in, turn_of, twisted
 
 KNEE_GUARD = 0.0004
 """Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
-KNEE_DOUBT = 1.2
-"""Radians about which a knee that is hardly held any more does not turn: its place may lie on the other side."""
+FACED = 0.5
+"""Parts of its length away from a leg's line at which the place lies that a knee in the air faces."""
 
 
 @allocating_kernel
@@ -50,21 +50,14 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, ro
     The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
     leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
     ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; writes into the frame's arrays. An ``ankle`` of 7 numbers goes on
-    with where the knee is to be and how firmly (0 to 1) it is held there.
+    with a place that the knee faces, and 1 where it does.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
     pelvis = turn_in(rotations[0])
     hip = put_hip(channels, measures, side, 0.0, positions[0], pelvis, positions[point])
+    frame, reach, off_plane = leg_line(channels, measures, side, comfort, ankle, hip, pelvis)
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
-    length = upper + lower
-    x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
-    distance = math.sqrt(x * x + y * y + z * z)
-    frame = product(pelvis, turn_of(channels, at.LIMB_FRAME + 4 * (2 + side)))
-    if distance > 1e-9:
-        frame = aimed(frame, x / distance, y / distance, z / distance)
-    off_plane = channels[at.LIMB_OFF_PLANE + 2 + side] * length
-    reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
     if ankle.shape[0] > 3 and ankle[6] > 0.0:
         frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
     t = at.LIMB_TWIST + 2 * (2 + side)
@@ -82,6 +75,68 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, ro
         rotations[segment + 1],
     )
     put_foot(measures, side, end, turn_in(foot), turn_in(toe), point + 3, segment + 2, positions, rotations)
+
+
+@kernel
+def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
+    """A leg's frame (a turn) aimed from its ``hip`` (3,) at its ankle, its reach in metres, its knee off the plane.
+
+    METHOD (4), (11).
+    """
+    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    length = upper + lower
+    x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
+    distance = math.sqrt(x * x + y * y + z * z)
+    frame = product(pelvis, turn_of(channels, at.LIMB_FRAME + 4 * (2 + side)))
+    if distance > 1e-9:
+        frame = aimed(frame, x / distance, y / distance, z / distance)
+    reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
+    return frame, reach, channels[at.LIMB_OFF_PLANE + 2 + side] * length
+
+
+@allocating_kernel
+def knee_swivels(channels, measures, side, comforts, ankles, hips, pelvises, out_angles):
+    """Radians (F,) by which a knee turns about the line of hip and ankle to face its place in ``ankles`` (F, 7).
+
+    ``comforts`` (F,); ``hips`` (F, 3); ``pelvises`` (F, 3, 3).
+    """
+    for frame in range(channels.shape[0]):
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        turn, reach, off_plane = leg_line(
+            channels[frame], row, side, comforts[frame], ankles[frame], hips[frame], turn_in(pelvises[frame])
+        )
+        upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
+        out_angles[frame] = knee_swivel(hips[frame], ankles[frame], upper, lower, reach, off_plane, turn)
+
+
+@allocating_kernel
+def face_knees(channels, measures, side, comforts, angles, hips, pelvises, ankles):
+    """Write into ``ankles`` (F, 7) places that knees turned by ``angles`` (F,) face: ``knee_swivels`` backwards."""
+    for frame in range(channels.shape[0]):
+        ankle, hip = ankles[frame], hips[frame]
+        ankle[6] = 0.0
+        if angles[frame] == 0.0:
+            continue
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        turn, reach, off_plane = leg_line(
+            channels[frame], row, side, comforts[frame], ankle, hip, turn_in(pelvises[frame])
+        )
+        upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
+        x, y, _ = natural_knee(upper, lower, reach, off_plane)
+        angle = math.atan2(y, x) + angles[frame]
+        c, s = FACED * (upper + lower) * math.cos(angle), FACED * (upper + lower) * math.sin(angle)
+        for axis in range(3):
+            ankle[3 + axis] = hip[axis] + c * turn[3 * axis] + s * turn[3 * axis + 1]
+        ankle[6] = 1.0
+
+
+@small_kernel
+def natural_knee(upper, lower, distance, off_plane):
+    """Where a leg's knee is in its frame, across the line of hip and ankle, and how far from that line (METHOD (5))."""
+    z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
+    radius = math.sqrt(max(0.0, upper * upper - z * z))
+    x = min(max(off_plane, -radius), radius)
+    return x, math.sqrt(max(0.0, radius * radius - x * x)), radius
 
 
 @kernel
@@ -118,13 +173,9 @@ def same_turn(a, b):
 def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
     """Radians by which a leg's ``frame`` (a turn) turns about its z axis until the knee faces its place (METHOD (4)).
 
-    ``ankle`` (7,) as in ``place_leg``: as firmly as the knee is held there. Hardly at all where the knee is on the line
-    of hip and ankle, or its place is.
+    ``ankle`` (7,) as in ``place_leg``. Hardly at all where the knee is on the line of hip and ankle, or its place is.
     """
-    z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
-    radius = math.sqrt(max(0.0, upper * upper - z * z))
-    x = min(max(off_plane, -radius), radius)
-    y = math.sqrt(max(0.0, radius * radius - x * x))
+    x, y, radius = natural_knee(upper, lower, distance, off_plane)
     wanted_x, wanted_y = 0.0, 0.0
     for axis in range(3):
         wanted_x += frame[3 * axis] * (ankle[3 + axis] - hip[axis])
@@ -132,5 +183,4 @@ def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
     away = radius * math.hypot(wanted_x, wanted_y)
     angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
-    doubt = 1.0 + (1.0 - ankle[6]) * (angle / KNEE_DOUBT) ** 2
-    return ankle[6] * smoothstep(min(away / KNEE_GUARD, 1.0)) * angle / doubt
+    return smoothstep(min(away / KNEE_GUARD, 1.0)) * angle

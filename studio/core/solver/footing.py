@@ -28,16 +28,18 @@ SWINGING_REACH = 0.97
 """The same of a leg in the air, beyond which it stretches ever less."""
 FREED_AFTER = 0.15
 """Seconds after a foot has left the ground (or before it lands) in which it becomes free."""
+LET_GO = 0.2
+"""Seconds in which a foot comes to rest on the ground, or starts from it."""
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
 LEASH = 0.3
 """Part of its length by which a limb's leash has run out when its contact is half free."""
-FOLDED, FOLD_ROOM, FOLD_CORNER = 0.35, 0.12, 0.03
+FOLDED, FOLD_ROOM, FOLD_CORNER = 0.3, 0.12, 0.03
 """Part of its length by which a folded leg's ankle hangs below the hip, and parts by which it may come nearer; less
 the farther it is from below the hip, nothing at a leg's length. The corner where the motion's own leg folds that much
 is rounded.
 """
-CLIMB_SMOOTHING = 0.12
+CLIMB_SMOOTHING = 0.09
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
 
@@ -193,7 +195,7 @@ def _plan_foot(
     layout = morphology.layout
     ankle, foot = layout.ankle(side), layout.spine_count + 12 + 4 * side
     soles = sole_rows(morphology, side)
-    kernel.plan_foot(states, soles, ground.height, ankle, foot, positions, rotations, *out)
+    kernel.plan_foot(states, soles, ground.height, LET_GO * frame_rate, ankle, foot, positions, rotations, *out)
     keep_above(soles, states, ground.height, frame_rate, *out)
 
 

@@ -30,7 +30,7 @@ LONGEST_FLIGHT = 1.0
 WAYPOINT = 0.5
 SHORTEST_RAMP = 0.25
 """Seconds before the first and after the last contact that are too short to follow the ground."""
-RISE_EARLY, SINK_LATE = 0.2, 0.18
+RISE_EARLY, SINK_LATE = 0.2, 0.12
 """Parts of a flight by which a foot is up earlier, or begins to sink later, at most, than over all of the flight."""
 CLIMB_TIME = 0.36
 """Seconds that it takes for that at least: in a short flight a foot has no time to hurry."""

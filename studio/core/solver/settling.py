@@ -11,6 +11,7 @@ from studio.core.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.carrying import move_bodies, settle_frames
 from studio.core.kernels.feet import HEEL, TOE
+from studio.core.kernels.legs import face_knees, knee_swivels
 from studio.core.kernels.swing import keep_above
 from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
@@ -20,6 +21,7 @@ from studio.core.solver.carrying import (
     Carrying,
     Hold,
     averaged,
+    eased,
     laid_hands,
     lengths_of,
     reach_of,
@@ -119,6 +121,8 @@ def settle(
             links.add(shoulder - roots, wrists, 0.0, reach)
     seats = _seats(holds.get(ContactPoint.SEAT), body, rate, positions)
     move_bodies(_moves(roots, links, seats, rate), positions, rotations)
+    for hold in kneeling:
+        _let_go_of_knees(hold, footing, motion, body, positions, rotations)
     return footing, _arms(holds, motion, body, positions, rotations)
 
 
@@ -190,6 +194,31 @@ def _kneeling(
         comforts[side] += freedom(states != 0, frame_rate) * (bent - comforts[side])
         comforts[side] = _eased_off(comforts[side], firm[:, 0])
     return replace(footing, ankles=ankles, feet=feet, toes=toes, comforts=comforts)
+
+
+def _let_go_of_knees(
+    hold: Hold,
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """Knees of a settled body face their places while they stand, and ease there and back, in place."""
+    side = hold.point.side
+    ankles, comforts = footing.ankles[side], footing.comforts[side]
+    hips, pelvises = np.ascontiguousarray(positions[:, body.layout.hip(side)]), rotations[:, 0]
+    leg = motion.channels, body.rows, side, comforts
+    angles = np.zeros((motion.frame_count, 3))
+    knee_swivels(*leg, ankles, hips, pelvises, angles[:, 0])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], hold.standing, [False]]).astype(np.int8)))
+    for first, past in edges.reshape(-1, 2):
+        whole = np.unwrap(angles[first:past, 0])
+        angles[first:past, 0] = whole - 2.0 * np.pi * np.round(np.median(whole) / (2.0 * np.pi))
+    free = eased(np.where(hold.standing[:, None], angles, 0.0), hold.standing, motion.frame_rate)[:, 0]
+    standing = ankles[hold.standing]
+    face_knees(*leg, free, hips, pelvises, ankles)
+    ankles[hold.standing] = standing
 
 
 def _kept_above(

@@ -20,13 +20,15 @@ BRUSH = 0.005
 """Metres by which a sole may be inside a riser, or past an edge, without touching it."""
 CLEAR, TOLERANCE = 0.005, 0.001
 """Metres above the ground below which a foot comes no nearer to it than it did on the level floor; and by how much."""
-WAYS = np.array([[0.01 * ahead, 0.0, np.radians(15.0) * pitch] for ahead in range(-10, 11) for pitch in range(-2, 3)])
+WAYS = np.array([[0.01 * ahead, 0.0, np.radians(15.0) * pitch] for ahead in range(-15, 16) for pitch in range(-3, 4)])
 """Ways out: metres ahead along the flight, metres up (found for each), radians of pitch."""
 WORTH = np.array([1.0, 1.0, 0.08])
 """Metres of way that a metre, or a radian, counts as."""
-PACE = 0.1
+STEPPED_OVER = 0.03
+"""Metres of what is in its way over which a foot is only raised."""
+PACE = 0.3
 """Seconds in which a way out may as well be gone as kept."""
-HURRIED = 0.08
+HURRIED = 0.12
 """Seconds from a contact within which it costs ever more to be elsewhere."""
 STIFF = 0.01
 """Seconds within which a path bends round what stands in it; longer where that would accelerate it too much."""
@@ -80,13 +82,16 @@ def led_clear(level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground
     """A foot that was planned ``level``, set on the ground, led clear of what is in its way while ``states`` are 0."""
     flight = _Flight.of(level, sole, states, ground)
     flying = np.flatnonzero(states == 0)
-    blocked = np.zeros(len(states), dtype=np.bool_)
-    blocked[flying] = flight.lack(flying, np.zeros((len(flying), 3))) > TOLERANCE
-    spans = [span for span in _runs(states == 0) if blocked[slice(*span)].any()]
+    lacks = np.zeros(len(states))
+    lacks[flying] = flight.lack(flying, np.zeros((len(flying), 3)))
+    spans = [span for span in _runs(states == 0) if lacks[slice(*span)].max() > TOLERANCE]
     if not spans:
         return sole
     ways = np.zeros((len(states), 3))
     for first, past in spans:
+        if lacks[first:past].max() < STEPPED_OVER:
+            ways[first:past, 1] = np.maximum(lacks[first:past], 0.0)
+            continue
         frames = np.arange(first, past)
         lifts = np.maximum(flight.lack(frames, WAYS[None]), 0.0)
         near = steps_to_ground(first, past, len(states)) / frame_rate
@@ -182,26 +187,30 @@ def _least_way(
 
 
 def _smooth_path(ways: FloatArray, spans: list[tuple[int, int]], flight: _Flight, frame_rate: float) -> FloatArray:
-    """(F, 3) along ``ways`` (F, 3) through the ``spans`` of frames, softer where that would jolt the foot."""
-    stiff = np.full(len(ways), STIFF)
+    """(F, 3) along ``ways`` (F, 3) through the ``spans`` of frames, softer where that would jolt the foot.
+
+    What is led along may be softer than what is raised: the latter comes after, and clears what the former leaves.
+    """
+    stiff = np.full((len(ways), 2), STIFF)  # led along and turned; raised
     own = float(np.linalg.norm(np.diff(flight.sole.ankles, 2, axis=0), axis=1).max(initial=0.0))
     most = max(MOST_ACCELERATION * own, GENTLE / frame_rate**2)
     for _ in range(SOFTENINGS):
         path = _bent_path(ways, spans, flight, 1.0 / (stiff * frame_rate) ** 4)
-        bent = np.linalg.norm(np.diff(path[:, :2], 2, axis=0), axis=1)
-        jerky = np.pad(bent > most, 1)
+        bent = np.abs(np.diff(path[:, :2], 2, axis=0))
+        jerky = np.pad(bent > most, ((1, 1), (0, 0)))
         if not jerky.any():
             break
-        stiff[binary_dilation(jerky, iterations=round(AROUND * frame_rate) + 1)] *= SOFTER
+        for column in range(2):
+            stiff[binary_dilation(jerky[:, column], iterations=round(AROUND * frame_rate) + 1), column] *= SOFTER
     return path
 
 
 def _bent_path(ways: FloatArray, spans: list[tuple[int, int]], flight: _Flight, weights: FloatArray) -> FloatArray:
-    """(F, 3) the path that bends least through ``ways``, by ``weights`` (F,), raised until it is clear."""
+    """(F, 3) the path that bends least through ``ways``, by ``weights`` (F, 2), raised until it is clear."""
     still = np.where(flight.states == 0, 0.0, _FIRM)
     held = still.copy()
     for first, past in spans:
-        held[first:past] = weights[first:past]
+        held[first:past] = weights[first:past, 0]
     path = _bent_least(ways, held)
     path[flight.states != 0] = 0.0
     path[:, 1] = 0.0
@@ -213,7 +222,7 @@ def _bent_path(ways: FloatArray, spans: list[tuple[int, int]], flight: _Flight, 
         if not len(low):
             break
         raised[low, 0] = path[low, 1] + lack[lack > TOLERANCE]
-        still[low] = weights[low]
+        still[low] = weights[low, 1]
         path[:, 1] = np.where(flight.states == 0, _bent_least(raised, still)[:, 0], 0.0)
     return path
 

@@ -8,6 +8,7 @@ import numpy as np
 from tests.core.twins.rotation import from_vector, level, to_vector
 
 HEEL, TOE, FLAT = 1, 2, 3
+REACH = 5.5
 
 
 @dataclass
@@ -52,13 +53,28 @@ def fill_gaps(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     return filled
 
 
+def ease_gaps(values: np.ndarray, known: np.ndarray, reach: float) -> np.ndarray:
+    """As ``fill_gaps``, with the speed of what is known running out beside it."""
+    eased = fill_gaps(values, known)
+    for gap in stretches(~known):
+        span = min(reach, len(gap) + 1)
+        for edge, inner in ((gap[0] - 1, gap[0] - 2), (gap[-1] + 1, gap[-1] + 2)):
+            if min(edge, inner) < 0 or max(edge, inner) >= len(known) or not known[inner]:
+                continue
+            for frame in gap:
+                steps = abs(frame - edge)
+                t = min(steps / span, 1.0)
+                eased[frame] += steps * (1 - (6 * t**5 - 15 * t**4 + 10 * t**3)) * (values[edge] - values[inner])
+    return eased
+
+
 def level_soles(rotations: np.ndarray, states: np.ndarray) -> np.ndarray:
     corrections = np.zeros((len(states), 3))
     for stretch in stretches(states == FLAT):
         wanted = level(rotations[stretch].mean(axis=0))
         for frame in stretch:
             corrections[frame] = to_vector(wanted @ rotations[frame].T)
-    turns = [from_vector(each) for each in fill_gaps(corrections, states == FLAT)]
+    turns = [from_vector(each) for each in ease_gaps(corrections, states == FLAT, REACH)]
     return np.array(turns) @ rotations
 
 
@@ -74,7 +90,7 @@ def level_toes(feet: np.ndarray, toes: np.ndarray, states: np.ndarray) -> np.nda
             feet[frame].T @ from_vector(np.array([0.0, 0.0, np.arctan2(heads[1], heads[0])])) @ toes[frame].T
         )
         corrections[frame] = lies**3 * (lies * (6.0 * lies - 15.0) + 10.0) * turn
-    turns = np.array([from_vector(each) for each in fill_gaps(corrections, standing)])
+    turns = np.array([from_vector(each) for each in ease_gaps(corrections, standing, REACH)])
     return feet @ turns @ toes
 
 
@@ -86,7 +102,7 @@ def plant_ankles(
         for frame, place in _planted(ankles, feet, states, sole, episode).items():
             height = -min(sole.heel_below_ankle(feet[frame])[2], sole.ball_below_ankle(feet[frame])[2])
             shift[frame] = [*(place - ankles[frame, :2]), ground[frame] + height - ankles[frame, 2]]
-    return ankles + fill_gaps(shift, states != 0)
+    return ankles + ease_gaps(shift, states != 0, REACH)
 
 
 def _planted(
