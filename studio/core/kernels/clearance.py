@@ -18,6 +18,7 @@ from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_to, span_range
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.turns import turn_by
+from studio.core.kernels.vectors import copy_matrix, copy_point
 
 PROBES = 5
 BLEND = 0.02
@@ -62,7 +63,7 @@ def room_at(x, y, z, girth, capsules, out_way):
     The smooth minimum (polynomial, over ``BLEND``) of the distances from tapered capsules.
     """
     room, most = math.inf, math.inf
-    out_way[:] = 0.0
+    out_way[0] = out_way[1] = out_way[2] = 0.0
     for n in range(capsules.shape[0]):
         capsule = capsules[n]
         ux, uy, uz = capsule[3], capsule[4], capsule[5]
@@ -167,7 +168,7 @@ def clear_arm(side, again, wanted, own, ways, shares, volume, capsules, saved, t
         if not sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, positions, out_rooms, step):
             break
         if not moved:
-            saved[0][:], saved[1][:] = positions[shoulder : shoulder + 4], rotations[upper : upper + 3]
+            copy_arm((positions[shoulder : shoulder + 4], rotations[upper : upper + 3]), saved)
             moved = True
         for axis in range(3):
             shift[axis] += step[axis]
@@ -187,7 +188,7 @@ def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, posit
     this body, the earlier a probe begins to give way, unless it is to be kept ``near`` its place.
     """
     place, arc, way = np.empty(3), np.empty(3), np.empty(3)
-    out_step[:] = 0.0
+    out_step[0] = out_step[1] = out_step[2] = out_step[3] = 0.0
     for probe in range(PROBES):
         k = FOLLOWS[probe]
         probe_at(probe, shoulder, positions, place)
@@ -230,7 +231,7 @@ def turn_way(actor_room, actor_way, way):
 def arc_of(probe, shoulder, place, positions, out_arc):
     """Metres a radian by which a probe moves when the arm swivels about the line from shoulder to wrist, (3,)."""
     if probe > 1:
-        out_arc[:] = 0.0
+        out_arc[0] = out_arc[1] = out_arc[2] = 0.0
         return
     root, wrist = positions[shoulder], positions[shoulder + 2]
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
@@ -249,12 +250,12 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    positions[shoulder : shoulder + 4], rotations[upper : upper + 3] = saved[0], saved[1]
-    root, wrist = positions[shoulder], positions[shoulder + 2]
-    target = saved[0][2] + share * shift
+    copy_arm(saved, (positions[shoulder : shoulder + 4], rotations[upper : upper + 3]))
+    root, wrist, target = positions[shoulder], positions[shoulder + 2], np.empty(3)
     reach = span_range(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)[1]
     now, needed = 0.0, 0.0
     for axis in range(3):
+        target[axis] = saved[0][2, axis] + share * shift[axis]
         now += (saved[0][2, axis] - root[axis]) ** 2
         needed += (target[axis] - root[axis]) ** 2
     now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
@@ -265,8 +266,18 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
     scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
     turn_part(turn_by(scale * ax, scale * ay, scale * az), upper, spine_count, root, positions, rotations)
-    rotations[upper + 2] = saved[1][2]
-    positions[shoulder + 3] = positions[shoulder + 2] + saved[0][3] - saved[0][2]
+    copy_matrix(saved[1][2], rotations[upper + 2])
+    for axis in range(3):
+        positions[shoulder + 3, axis] = wrist[axis] + saved[0][3, axis] - saved[0][2, axis]
+
+
+@kernel
+def copy_arm(arm, out_arm):
+    """``out_arm`` becomes ``arm``, both the tuple (points (4, 3), rotations (3, 3, 3))."""
+    for point in range(4):
+        copy_point(arm[0][point], out_arm[0][point])
+    for segment in range(3):
+        copy_matrix(arm[1][segment], out_arm[1][segment])
 
 
 @allocating_kernel
@@ -316,7 +327,9 @@ def clear_after(frame, acted, asked, clearance, work, pose):
     volume, wanted, activations, arms, misses = clearance[0], clearance[2], clearance[3], clearance[4], clearance[7]
     capsules, rooms, before, saved, turn, held, asks = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
     if acted:
-        before[:] = rooms
+        for side in range(2):
+            for probe in range(PROBES):
+                before[side, probe] = rooms[side, probe]
         place_capsules(volume, pose, clearance[1], capsules)
     for side in range(2):
         own, ways, moved = clearance[8][frame, side], clearance[9][frame, side], False

@@ -175,7 +175,7 @@ def keep_pitch_on_ground(soles, states, reach, rotations):
         length = math.sqrt(sole[0] * sole[0] + sole[1] * sole[1]) + sole[4]
         x, y = rotations[frame, 0, 0], rotations[frame, 1, 0]
         level = max(math.sqrt(x * x + y * y), 1e-9)
-        turned[:] = rotations[frame]
+        copy_matrix(rotations[frame], turned)
         pitch = 0.0
         for _ in range(4):
             rise = ball_above_heel(turned, sole)

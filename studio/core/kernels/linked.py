@@ -12,7 +12,7 @@ with nothing to be seen from outside, so that the optimiser may inline and resha
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from numba.core import compiler, config, sigutils, typing
+from numba.core import compiler, config, sigutils, types, typing
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 from numba.core.registry import CPUDispatcher
@@ -118,9 +118,10 @@ class Kernel(CPUDispatcher):
         return list(self._compiler.parts | self.overloads)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """What a kernel that calls this one learns of it."""
+        """What a kernel that calls this one learns of it: one part, whether arguments vary or are written there."""
         signature, arguments = self._compiler.fold_argument_types(args, kws)
-        self._compiler.part(tuple(arguments))
+        arguments = tuple(types.unliteral(each) for each in arguments)
+        self._compiler.part(arguments)
         signatures = [part.signature for part in self._compiler.parts.values()]
         name = self.py_func.__name__
         return typing.make_concrete_template(name, name, signatures), signature, arguments, {}
