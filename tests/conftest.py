@@ -33,7 +33,8 @@ settings.load_profile("studio")
 
 def pytest_sessionstart() -> None:
     """Compile what most tests call, before any of them can be timed out for it."""
-    import_module("studio.engine.first_run").run()
+    import_module("studio.engine.warm_up").WarmUp().join()
+    import_module("studio.engine.first_run").run()  # fails where the warm-up did
 
 
 @pytest.fixture(scope="session")

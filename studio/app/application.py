@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()
     problems.close()
-    warm_up.join()
+    warm_up.stop()
     return code
 
 

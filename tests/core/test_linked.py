@@ -61,6 +61,7 @@ def test_kernels_that_call_kernels_give_what_python_gives() -> None:
 
 def test_what_only_kernels_call_becomes_no_machine_code_but_counts_as_there() -> None:
     row_of(2.5, 1)
+    row_of.recompile()  # it may have come from the cache
     assert not doubled.overloads
     assert doubled.signatures
 

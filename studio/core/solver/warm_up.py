@@ -7,24 +7,52 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.adapt import adapt
+from studio.core.rest_pose import rest_pose
+from studio.core.solver.adapt import Standing, adapt, hold, standing_of
+from studio.core.solver.footing import Footing
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+
+FRAMES = 4
 
 
 def warm_up(morphology: Morphology) -> AdaptedMotion:
     """Adapt four still frames to ``morphology`` with a contact and a constraint: every kernel runs once."""
-    channels = np.zeros((4, at.SPINE + 4))
+    contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, FRAMES - 1)
+    return adapt(AdaptRequest(_still_motion(), morphology, (contact,), (_reach(),)))
+
+
+def warm_up_standing(morphology: Morphology) -> Standing:
+    """The third of ``warm_up`` that comes before the constraints."""
+    return standing_of(AdaptRequest(_still_motion(), morphology))
+
+
+def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
+    """The rest of ``warm_up``, on four frames that nobody had to set on the ground."""
+    positions, rotations = (np.stack([each] * FRAMES) for each in rest_pose(morphology))
+    turns = np.broadcast_to(np.eye(3), (2, FRAMES, 3, 3))
+    states, shares, ankles = np.zeros((2, FRAMES), np.int64), np.full((2, FRAMES), 0.9), np.zeros((2, FRAMES, 3))
+    footing = Footing(states, shares, ankles, turns, turns, shares[0])
+    standing = Standing(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
+    return hold(standing, (_reach(),))
+
+
+def _still_motion() -> NormalizedMotion:
+    channels = np.zeros((FRAMES, at.SPINE + 4))
     channels[:, at.HIPS + 2] = 0.9
     for column in at.TURNS:
         channels[:, column + 3] = 1.0
     channels[:, at.SPINE + 3] = 1.0
     channels[:, at.LIMB_SLACK : at.LIMB_SLACK + 4] = 0.05
     channels[:, at.LIMB_BEND : at.LIMB_BEND + 4] = 1.0
-    motion = NormalizedMotion("warm-up", 30.0, channels, np.array([0.0, 1.0]))
-    reach = PositionConstraint(
+    return NormalizedMotion("warm-up", 30.0, channels, np.array([0.0, 1.0]))
+
+
+def _reach() -> PositionConstraint:
+    return PositionConstraint(
         "warm-up",
         "Reach",
         BodyPoint(BodyPart.LEFT_HAND),
@@ -33,5 +61,3 @@ def warm_up(morphology: Morphology) -> AdaptedMotion:
         ActivationCurve(0.0, 0.0, 1.0, 1.0),
         target=(1.0, 0.5, 1.0),
     )
-    contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, 3)
-    return adapt(AdaptRequest(motion, morphology, (contact,), (reach,)))
