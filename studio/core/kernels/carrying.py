@@ -28,7 +28,8 @@ def settle_frames(roots, starts, ends, least, most, seats, centres, stiffness, m
 
     ``roots`` (F, 3); N links with ``starts`` (N, F, 3) from the root (hips, shoulders), ``ends`` (N, F, 3) in the world
     (knees, ankles, wrists) and lengths between ``least`` and ``most`` (N, F); ``seats`` (F, 7) the seat from the root,
-    where it is to be, and 1 where it stands. ``moves`` (F, 6), in place: travel of the root and a rotation vector about
+    where it is to be, and how firmly, 1 where it stands: of its way between ``centres`` and there it goes
+    f^2 / (f^2 + (1 - f)^2). ``moves`` (F, 6), in place: travel of the root and a rotation vector about
     it. Gauss-Newton from ``centres``; a link that was once too long stays taut, or it would tug and let go in turns.
 
     METHOD (10).
@@ -56,9 +57,10 @@ def settle_frames(roots, starts, ends, least, most, seats, centres, stiffness, m
             if seats[frame, 6] > 0.0:
                 seat = seats[frame]
                 add_rotated(zero, turn, seat[0], seat[1], seat[2], arm)
+                firm = min(math.sqrt(stiffness) * seat[6] / max(1.0 - seat[6], 1e-9), 1.0)
                 for axis in range(3):
-                    error = seat[3 + axis] - roots[frame, axis] - move[axis] - arm[axis]
-                    add_pull(arm, 1.0 * (axis == 0), 1.0 * (axis == 1), 1.0 * (axis == 2), error, row, matrix)
+                    error = firm * (seat[3 + axis] - roots[frame, axis] - move[axis] - arm[axis])
+                    add_pull(arm, firm * (axis == 0), firm * (axis == 1), firm * (axis == 2), error, row, matrix)
             for axis in range(6):
                 matrix[axis, axis] += stiffness
                 matrix[axis, 6] += stiffness * (centre[axis] - move[axis]) * (1.0 if axis < 3 else LEAN)

@@ -97,15 +97,16 @@ def stand(
         if not ground.is_level:  # feet keep their heights above it
             upright = carrying.upright + carrying.shift[:, None] * [1.0, 1.0, 0.0], rotations
             positions, rotations = carrying.pose[0] + carrying.shift[:, None], carrying.pose[1]
-    footing, arms = find_footing(motion, morphology, contacts, ground, positions, rotations, share, upright), None
+    footing = find_footing(motion, morphology, contacts, ground, positions, rotations, share, upright)
+    arms: Arms | None = None
+    holds: tuple[Hold, ...] = ()
     if carrying is not None:
-        footing, arms = settle(carrying, footing, motion, morphology, ground, positions, rotations)
+        footing, arms, holds = settle(carrying, footing, motion, morphology, ground, positions, rotations)
     measures, legs = morphology.rows, _legs(footing, slice(None))
     place_frames(motion.channels, measures, footing.drops, *legs, positions, rotations)
     if arms is not None:
         stance = arms.wrists, arms.hands, arms.bends, arms.comforts
         place_arms(motion.channels, measures, *stance, positions, rotations)
-    holds = () if carrying is None else carrying.holds
     known = tuple(contacts), ground
     return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited)
 

@@ -6,7 +6,7 @@ and turned by the little that is left, so that all that stands is exactly in rea
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,8 @@ BLEND = 0.2
 """Seconds to each side over which the weight passes from who carries to who carries next."""
 EASE = 0.1
 """Seconds to each side over which the root's moves are averaged."""
+MISSED = 5e-4
+"""Metres by which a body may miss a place before that is put elsewhere."""
 FADE = 0.4
 """Seconds after which a hand or knee that left the ground goes its own way again."""
 LEANS, SPREAD = 0.4, 0.6
@@ -55,6 +57,17 @@ class Hold:
     def displaced(self, track: FloatArray, frame_rate: float) -> FloatArray:
         """(F, 3) the point's ``track`` led on to its places, and back on its own way soon after."""
         return track + eased(np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate)
+
+    def moved(self, misses: FloatArray, body: AnyMorphology, ground: Ground) -> "Hold":
+        """Each place moved along the ground by the greatest of the ``misses`` (F, 3) of its contact, itself if none."""
+        spans = np.flatnonzero(np.diff(np.concatenate([[False], self.standing, [False]]).astype(np.int8)))
+        places, normals, lengths = self.places.copy(), self.normals.copy(), np.linalg.norm(misses, axis=1)
+        for first, past in spans.reshape(-1, 2):
+            worst = first + int(lengths[first:past].argmax())
+            if lengths[worst] > MISSED:
+                on_ground = places[first] - clearance(body, self.point) * normals[first] + misses[worst]
+                places[first:past], normals[first:past] = _place_on(on_ground[:2], self.point, body, ground)
+        return self if np.array_equal(places, self.places) else replace(self, places=places, normals=normals)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,11 +173,17 @@ def _hold(
         span = slice(first, last + 1)
         small = legs[span] <= SMALLEST * legs[span].min()
         middle = np.median(track[span, :2][small], axis=0)
-        normal = ground.normal_at(middle)
         standing[span] = True
-        places[span] = np.array([*middle, ground.height_at(middle)]) + clearance(body, point) * normal
-        normals[span] = normal
+        places[span], normals[span] = _place_on(middle, point, body, ground)
     return Hold(point, standing, places, normals)
+
+
+def _place_on(
+    place: FloatArray, point: ContactPoint, body: AnyMorphology, ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """Where a point stands over ``place`` (2,) on the ground, (3,), and the ground's normal there."""
+    normal = ground.normal_at(place)
+    return np.array([*place, ground.height_at(place)]) + clearance(body, point) * normal, normal
 
 
 def _shares(

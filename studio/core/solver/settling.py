@@ -43,10 +43,18 @@ SWINGING_ARM = 0.95
 """Part of its length to which an arm on its way to or from the ground stretches freely."""
 INSTEP_ROOM = 0.005
 """Metres of the ground within which the tip of a foot that lies on its instep begins to be raised."""
+SEAT_FREED = 0.3
+"""Seconds in which a seat is let go, or comes down."""
 KNEE_FREED = 0.2
 """Seconds in which a knee that has left the ground, or is about to stand, is let go."""
+KNEE_PLAY = 0.1
+"""Part of a leash's run by which a knee that is let go may be nearer to its hip, or farther, than its thigh is long."""
 CRAWLING_REACH = 0.9
 """Part of its length to which the leg of who crawls may stretch in the air, however bent the motion's own is."""
+FOLDED_ROOM = 0.01
+"""Part of its length by which a limb's ends stay further apart than when it is folded."""
+MOVES = 5
+"""Times at most that what stands is put elsewhere, where the body cannot have it all."""
 ROUNDS = 4
 """Times what is left to be moved is averaged over time before the last, exact move."""
 
@@ -89,41 +97,119 @@ def settle(
     ground: Ground,
     positions: FloatArray,
     rotations: FloatArray,
-) -> tuple[Footing, Arms]:
+) -> tuple[Footing, Arms, tuple[Hold, ...]]:
     """Lower, move and turn a shifted body (F, P, 3), (F, S, 3, 3), in place, so that what stands is in reach.
 
-    The footing comes back without drops, its ankles (2, F, 7) with knees where there are any that stand.
+    The footing comes back without drops, its ankles (2, F, 7) with knees where there are any that stand; the holds
+    where the body can have them.
     """
-    rate, layout = motion.frame_rate, body.layout
     positions[:, :, 2] -= footing.drops[:, None]
-    footing = replace(footing, drops=np.zeros_like(footing.drops))
-    roots, holds = np.ascontiguousarray(positions[:, 0]), {hold.point: hold for hold in carrying.holds}
+    level = replace(footing, drops=np.zeros_like(footing.drops))
+    holds = {hold.point: hold for hold in carrying.holds}
+    for _ in range(MOVES):
+        footing, moves = _settled(holds, level, motion, body, ground, positions)
+        places, turns = positions.copy(), rotations.copy()
+        move_bodies(moves, places, turns)
+        holds, kept = within_reach(holds, level, motion, body, ground, places), holds
+        if all(holds[point] is kept[point] for point in holds):
+            break
+    positions[:], rotations[:] = places, turns
+    for hold in _kneeling_of(kept):
+        _let_go_of_knees(hold, footing, motion, body, positions, rotations)
+    return footing, _arms(kept, motion, body, positions, rotations), tuple(kept.values())
+
+
+def _kneeling_of(holds: dict[ContactPoint, Hold]) -> list[Hold]:
+    return [holds[point] for point in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE) if point in holds]
+
+
+def _settled(
+    holds: dict[ContactPoint, Hold],
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+) -> tuple[Footing, FloatArray]:
+    """The footing with its knees, and the moves (F, 6) that bring a body to it and to its ``holds``."""
+    rate, layout = motion.frame_rate, body.layout
+    roots = np.ascontiguousarray(positions[:, 0])
     if ContactPoint.SEAT in holds:
         seated = 1.0 - freedom(holds[ContactPoint.SEAT].standing, rate)
         footing = replace(footing, comforts=_eased_off(footing.comforts, seated))
-    kneeling = [holds[point] for point in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE) if point in holds]
+    kneeling = _kneeling_of(holds)
     if kneeling:
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
     links = _Links([], [], [], [])
     for side, leash in enumerate(leashes(footing, rate)):
         hip, legs = positions[:, layout.hip(side)], lengths_of(body, at.M_LEG + 2 * side)
-        links.add(hip - roots, footing.ankles[side, :, :3], 0.0, leash * legs.sum(axis=1))
+        links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), leash * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:
             knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
-            now = np.linalg.norm(knee - hip, axis=1)
-            length = now + firm * (legs[:, 0] - now)
-            links.add(hip - roots, knee, np.where(firm > 0.0, length, 0.0), np.where(firm > 0.0, length, np.inf))
+            play = KNEE_PLAY * run_out(1.0 - firm) * legs.sum(axis=1)
+            links.add(hip - roots, knee, legs[:, 0] - play, legs[:, 0] + play)
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point in holds:
             free, shoulder = freedom(holds[point].standing, rate), positions[:, layout.wrist(side) - 2]
-            reach = reach_of(motion, body, side) + run_out(free) * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
+            arms = lengths_of(body, at.M_ARM + 2 * side)
+            reach = reach_of(motion, body, side) + run_out(free) * arms.sum(axis=1)
             wrists = holds[point].displaced(track_of(point, body, positions), rate)
-            links.add(shoulder - roots, wrists, 0.0, reach)
-    seats = _seats(holds.get(ContactPoint.SEAT), body, rate, positions)
-    move_bodies(_moves(roots, links, seats, rate), positions, rotations)
-    for hold in kneeling:
-        _let_go_of_knees(hold, footing, motion, body, positions, rotations)
-    return footing, _arms(holds, motion, body, positions, rotations)
+            links.add(shoulder - roots, wrists, _shortest(arms), reach)
+    return footing, _moves(roots, links, _seats(holds.get(ContactPoint.SEAT), body, rate, positions), rate)
+
+
+def _shortest(lengths: FloatArray) -> FloatArray:
+    """(F or 1,) metres from one end of a limb to the other when it is folded, of ``lengths`` (F or 1, 2)."""
+    return np.asarray(np.abs(lengths[:, 0] - lengths[:, 1]) + FOLDED_ROOM * lengths.sum(axis=1))
+
+
+def within_reach(
+    holds: dict[ContactPoint, Hold],
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+) -> dict[ContactPoint, Hold]:
+    """The holds of a settled body, ``positions`` (F, P, 3), those that it misses moved along the ground to where it
+    would not; ``footing`` before knees.
+    """
+    moved = {}
+    for point, hold in holds.items():
+        if point is ContactPoint.SEAT:
+            miss = track_of(point, body, positions) - hold.places
+        elif point.member == "hand":
+            arms = lengths_of(body, at.M_ARM + 2 * point.side)
+            shoulders = positions[:, body.layout.wrist(point.side) - 2]
+            miss = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
+        else:
+            miss = _knees_miss(hold, footing, body, positions)
+        moved[point] = hold.moved(miss, body, ground)
+    return moved
+
+
+def _knees_miss(hold: Hold, footing: Footing, body: AnyMorphology, positions: FloatArray) -> FloatArray:
+    """(F, 3) by how much knees have to go elsewhere to be as far from their hips, and from toes that stand, as bones
+    are long.
+    """
+    side = hold.point.side
+    legs = lengths_of(body, at.M_LEG + 2 * side)
+    miss = _too_far(hold.places, positions[:, body.layout.hip(side)], legs[:, 0], legs[:, 0])
+    to_toe = body.rows[:, at.M_FOOT + 3 * side :][:, :3]
+    feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
+    toes = footing.ankles[side] + np.einsum("fij,fj->fi", feet, np.broadcast_to(to_toe, hold.places.shape))
+    both = np.column_stack([legs[:, 1] + 0.0 * length, length + 0.0 * legs[:, 1]])
+    most = (1.0 - FOLDED_ROOM) * both.sum(axis=1)
+    shin = _too_far(hold.places, toes, _shortest(both), most)
+    return miss + np.where(footing.states[side][:, None] == TOE, shin, 0.0)
+
+
+def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: FloatArray) -> FloatArray:
+    """(F, 3) the shortest ways on which ``ends`` (F, 3) come within ``least`` to ``most`` metres of ``starts``."""
+    way = starts - ends
+    span = np.maximum(np.linalg.norm(way, axis=1), 1e-9)
+    over = np.maximum(span - most, 0.0) + np.minimum(span - least, 0.0)
+    return np.asarray(way * (over / span)[:, None])
 
 
 def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: float) -> FloatArray:
@@ -140,13 +226,12 @@ def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: floa
 
 
 def _seats(hold: Hold | None, body: AnyMorphology, frame_rate: float, positions: FloatArray) -> FloatArray:
-    """(F, 7) the middle of the hips from the root, where it is to be, and whether it stands or is about to."""
+    """(F, 7) the middle of the hips from the root, where it is to be, and how firmly."""
     middle = track_of(ContactPoint.SEAT, body, positions)
     if hold is None:
         return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])
-    firm = 1.0 - freedom(hold.standing, frame_rate)
-    goal = middle + firm[:, None] * (hold.displaced(middle, frame_rate) - middle)
-    return np.column_stack([middle - positions[:, 0], goal, firm > 0.0])
+    firm = 1.0 - freedom(hold.standing, frame_rate, SEAT_FREED)
+    return np.column_stack([middle - positions[:, 0], hold.displaced(middle, frame_rate), firm])
 
 
 def _kneeling(
