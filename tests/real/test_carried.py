@@ -19,6 +19,7 @@ from studio.core.solver.source import source_motion
 from studio.io.character_file import bundled_characters
 from tests.core.motions import target
 from tests.real.taken import HUMANS, contacts_of, named, taken
+from tests.real.test_characters import FILES, read
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 CARRIED = {
@@ -72,8 +73,8 @@ SLOPES = {
 
 
 @pytest.mark.parametrize("slope", SLOPES)
-@pytest.mark.parametrize(("stem", "jolt"), [("mass_cart", 3.0), ("accad_female1_A11_CrawlForward", 3.5)])
-def test_cartwheels_and_crawls_hold_on_slopes(captures: Path, stem: str, jolt: float, slope: str) -> None:
+@pytest.mark.parametrize("stem", ["mass_cart", "accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie"])
+def test_cartwheels_and_crawls_hold_on_slopes(captures: Path, stem: str, slope: str) -> None:
     capture, motion, actor = taken(named(stem))
     contacts, source, ground = contacts_of(capture), source_motion(motion, actor), SLOPES[slope]
     for body in BODIES.values():
@@ -81,7 +82,7 @@ def test_cartwheels_and_crawls_hold_on_slopes(captures: Path, stem: str, jolt: f
         quality = contact_quality(adapted, contacts, ground)
         assert quality.slide < 1e-3
         assert max(quality.rise, quality.penetration) < 2e-3
-        assert acceleration_ratio(adapted, source) < jolt
+        assert acceleration_ratio(adapted, source) < 3.0
 
 
 @pytest.mark.parametrize("ground", [Ground(), SLOPES["down"], Bumps(0.0, 0.08, 1.2, 2)], ids=["floor", "down", "bumps"])
@@ -92,21 +93,33 @@ def test_feet_that_are_dragged_along_in_a_crawl_stay_out_of_the_ground(captures:
         assert np.nanmax(swing_depths(adapted, contacts_of(capture), ground)) < 2e-3
 
 
-def test_a_crawl_holds_on_bumps(captures: Path) -> None:
-    """Toes, that lie where the ground turns off under them, within 6 mm; hands and knees within 2.
-
-    On these bumps: on others the seat of long legs slides by up to 12 mm.
-    """
-    capture, motion, actor = taken(named("accad_female1_A11_CrawlForward"))
-    contacts, source, ground = contacts_of(capture), source_motion(motion, actor), Bumps(0.0, 0.08, 1.2, 2)
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])
+def test_who_crawls_lies_down_or_turns_a_cartwheel_holds_on_bumps(captures: Path, stem: str, seed: int) -> None:
+    """Tucked toes, that lie where the ground turns off under them, within 13 mm; hands, knees and seat within 1."""
+    capture, motion, actor = taken(named(stem))
+    contacts, source, ground = contacts_of(capture), source_motion(motion, actor), Bumps(0.0, 0.08, 1.2, seed)
     others = [each for each in contacts if not each.point.is_foot]
     for body in BODIES.values():
         adapted = adapt(AdaptRequest(motion, body, contacts, (), ground), capture.first_frame)
         quality, whole = contact_quality(adapted, others, ground), contact_quality(adapted, contacts, ground)
         assert whole.slide < 1e-3
-        assert max(quality.rise, quality.penetration, whole.rise) < 2e-3
-        assert whole.penetration < 6e-3
-        assert acceleration_ratio(adapted, source) < 3.3
+        assert max(quality.rise, quality.penetration) < 1e-3
+        assert whole.rise < 2e-3
+        assert whole.penetration < 13e-3
+        assert acceleration_ratio(adapted, source) < 3.1
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])
+def test_foreign_characters_keep_hands_knees_and_seat_on_the_ground(captures: Path, stem: str, path: Path) -> None:
+    """Also those with arms longer than their legs."""
+    capture, motion, _ = taken(named(stem))
+    others = [each for each in contacts_of(capture) if not each.point.is_foot]
+    adapted = adapt(AdaptRequest(motion, read(path).character.morphology, contacts_of(capture)), capture.first_frame)
+    quality = contact_quality(adapted, others, Ground())
+    assert quality.slide < 1e-3
+    assert max(quality.rise, quality.penetration) < 2e-3
 
 
 @pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])

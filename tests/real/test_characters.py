@@ -6,9 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.core.ground import Ground
+from studio.core.metrics import acceleration_ratio, contact_quality
 from studio.core.skin import Blending, bound_pose, skin_vertices
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.source import source_motion
 from studio.io.export import take_of_adapted, write_take
 from studio.io.importing import load_character
 from studio.io.registry import ReadCharacter
@@ -122,3 +125,13 @@ def test_written_with_its_motion_and_read_again_it_is_the_same_body(tmp_path: Pa
         assert mine.colour == theirs.colour
         assert (mine.texture is None) == (theirs.texture is None)
         assert mine.texture is None or np.array_equal(mine.texture, theirs.texture)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("stem", ["pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_C03_Run"])
+def test_it_walks_and_runs_on_the_floor_without_a_jolt(stem: str, path: Path):
+    capture, motion, actor = taken(named(stem))
+    contacts = contacts_of(capture)
+    adapted = adapt(AdaptRequest(motion, read(path).character.morphology, contacts), capture.first_frame)
+    assert contact_quality(adapted, contacts, Ground()).slide < 1e-3
+    assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0

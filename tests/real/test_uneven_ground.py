@@ -21,10 +21,14 @@ from tests.real.taken import contacts_of, named, taken
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 STEMS = (
     "bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180",
-    "accad_female1_B21_PutDownBoxToWalk", "accad_female1_C20_RunToJumpToWalk",
+    "accad_female1_B21_PutDownBoxToWalk", "accad_female1_C20_RunToJumpToWalk", "accad_female1_C03_Run",
 )  # fmt: skip
-MOST_BRUSHING = {"up": 0.002, "down": 0.0, "across": 0.0, "stairs up": 0.05, "stairs down": 0.05, "bumps": 0.002}
-"""Parts of the frames of feet in the air, of all characters, in which one is more than 2 mm below the ground."""
+MOST_BRUSHING = {"stairs up": 0.02, "stairs down": 0.02}
+"""Parts of the frames of feet in the air, of all characters, in which one is more than 2 mm below the ground; nowhere
+else in any.
+"""
+RUNNING = "accad_female1_C03_Run", 0.035
+"""Who takes a flight of steps at a run, three at a time, and how much that brushes."""
 TILT = math.radians(15.0)
 
 
@@ -67,7 +71,8 @@ def _faults(path: Path) -> list[str]:
             )  # fmt: skip
             found += [f"{where} on {name}: {what} {value:.2f}" for what, value, most in measured if value > most]
         brushing = float((np.array(depths) > 0.002).sum() / np.isfinite(depths).sum())
-        if brushing > MOST_BRUSHING[where]:
+        most = MOST_BRUSHING.get(where, 0.0)
+        if brushing > (RUNNING[1] if most and path.stem == RUNNING[0] else most):
             found.append(f"{where}: {100.0 * brushing:.2f} % of the frames of feet in the air below the ground")
     return found
 

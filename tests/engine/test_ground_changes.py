@@ -1,0 +1,40 @@
+"""The ground may change between any two frames that are shown: what comes is what would have been from the start."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from studio.core.ground import Ground
+from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptRequest
+from studio.engine.live_adaptation import StandingSolver
+from studio.io.character_file import bundled_characters
+from tests.core.motions import walk
+
+MOTION, CONTACTS = walk(120)
+BODY = bundled_characters()["child"].morphology
+GROUNDS = (
+    Ground(),
+    Steps(0.0, 0.17, 0.30, 12, 0.0, (0.4, 0.0)),
+    Steps(0.0, -0.17, 0.30, 12, 0.0, (0.4, 0.0)),
+    Slope(0.1, math.radians(15.0)),
+    Bumps(0.0, 0.08, 1.2, 1),
+    HeightMap(0.0, 0.1 * np.random.default_rng(1).normal(size=(20, 20)), 0.6, (-4.0, -6.0)),
+    SurfaceMesh(0.0, [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.5], [0.0, 9.0, 0.2]], [[0, 1, 2]]),
+    Ground(-0.2),
+    Ground(),
+)
+
+
+def test_a_ground_that_changes_between_two_frames_leaves_no_trace_of_the_one_before() -> None:
+    """Frames of a window, as while something is dragged, then of the whole clip, each on the next ground."""
+    solver, request = StandingSolver(), AdaptRequest(MOTION, BODY, CONTACTS)
+    for frame, ground in enumerate(GROUNDS, start=50):
+        shown = solver(replace(request, ground=ground), frame, frame)
+        fresh = adapt(replace(request, ground=ground))
+        assert np.array_equal(shown.positions[0], fresh.positions[frame])
+        assert np.array_equal(shown.rotations[0], fresh.rotations[frame])
+    whole = solver(request, 0, None)
+    assert np.array_equal(whole.positions, adapt(request).positions)
