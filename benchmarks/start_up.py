@@ -9,7 +9,16 @@ from dataclasses import dataclass
 
 from benchmarks.clips import ROOT
 
-_FIRST_CALL = """
+_COLD = """
+import json, resource, time
+start = time.perf_counter()
+from studio.engine.warm_up import WarmUp
+WarmUp().join()
+by_the_clock = time.perf_counter() - start
+used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+print(json.dumps([by_the_clock, sum(each.ru_utime + each.ru_stime for each in used)]))
+"""
+_WARM = """
 import json, time
 start = time.perf_counter()
 from studio.engine import first_run
@@ -23,11 +32,12 @@ print(json.dumps([time.perf_counter() - imported, time.process_time() - spent, i
 class StartUp:
     """Seconds for all that a moved slider or target will call, once, in a new process.
 
-    Processor time for the compilation (a compiler works on one core, and a busy machine makes it wait); of a warm
-    cache also what the clock showed.
+    Of an empty cache as the studio fills it, by two processes: by the clock, imports included, and processor time of
+    both, which a busy machine does not spoil.
     """
 
     cold: float
+    cold_by_the_clock: float
     warm: float
     warm_by_the_clock: float
     imports: float
@@ -37,15 +47,13 @@ class StartUp:
 def start_up() -> StartUp:
     """Run both in processes of their own, with a cache folder of their own."""
     with tempfile.TemporaryDirectory(prefix="morpho-studio-bench-") as folder:
-        _, cold, _ = _first_call(folder)
-        clock, warm, imports = min(_first_call(folder) for _ in range(3))
-    return StartUp(cold, warm, clock, imports)
+        cold_by_the_clock, cold = _run(_COLD, folder)
+        clock, warm, imports = min(_run(_WARM, folder) for _ in range(3))
+    return StartUp(cold, cold_by_the_clock, warm, clock, imports)
 
 
-def _first_call(cache: str) -> list[float]:
+def _run(script: str, cache: str) -> list[float]:
     environment = {**os.environ, "NUMBA_CACHE_DIR": cache, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        [sys.executable, "-c", _FIRST_CALL], env=environment, check=True, capture_output=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-c", script], env=environment, check=True, capture_output=True, text=True)
     seconds: list[float] = json.loads(done.stdout)
     return seconds

@@ -60,7 +60,7 @@ def make_application() -> QApplication:
 def make_window(settings: Settings, document: Document | None = None, warm_up: WarmUp | None = None) -> MainWindow:
     """The window with its document and engine, still without the views of the motion."""
     document = document or Document()
-    live = LiveAdaptation(document, until_ready=warm_up.join if warm_up else lambda: None)
+    live = LiveAdaptation(document, warm_up=warm_up)
     return MainWindow(Workbench(document, live, TaskRunner(), settings))
 
 

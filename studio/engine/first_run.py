@@ -14,7 +14,7 @@ def run() -> None:
 
 
 def run_standing() -> None:
-    """The part of ``run`` before the constraints, which a window needs first."""
+    """The part of ``run`` before the constraints."""
     warm_up_standing(_body())
 
 

@@ -25,6 +25,7 @@ from studio.core.volume import BodyVolume
 from studio.document.document import Document
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
+from studio.engine.warm_up import WarmUp
 
 if TYPE_CHECKING:
     from studio.core.solver.adapt import Standing
@@ -112,14 +113,14 @@ class LiveAdaptation(QObject):
         realise: Realise = as_recorded,
         parent: QObject | None = None,
         workers: int | None = None,
-        until_ready: Callable[[], object] = lambda: None,
+        warm_up: WarmUp | None = None,
     ) -> None:
-        """``until_ready`` returns when all kernels are there; no solve begins, and none is timed, before."""
+        """No solve begins, and none is timed, before all kernels are there."""
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
         self._solve, self._realise = solve or StandingSolver(), realise
-        self._until_ready = until_ready
+        self._warm_up = warm_up
         self._wanted: dict[str, Wanted] = {}
         self._results: dict[str, AdaptedMotion] = {}
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
@@ -183,6 +184,9 @@ class LiveAdaptation(QObject):
         self._turn.stop()
         self._document.entity_changed.disconnect(self._schedule)
         self._document.project_opened.disconnect(self._begin_anew)
+        if self._warm_up is not None:
+            self._scheduler.failed.disconnect(self._tell)  # workers wait for the kernels, and are told to give up
+            self._warm_up.stop()
         self._scheduler.close()
 
     def _schedule(self, _collection: str, _entity_id: str) -> None:
@@ -252,7 +256,8 @@ class LiveAdaptation(QObject):
         self._scheduler.request(key, self._document.revision, *stages)
 
     def _timed(self, wanted: Wanted, first: int, last: int | None) -> Solved:
-        self._until_ready()
+        if self._warm_up is not None:
+            self._warm_up.join()
         motion, actor = self._prepare(wanted.capture)
         tracks = tracks_of(wanted.followed)
         request = AdaptRequest(

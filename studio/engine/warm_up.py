@@ -1,17 +1,20 @@
 """Kernels are compiled or fetched from their cache in the background while the window opens.
 
-Compiled once a machine, by two processes: what constraints call by ``python -m studio.engine.warm_up``, a share of how
-far it is a line, the rest here.
+Compiled once a machine, by two processes beside the window's: ``python -m studio.engine.warm_up HALF``, which tells
+how far it is, a share of one a line.
 """
 
+import gc
 import os
-import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterable
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, suppress
 from importlib import import_module
 from pathlib import Path
+from subprocess import PIPE
 
 from studio.io.child_process import child_process
 
@@ -21,6 +24,7 @@ LONG = 3.0
 """Seconds after which it is plain that the kernels are compiled and not fetched."""
 TRANSLATED = 0.8
 """How far it is when every kernel has been translated and what constraints call is optimised, in one go."""
+HALVES = ("standing", "constraints")
 CHILD = (sys.executable, "-m", "studio.engine.warm_up")
 LONGEST_TO_COMPILE = "adapt.solve_frames-*.nbc"
 """What stands in a cache that is full."""
@@ -31,7 +35,7 @@ class WarmUp:
 
     def __init__(self) -> None:
         self._stopped = threading.Event()
-        self._share_of_child = 0.0
+        self._shares = dict.fromkeys(HALVES, 0.0)
         # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
         self._thread.start()
@@ -42,36 +46,39 @@ class WarmUp:
         return self._thread.is_alive()
 
     def join(self) -> None:
-        """Wait until all kernels are there."""
+        """Wait until all kernels are there. Raises CancelledError when they are not to be any more."""
         self._thread.join()
+        if self._stopped.is_set():
+            raise CancelledError
 
     def stop(self) -> None:
-        """End it; what this process is compiling right now is waited for."""
+        """End it, and the processes; a kernel that is just being compiled in this one is waited for."""
         self._stopped.set()
-        self.join()
+        self._thread.join()
 
     def follow(self, report: Callable[[float, str], None]) -> None:
         """Tell how far it is until it is done: a job for the ``TaskRunner``."""
         begun = time.monotonic()
         while self.running:
-            share = TRANSLATED * min(ready_share() + self._share_of_child, 1.0)
+            share = TRANSLATED * min(ready_share() + sum(self._shares.values()), 1.0)
             report(share, "once, about half a minute" if time.monotonic() - begun > LONG else "")
             time.sleep(LOOKED_AT_EVERY)
 
     def _run(self) -> None:
         if is_cold():
-            with child_process(CHILD, stdout=subprocess.PIPE) as child:
-                assert child.stdout is not None
-                threading.Thread(target=self._listen, args=(child.stdout,), daemon=True).start()
-                import_module("studio.engine.first_run").run_standing()
-                while child.poll() is None and not self._stopped.wait(LOOKED_AT_EVERY):
+            with ExitStack() as stack:
+                children = [stack.enter_context(child_process((*CHILD, half), stdout=PIPE)) for half in HALVES]
+                for half, child in zip(HALVES, children, strict=True):
+                    threading.Thread(target=self._listen, args=(half, child.stdout), daemon=True).start()
+                while any(child.poll() is None for child in children) and not self._stopped.wait(LOOKED_AT_EVERY):
                     pass
         if not self._stopped.is_set():
-            import_module("studio.engine.first_run").run()  # what the child failed in fails here again, and is told
+            import_module("studio.engine.first_run").run()  # what a child failed in fails here again, and is told
 
-    def _listen(self, lines: Iterable[bytes]) -> None:
-        for line in lines:
-            self._share_of_child = float(line)
+    def _listen(self, half: str, lines: Iterable[bytes]) -> None:
+        with suppress(ValueError):  # of a process that is ended the last line is cut, or its stream closed
+            for line in lines:
+                self._shares[half] = float(line)
 
 
 def is_cold() -> bool:
@@ -88,9 +95,10 @@ def ready_share() -> float:
 
 
 def main() -> None:
-    """Compile what constraints call, for the process that listens."""
+    """Compile one half, for the process that listens."""
+    gc.set_threshold(50_000, 20, 20)  # what a compiler makes it keeps: looking for what is lost costs a tenth
     threading.Thread(target=_tell, daemon=True).start()
-    import_module("studio.engine.first_run").run_constraints()
+    getattr(import_module("studio.engine.first_run"), f"run_{sys.argv[1]}")()
 
 
 def _tell() -> None:

@@ -1,6 +1,7 @@
 """The warm-up is followed until it is done, and its share is that of the kernels that are there."""
 
 import sys
+from concurrent.futures import CancelledError
 from types import SimpleNamespace
 
 import pytest
@@ -17,7 +18,7 @@ def test_following_the_warm_up_reports_rising_shares_until_it_is_done(monkeypatc
     monkeypatch.setattr(warm_up.WarmUp, "running", property(lambda _: next(running)))
     told = []
     warming = object.__new__(warm_up.WarmUp)
-    warming._share_of_child = 0.25
+    warming._shares = {"standing": 0.05, "constraints": 0.2}
     warming.follow(lambda share, words: told.append((share / warm_up.TRANSLATED, words)))
     assert told == [(pytest.approx(0.45), ""), (pytest.approx(0.75), ""), (1.0, "")]
 
@@ -38,7 +39,7 @@ def test_the_share_counts_kernels_with_a_signature_once_each(monkeypatch):
 def cold(monkeypatch, tmp_path):
     """A cache that is empty, and what was run in place of compiling."""
     ran = []
-    halves = SimpleNamespace(run=lambda: ran.append("all"), run_standing=lambda: ran.append("standing"))
+    halves = SimpleNamespace(run=lambda: ran.append("all"))
     monkeypatch.setattr(warm_up, "import_module", lambda _: halves)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "print(0.5)"))
@@ -48,22 +49,25 @@ def cold(monkeypatch, tmp_path):
 def test_a_cold_cache_is_filled_by_two_processes_and_then_fetched(cold):
     warming = warm_up.WarmUp()
     warming.join()
-    assert cold == ["standing", "all"]
+    assert cold == ["all"]
 
 
-def test_what_the_second_process_fails_in_is_done_and_told_here(cold, monkeypatch):
+def test_what_another_process_fails_in_is_done_and_told_here(cold, monkeypatch):
     monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "raise SystemExit(3)"))
     warm_up.WarmUp().join()
-    assert cold == ["standing", "all"]
+    assert cold == ["all"]
 
 
-def test_a_window_that_closes_does_not_wait_for_the_second_process(cold, monkeypatch):
+def test_a_window_that_closes_does_not_wait_for_the_other_processes(cold, monkeypatch):
     monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "import time; time.sleep(600)"))
-    warm_up.WarmUp().stop()
-    assert cold == ["standing"]
+    warming = warm_up.WarmUp()
+    warming.stop()
+    with pytest.raises(CancelledError):
+        warming.join()
+    assert cold == []
 
 
-def test_a_full_cache_needs_no_second_process(cold, tmp_path):
+def test_a_full_cache_needs_no_other_process(cold, tmp_path):
     (tmp_path / "kernels").mkdir()
     (tmp_path / "kernels" / warm_up.LONGEST_TO_COMPILE.replace("*", "1")).touch()
     warm_up.WarmUp().join()
