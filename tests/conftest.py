@@ -32,9 +32,11 @@ settings.load_profile("studio")
 
 
 def pytest_sessionstart() -> None:
-    """Compile what most tests call, before any of them can be timed out for it."""
-    import_module("studio.engine.warm_up").WarmUp().join()
-    import_module("studio.engine.first_run").run()  # fails where the warm-up did
+    """Compile what most tests call, before any of them can be timed out for it.
+
+    In this process, where the parts of kernels then serve the tests that call them by themselves.
+    """
+    import_module("studio.engine.first_run").run()
 
 
 @pytest.fixture(scope="session")

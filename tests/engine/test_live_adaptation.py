@@ -1,9 +1,11 @@
 """Every visible performer follows the document; a drag sees its window first; nothing is solved twice."""
 
 import threading
+import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from studio.core.project import GROUND_ID
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.warm_up import WarmUp
 from tests.builders import make_capture, make_constraint, make_morphology, make_project
 
 FRAMES = 400
@@ -266,3 +269,28 @@ def test_the_real_solver_answers_for_every_performer(qapp: Any) -> None:
     results = [live.result("performer 0"), live.result("performer 1"), live.source("motion")]
     live.close()
     assert all(np.isfinite(result.positions).all() and result.frame_count == 60 for result in results)
+
+
+def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothing(qapp: Any) -> None:
+    class Warming:
+        """Kernels that are never there."""
+
+        stopped, asked = threading.Event(), threading.Event()
+
+        def join(self) -> None:
+            self.asked.set()
+            self.stopped.wait()
+            raise CancelledError
+
+        def stop(self) -> None:
+            self.stopped.set()
+            time.sleep(0.05)  # the worker that waited goes on
+
+    solver, document, warming = Solver(), Document(), Warming()
+    live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=cast(WarmUp, warming))
+    document.new(make_project())
+    live.wait(0.01)
+    assert warming.asked.wait(10.0)
+    live.close()
+    qapp.processEvents()
+    assert solver.windows == []
