@@ -135,10 +135,12 @@ def _keep_below_hips(
     """
     for side in range(2):
         hips = positions[:, morphology.layout.hip(side)]
-        legs = morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2].sum(axis=1)
+        bones = morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
+        legs = bones.sum(axis=1)
+        folded = np.maximum(FOLDED * legs, np.abs(bones[:, 0] - bones[:, 1]) + 0.5 * FOLDED * legs)
         own = positions[:, morphology.layout.ankle(side), 2] - hips[:, 2]
         aside = np.linalg.norm(ankles[side, :, :2] - hips[:, :2], axis=1) / legs
-        least = -FOLDED * legs * (1.0 - np.minimum(aside, 1.0) ** 2) ** 2
+        least = -folded * (1.0 - np.minimum(aside, 1.0) ** 2) ** 2
         over = own - least
         highest = least + 0.5 * (over + np.hypot(over, FOLD_CORNER * legs))  # the higher one, without a corner
         beyond = ankles[side, :, 2] - (hips[:, 2] - drops) - highest
