@@ -115,7 +115,7 @@ class Kernel(CPUDispatcher):
     @property
     def signatures(self) -> list[Any]:
         """The types of arguments for which there is a part or a whole."""
-        return list(self._compiler.parts | self.overloads)
+        return list({*list(self._compiler.parts), *list(self.overloads)})  # copies, as another thread may be adding
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """What a kernel that calls this one learns of it: one part, whether arguments vary or are written there."""
