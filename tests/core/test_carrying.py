@@ -210,7 +210,7 @@ def test_a_body_settles_where_all_that_stands_is_nearly_or_wholly_in_reach(seed:
     spread = np.linalg.svd(links.starts[:, 0], compute_uv=False)
     assume(spread.min() > 0.15)
     move = links.settled(1e-6)
-    assert np.abs(links.misses(move)).max() < 0.1 * np.abs(links.misses(np.zeros(6))).max() + 1e-3
+    assert np.abs(links.misses(move)).max() < 0.3 * np.abs(links.misses(np.zeros(6))).max() + 1e-3
     assert np.linalg.norm(move) < 1.0
 
 
