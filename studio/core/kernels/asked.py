@@ -47,6 +47,7 @@ ASKED = np.dtype(
         ("comforts", _REAL, (2,)),
         ("reaches", _REAL, (2,)),
         ("slack", _REAL, (2,)),
+        ("origins", _REAL, (2, 3)),
         ("folds", _REAL, (2,)),
         ("easings", _REAL, (2,)),
         ("stiff", _FLAG),

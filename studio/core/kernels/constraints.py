@@ -22,7 +22,7 @@ from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joint_limits import note_own
-from studio.core.kernels.joints import set_brakes, soft_way
+from studio.core.kernels.joints import set_brakes
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import (
     CLOSE_ENOUGH,
@@ -32,6 +32,7 @@ from studio.core.kernels.limb_constraints import (
     note_seconds,
     range_of,
 )
+from studio.core.kernels.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.newton import refine_step
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.priorities import find_step, go_on
@@ -81,7 +82,7 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
         if not wants_level(level, asked):
             continue
         note_grips(level, asked, spine_count, work[4])
-        note_reaches(level, asked, chain, work[4], body[4], work[5], start)
+        note_reaches(level, asked, chain, work[4], body, work[5], start, pose)
         if not fresh:
             note_kept(level, asked, areas, body, work, pose)
         solve_level(level, fresh, asked, areas, chain, body, work, start, pose)
@@ -254,7 +255,7 @@ def note_kept(level, asked, areas, body, work, pose):
 
 
 @kernel
-def note_reaches(level, asked, chain, grips, limits, points, pose):
+def note_reaches(level, asked, chain, grips, body, points, start, pose):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 
     Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
@@ -268,28 +269,35 @@ def note_reaches(level, asked, chain, grips, limits, points, pose):
             continue
         for end in range(2):
             limb = row.ends[end, 2]
+            if end == 0 and row.kind == POSITION and (limb < 0 or row.freedoms[end, 0] == 0.0):
+                end_place(row, end, start, row.begin)
+                note_means(c, row, chain, body, start)
             if limb < 0:
                 continue
             holds_end = limb >= 2 or grips[limb] >= 0
-            end_place(row, end, pose, point)
+            end_place(row, end, start, point)
             root, upper = limb_indices(limb, spine_count)
-            fold, reach, own = range_of(limb, row.ends[end, 1], holds_end, point, limits, pose)
+            origin = row.origins[end]
+            if row.rank == level:
+                copy_point(pose[0][root], origin)
+            fold, reach, own = range_of(limb, row.ends[end, 1], holds_end, point, body[4], start)
             row.folds[end], row.longest[end], row.reaches[end] = fold, reach, reach
             row.easings[end] = min(fold + FOLDING * (reach - fold), own)
             row.comforts[end], row.slack[end] = 1.0, 0.0
             if reach <= 0.0 or row.ends[end, 1] == upper:
                 continue
-            shoulder = pose[0][root]
+            shoulder = start[0][root]
             comfort = COMFORT if row.helped else LIMB_COMFORT
             row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
             if row.kind == POSITION and row.helped:
-                x, y, z = aim_limb(row, end, False, holds_end, points, pose)
+                x, y, z = aim_limb(row, end, False, holds_end, points, start)
                 row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
-                x, y, z = x - shoulder[0], y - shoulder[1], z - shoulder[2]
+                x, y, z = x - origin[0], y - origin[1], z - origin[2]
                 span = math.sqrt(x * x + y * y + z * z)
-                row.reaches[end] = reach * min(soft_reach(span / reach, row.comforts[end]), 0.9999)
-                way, carrier = span - row.reaches[end], 0 if limb >= 2 else upper - 1
-                if way > 0.0:
-                    row.slack[end] = way - soft_way(
-                        way, c, (x / span, y / span, z / span), shoulder, carrier, chain, pose
-                    )
+                taken = span / reach if row.stiff else max(span / reach, row.comforts[end])
+                row.reaches[end] = reach * min(soft_reach(taken, row.comforts[end]), 0.9999)
+                way, carrier = span - min(max(span, fold), row.reaches[end]), 0 if limb >= 2 else upper - 1
+                if way < 0.0 or (way > 0.0 and is_alone(c, carrier, chain)):
+                    sign = math.copysign(1.0 / span, way)
+                    able = means_of(c, sign * x, sign * y, sign * z, shoulder, carrier, chain, body, start)
+                    row.slack[end] = way - math.copysign(soft_way(abs(way), able), way)

@@ -16,19 +16,12 @@ import numpy as np
 
 from studio.core.kernels.body import distal_range
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.rotation import add_rotated, multiply
 from studio.core.kernels.vectors import copy_matrix
 
 ROOT = -1
 FREE_PART = 0.7
 """Part of its limit that a joint turns freely; beyond it turns ever less."""
-
-
-FREELY = 0.7
-"""Part of what a clavicle can do that it does freely where it is alone to help, if it can do much."""
-SPREAD = 0.02
-"""Metres of what is asked over which it does the rest: what brings a few millimetres must not be done at once."""
 
 
 @kernel
@@ -115,34 +108,6 @@ def brake(part, axis, vector):
     vector[0] += along * axis[0]
     vector[1] += along * axis[1]
     vector[2] += along * axis[2]
-
-
-@kernel
-def soft_way(way, c, along, point, carrier, chain, pose):
-    """How far of a ``way`` to ask of the chain of constraint ``c`` for a ``point`` (3,) of segment ``carrier``.
-
-    All of it; but where a clavicle is alone to go it, softly no further than it can bring the point along the unit
-    ``along``: at its furthest it would have to turn ever faster for what is left, and stop at once (METHOD (32)).
-    """
-    mobilities, joints, _, limits = chain
-    only = -1
-    for k in range(joints.shape[0]):
-        if mobilities[c, k] > 0.0 and (joints[k, 0] == ROOT or joints[k, 2] <= carrier < joints[k, 3]):
-            if only >= 0 or joints[k, 0] == ROOT:
-                return way
-            only = k
-    if only < 0:
-        return way
-    x, y, z = along
-    pivot = pose[0][joints[only, 1]]
-    rx, ry, rz = point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2]
-    first = rx * x + ry * y + rz * z
-    size = math.sqrt(rx * rx + ry * ry + rz * rz)
-    angle = math.acos(min(max(first / max(size, 1e-9), -1.0), 1.0))
-    able = size * math.cos(max(angle - 2.0 * math.atan(limits[only]), 0.0)) - first
-    if able <= 1e-6:
-        return 0.0
-    return able * soft_reach(way / max(able, SPREAD), FREELY * max(1.0 - SPREAD / able, 0.0))
 
 
 @kernel

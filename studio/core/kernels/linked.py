@@ -41,12 +41,20 @@ class Whole(JITCodeLibrary):
         self._seen = frozenset(seen)
 
     def add_linking_library(self, library: CodeLibrary) -> None:
-        """Link a library once, and all that it calls."""
-        if library not in self._linking_libraries:
-            super().add_linking_library(library)
-            if isinstance(library, Part):
-                for below in library._linking_libraries:
-                    self.add_linking_library(below)
+        """Link a library and all that it calls once, callers first: what nobody has called yet is not taken along."""
+        below: list[CodeLibrary] = []
+        self._note_below(library, below)
+        for each in reversed(below):
+            super().add_linking_library(each)
+
+    def _note_below(self, library: CodeLibrary, found: list[CodeLibrary]) -> None:
+        """Add a library to those ``found``, after all that it calls."""
+        if library in found or library in self._linking_libraries:
+            return
+        if isinstance(library, Part):
+            for below in library._linking_libraries:
+                self._note_below(below, found)
+        found.append(library)
 
     def _optimize_final_module(self) -> None:
         module = self._final_module

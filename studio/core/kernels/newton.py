@@ -16,15 +16,18 @@ import math
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import FREE_PART, brake
+from studio.core.kernels.pulls import positive_bend
 
 SPRING = 0.01
 """Strength of the spring that draws joints back to the motion, beside the pull of what is missed."""
+STIFFENED = 5.0
+"""How much stiffer than they are the springs are taken to be: a step that nothing else resists would go all the way."""
 DAMPING = 1.0
 """Damping for each unit of slope that is left."""
 LEAST_DAMPING = 1e-4
-STRETCHED, FOLDED = 3.0, 3.0
-"""What pulls a joint's far side on is counted whole from a third of its full pull on, and by how much more what pulls
-it back: a chain that is too long for its target might buckle to any side, and stays on its ridge.
+FOLDED = 3.0
+"""By how much more what pulls a link back is counted than what pulls it on: a chain that is too long for its target
+might buckle to any side, and stays on its ridge.
 """
 SOFTNESS = 5e-4
 """Metres times radians: how strongly a limit pushes back before it is met, for each metre that is missed."""
@@ -106,7 +109,7 @@ def add_pull(strength, pull, mobilities, joints, full, positions):
             levers[k, axis] = pull[4 + axis] - positions[joints[k, 1], axis] if acts else 0.0
     x, y, z = strength * pull[0], strength * pull[1], strength * pull[2]
     add_bends(x, y, z, joints, levers, system)
-    if pull[3] == 0.0:
+    if pull[3] <= 0.0:  # what is to be longer might slide to any side, and is not to
         return
     long = max(math.sqrt(x * x + y * y + z * z), 1e-12)
     x, y, z = x / long, y / long, z / long
@@ -125,30 +128,43 @@ def add_pull(strength, pull, mobilities, joints, full, positions):
 def add_bends(x, y, z, joints, levers, system):
     """Add -l . d2p for a force l = (x, y, z) on what joints move with ``levers`` (N, 3) r.
 
-    -l . (w x (v x r)) = w . ((l . r) v - r (l . v)) for a joint w and one v that it carries.
+    The link d from a joint to the next turns at W, the sum of what they and all before turn: -l . (W x (W x d)) =
+    (l . d) W^2 - (l . W)(d . W), of which the positive part is taken.
     """
     for j in range(joints.shape[0]):
-        rx, ry, rz = levers[j, 0], levers[j, 1], levers[j, 2]
-        along = x * rx + y * ry + z * rz
+        after, least = -1, 1 << 30
+        for k in range(joints.shape[0]):
+            if joints[j, 0] < joints[k, 0] < least and is_lever(levers[k]):
+                after, least = k, joints[k, 0]
+        dx, dy, dz = levers[j, 0], levers[j, 1], levers[j, 2]
+        if after >= 0:
+            dx, dy, dz = dx - levers[after, 0], dy - levers[after, 1], dz - levers[after, 2]
+        if not is_lever(levers[j]):
+            continue
+        along = x * dx + y * dy + z * dz
         if along <= 0.0:
             for a in range(3):
                 system[3 * j + a, 3 * j + a] -= FOLDED * along
-            continue
-        part = min(1.0, STRETCHED * along / math.sqrt((x * x + y * y + z * z) * (rx * rx + ry * ry + rz * rz)))
-        for i in range(j + 1):
-            if not joints[i, 2] <= joints[j, 0] < joints[i, 3]:
+        size, both, side, sx, sy, sz, tx, ty, tz = positive_bend(x, y, z, dx, dy, dz)
+        for i in range(joints.shape[0]):
+            if not (joints[i, 2] <= joints[j, 0] < joints[i, 3] and is_lever(levers[i])):
                 continue
-            for a in range(3):
-                r = rx if a == 0 else (ry if a == 1 else rz)
-                for b in range(3):
-                    value = (along if a == b else 0.0) - r * (x if b == 0 else (y if b == 1 else z))
-                    value *= part
-                    if i == j:
-                        system[3 * i + a, 3 * j + b] += 0.5 * value
-                        system[3 * j + b, 3 * i + a] += 0.5 * value
-                    else:
-                        system[3 * i + a, 3 * j + b] += value
-                        system[3 * j + b, 3 * i + a] += value
+            for k in range(joints.shape[0]):
+                if not (joints[k, 2] <= joints[j, 0] < joints[k, 3] and is_lever(levers[k])):
+                    continue
+                for a in range(3):
+                    s = both * (sx if a == 0 else (sy if a == 1 else sz))
+                    t = side * (tx if a == 0 else (ty if a == 1 else tz))
+                    system[3 * i + a, 3 * k] += t * tx - s * sx
+                    system[3 * i + a, 3 * k + 1] += t * ty - s * sy
+                    system[3 * i + a, 3 * k + 2] += t * tz - s * sz
+                    system[3 * i + a, 3 * k + a] += size
+
+
+@kernel
+def is_lever(lever):
+    """Whether a joint moves anything: one that may not answer has no lever."""
+    return lever[0] != 0.0 or lever[1] != 0.0 or lever[2] != 0.0
 
 
 @kernel
@@ -263,7 +279,7 @@ def solve_damped(damping, spring, full):
         for j in range(size):
             system[i, j] *= root * math.sqrt(own[j])
         system[i, size] *= root
-        system[i, i] += damping + spring
+        system[i, i] += damping + STIFFENED * spring
         bound = max(bound, abs(system[i, i]))
     for i in range(size):
         most = 0.0

@@ -9,7 +9,7 @@ derivatives of what is pulled (``pulls.bend``). Gauss' step, without H, swings w
 damping for all ways is too much for some of them and too little for others (METHOD 10).
 
 Some held rows are bounds, as what planted feet allow the root: they let go as long as the step keeps them. The one
-that it would break most holds first; should it push the step to where a second one ends, it lets go again.
+that it would break most holds first, then what the step breaks now; what pushes the wrong way lets go again.
 """
 
 import math
@@ -30,6 +30,8 @@ SPOKEN_FOR = 0.1
 """The same of a row that asks, while its errors are large."""
 EASED = 0.05
 """Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
+ATTEMPTS = 8
+"""Times that a step is found, at most, until no bound is broken and none pushes the wrong way."""
 CLOSER, CLOSEST = 0.3, 3e-5
 """Part of its room before a limit that a step leaves a joint, and part of the limit that always stays."""
 
@@ -55,17 +57,10 @@ def find_step(held, count, ask, chain, solving, positions):
             twin = j < i and owners[j] == owners[i]
             matrix[j, i] = matrix[i, j] if twin else weighted_product(rows[j], rows[i], weights)
         active[i] = roles[i] != BOUND
-    first, slope = -1, 0.0
-    for attempt in range(4):
+    slope = 0.0
+    for attempt in range(ATTEMPTS):
         slope = solve_rows(held, count, ask, chain, solving, positions)
-        if attempt < 2:
-            caught = catch_bound(held, count, errors, rooms, solving)
-            first = caught if attempt == 0 else first
-            if caught < 0:
-                break
-        elif solving[4][first] < 0.0:
-            active[first] = False
-        else:
+        if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
             break
     return slope
 
@@ -286,7 +281,7 @@ def solve_positive(newton, count, matrix, damping, answer, first):
 
 @kernel
 def catch_bound(held, count, errors, rooms, solving):
-    """Make the bound active that the step would break most; its row, -1 for none.
+    """Make the bound active that the step would break most; whether there is one.
 
     A bound with room is soft: it brakes over that room, so that nothing stops from one frame to the next.
     """
@@ -300,11 +295,26 @@ def catch_bound(held, count, errors, rooms, solving):
             after -= matrix[i, j] * answer[j]
         if after + room > most:
             caught, most, braking = i, after + room, room
-    if caught >= 0:
-        active[caught] = True
-        if braking > 0.0:
-            errors[caught] += braking * math.exp(-most / braking)
-    return caught
+    if caught < 0:
+        return False
+    active[caught] = True
+    if braking > 0.0:
+        errors[caught] += braking * math.exp(-most / braking)
+        rooms[caught] = 0.0
+    return True
+
+
+@kernel
+def let_go(held, roles, solving):
+    """Let the bound go that pushes the wrong way most; whether there is one."""
+    active, answer = solving[3], solving[4]
+    found, least = -1, 0.0
+    for i in range(held):
+        if active[i] and roles[i] == BOUND and answer[i] < least:
+            found, least = i, answer[i]
+    if found >= 0:
+        active[found] = False
+    return found >= 0
 
 
 @kernel

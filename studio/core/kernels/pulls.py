@@ -2,14 +2,14 @@
 
 import math
 
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.joints import ROOT
 
 ASK, HOLD, BOUND = 0, 1, 2
 """Roles of rows: a bound is one that holds once it is reached."""
 FEW = 6
 """Rows that ask, up to which the second derivatives of every pair are looked at, and not of each alone."""
-OWN = 12
+OWN = 6
 """Numbers of a way before those of its pairs."""
 DRIFT = 2e-3
 """Metres by which a step may bend away what is held, before that is mended."""
@@ -67,9 +67,9 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
     """Add ``push`` times the second derivatives e . H(x_i, x_j) of one pull to ``newton`` (n, n + 1), for every pair of
     the ways ``held`` to ``count`` of (R, N, 3), in one pass over the joints; ``scratch`` (R, R + 12) is written over.
 
-    With u = g x r and s = g + 2 w of a way at each joint, e . a_ij gains ((e x s_i) . u_j + (e x s_j) . u_i) / 2.
-    What would bend towards the goal is left out, and a pair counts at most 0.9 of the mean of what each of the two
-    bends away alone, so that the equations stay positive.
+    The link d from a joint to the next turns at W, the sum of what they and all before turn: e . H gains
+    (e . d) W_i . W_j - (e . W_i)(d . W_j), the positive part of it, so that the equations stay positive and no step
+    goes where nothing is to be had.
 
     METHOD (23).
     """
@@ -78,6 +78,7 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
     for i in range(own):
         for column in range(OWN + own):
             scratch[i, column] = 0.0
+    before = -1
     for k in range(joints.shape[0]):
         if joints[k, 0] == ROOT:
             for i in range(own):
@@ -85,48 +86,68 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
                     scratch[i, axis] += ways[held + i, k, axis]
         elif joints[k, 2] <= carrier < joints[k, 3]:
             origin = joints[k, 1]
-            rx, ry, rz = pull[4] - positions[origin, 0], pull[5] - positions[origin, 1], pull[6] - positions[origin, 2]
+            if before >= 0:
+                dx, dy, dz = (
+                    positions[origin, 0] - positions[before, 0],
+                    positions[origin, 1] - positions[before, 1],
+                    positions[origin, 2] - positions[before, 2],
+                )
+                bend_link(ex, ey, ez, dx, dy, dz, own, scratch)
             for i in range(own):
-                turn_about(ways[held + i, k], rx, ry, rz, ex, ey, ez, scratch[i])
-                for j in range(i + 1 if own <= FEW else 0):
-                    scratch[i, OWN + j] += 0.5 * (along(scratch[i], scratch[j]) + along(scratch[j], scratch[i]))
-                if own > FEW:
-                    scratch[i, OWN + i] += along(scratch[i], scratch[i])
+                for axis in range(3):
+                    scratch[i, 3 + axis] += ways[held + i, k, axis]
+            before = origin
+    if before >= 0:
+        dx, dy, dz = pull[4] - positions[before, 0], pull[5] - positions[before, 1], pull[6] - positions[before, 2]
+        bend_link(ex, ey, ez, dx, dy, dz, own, scratch)
     squared = max(ex * ex + ey * ey + ez * ez, 1e-24)
-    stretch = 0.0 if span == 0.0 else math.sqrt(squared) / span
+    stretch = weight * math.sqrt(squared) / span if span > 0.0 else 0.0
     for i in range(own):
         for j in range(i if own > FEW else 0, i + 1):
-            bent = -scratch[i, OWN + j]
-            if span != 0.0:
+            bent = weight * scratch[i, OWN + j]
+            if stretch > 0.0:
                 vx, vy, vz = scratch[i, 0], scratch[i, 1], scratch[i, 2]
                 wx, wy, wz = scratch[j, 0], scratch[j, 1], scratch[j, 2]
                 across = (ex * vx + ey * vy + ez * vz) * (ex * wx + ey * wy + ez * wz) / squared
                 bent += stretch * (vx * wx + vy * wy + vz * wz - across)
-            scratch[i, OWN + j] = weight * bent
-        scratch[i, OWN + i] = max(scratch[i, OWN + i], 0.0)
-        newton[i, i] += scratch[i, OWN + i]
-        for j in range(i if own <= FEW else 0):
-            most = 0.9 * math.sqrt(scratch[i, OWN + i] * scratch[j, OWN + j])
-            pair = min(max(scratch[i, OWN + j], -most), most)
-            newton[i, j] += pair
-            newton[j, i] += pair
+            newton[i, j] += bent
+            if j < i:
+                newton[j, i] += bent
 
 
 @kernel
-def turn_about(rates, rx, ry, rz, ex, ey, ez, way):
-    """One joint of a way at ``rates`` (3,), with lever r: its v and w so far, then u = g x r and e x (g + 2 w)."""
-    gx, gy, gz = rates[0], rates[1], rates[2]
-    sx, sy, sz = gx + 2.0 * way[3], gy + 2.0 * way[4], gz + 2.0 * way[5]
-    way[3], way[4], way[5] = way[3] + gx, way[4] + gy, way[5] + gz
-    way[6], way[7], way[8] = gy * rz - gz * ry, gz * rx - gx * rz, gx * ry - gy * rx
-    way[9], way[10], way[11] = ey * sz - ez * sy, ez * sx - ex * sz, ex * sy - ey * sx
-    way[0], way[1], way[2] = way[0] + way[6], way[1] + way[7], way[2] + way[8]
+def bend_link(ex, ey, ez, dx, dy, dz, own, scratch):
+    """One link (dx, dy, dz) of ``bend``, pulled by (ex, ey, ez): its far end joins the velocities, and what bends."""
+    size, both, side, sx, sy, sz, tx, ty, tz = positive_bend(ex, ey, ez, dx, dy, dz)
+    for i in range(own):
+        way = scratch[i]
+        x, y, z = way[3], way[4], way[5]
+        way[0], way[1], way[2] = way[0] + y * dz - z * dy, way[1] + z * dx - x * dz, way[2] + x * dy - y * dx
+        along, aside = both * (x * sx + y * sy + z * sz), side * (x * tx + y * ty + z * tz)
+        for j in range(i if own > FEW else 0, i + 1):
+            ox, oy, oz = scratch[j, 3], scratch[j, 4], scratch[j, 5]
+            way[OWN + j] += size * (x * ox + y * oy + z * oz)
+            way[OWN + j] += aside * (ox * tx + oy * ty + oz * tz) - along * (ox * sx + oy * sy + oz * sz)
 
 
-@kernel
-def along(first, second):
-    """(e x s) of the first way . u of the second, as ``turn_about`` left them."""
-    return first[9] * second[6] + first[10] * second[7] + first[11] * second[8]
+@small_kernel
+def positive_bend(ex, ey, ez, dx, dy, dz):
+    """The positive part of (e . d) 1 - (d e^T + e d^T) / 2, as (k, b, a, s, t) of k 1 - b s s^T + a t t^T.
+
+    At an angle of cosine c it has the values c across both, (c + 1) / 2 along t = d/|d| - e/|e| and (c - 1) / 2 along
+    s = d/|d| + e/|e|, times |d||e|. METHOD (23).
+    """
+    e, d = math.sqrt(ex * ex + ey * ey + ez * ez), math.sqrt(dx * dx + dy * dy + dz * dz)
+    size, u, v = e * d, 1.0 / max(d, 1e-12), 1.0 / max(e, 1e-12)
+    cosine = (ex * dx + ey * dy + ez * dz) * u * v
+    less = size * max(cosine, 0.0)
+    both = less / (2.0 * (1.0 + max(cosine, 0.0)))
+    side = 0.25 * size * min((1.0 + cosine) / max(1.0 - cosine, 1e-12), 1.0)
+    return (
+        less, both, side,
+        dx * u + ex * v, dy * u + ey * v, dz * u + ez * v,
+        dx * u - ex * v, dy * u - ey * v, dz * u - ez * v,
+    )  # fmt: skip
 
 
 @kernel

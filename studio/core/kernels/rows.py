@@ -10,6 +10,7 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
+from studio.core.kernels.means import within_means
 from studio.core.kernels.placing import turn_error
 from studio.core.kernels.priorities import LONGEST_ERROR
 from studio.core.kernels.pulls import ASK, BOUND, HOLD, note_pull
@@ -129,6 +130,9 @@ def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
     end_place(row, end, pose, point)
     wanted = row.kept_places[end] if is_held else row.places[end]
     segment = row.ends[end, 1]
+    if row.kind == POSITION and end == 0 and not is_held:
+        wanted = points[1]
+        within_means(row, wanted)
     x, y, z = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2]
     first = count
     count = add_point_rows(point, segment, x, y, z, owner, count, ask, chain, pose[0])
@@ -199,7 +203,8 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
         fold = max(fold, row.own[end] - row.most[end, 1])
         reach = max(min(reach, row.own[end] + row.most[end, 1]), fold)
     if not is_held:
-        error = span - min(max(span, fold), reach + row.slack[end])
+        slack = row.slack[end]
+        error = span - min(max(span, fold + min(slack, 0.0)), reach + max(slack, 0.0))
         if error == 0.0:
             return count
         begin_row(ask, count, owner, error)
@@ -222,7 +227,7 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
         return count
     side = 1.0 if reach - span < span - fold else -1.0
     begin_row(ask, count, owner, span - reach if side > 0.0 else fold - span)
-    ask[3][count] = BOUND
+    ask[3][count] = BOUND if reach - fold > CLOSE_ENOUGH else HOLD
     note_pull(ask[5][count], side * x, side * y, side * z, side * span, shoulder, carrier)
     add_point_row(shoulder, side * x, side * y, side * z, carrier, chain[1], positions, ask[0][count])
     return count + 1
