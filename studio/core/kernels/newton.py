@@ -14,9 +14,8 @@ damped by the slope that is left, so that it is bold where it is sure (Li, Fukus
 
 import math
 
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.joints import FREE_PART, brake
-from studio.core.kernels.pulls import positive_bend
 
 SPRING = 0.01
 """Strength of the spring that draws joints back to the motion, beside the pull of what is missed."""
@@ -129,7 +128,7 @@ def add_bends(x, y, z, joints, levers, system):
     """Add -l . d2p for a force l = (x, y, z) on what joints move with ``levers`` (N, 3) r.
 
     The link d from a joint to the next turns at W, the sum of what they and all before turn: -l . (W x (W x d)) =
-    (l . d) W^2 - (l . W)(d . W), of which the positive part is taken.
+    (l . d) W^2 - (l . W)(d . W). Of a link that is pulled back less and less of what is negative in that is taken.
     """
     for j in range(joints.shape[0]):
         after, least = -1, 1 << 30
@@ -145,7 +144,7 @@ def add_bends(x, y, z, joints, levers, system):
         if along <= 0.0:
             for a in range(3):
                 system[3 * j + a, 3 * j + a] -= FOLDED * along
-        size, both, side, sx, sy, sz, tx, ty, tz = positive_bend(x, y, z, dx, dy, dz)
+        size, both, side, sx, sy, sz, tx, ty, tz = link_bend(x, y, z, dx, dy, dz)
         for i in range(joints.shape[0]):
             if not (joints[i, 2] <= joints[j, 0] < joints[i, 3] and is_lever(levers[i])):
                 continue
@@ -159,6 +158,26 @@ def add_bends(x, y, z, joints, levers, system):
                     system[3 * i + a, 3 * k + 1] += t * ty - s * sy
                     system[3 * i + a, 3 * k + 2] += t * tz - s * sz
                     system[3 * i + a, 3 * k + a] += size
+
+
+@small_kernel
+def link_bend(ex, ey, ez, dx, dy, dz):
+    """(e . d) 1 - (d e^T + e d^T) / 2 as (k, b, a, s, t) of k 1 - b s s^T + a t t^T.
+
+    At an angle of cosine c it has the values c across both, (c + 1) / 2 along t = d/|d| - e/|e| and (c - 1) / 2 along
+    s = d/|d| + e/|e|, times |d||e|. Below c = 0 the first is left out and the last fades.
+    """
+    e, d = math.sqrt(ex * ex + ey * ey + ez * ez), math.sqrt(dx * dx + dy * dy + dz * dz)
+    size, u, v = e * d, 1.0 / max(d, 1e-12), 1.0 / max(e, 1e-12)
+    cosine = (ex * dx + ey * dy + ez * dz) * u * v
+    on = max(cosine, 0.0)
+    both = size * (on + 0.5 * (1.0 - on) * (1.0 + min(cosine, 0.0))) / (2.0 * (1.0 + on))
+    side = 0.25 * size * min((1.0 + cosine) / max(1.0 - cosine, 1e-12), 1.0)
+    return (
+        size * on, both, side,
+        dx * u + ex * v, dy * u + ey * v, dz * u + ez * v,
+        dx * u - ex * v, dy * u - ey * v, dz * u - ez * v,
+    )  # fmt: skip
 
 
 @kernel

@@ -58,7 +58,7 @@ def find_step(held, count, ask, chain, solving, positions):
             matrix[j, i] = matrix[i, j] if twin else weighted_product(rows[j], rows[i], weights)
         active[i] = roles[i] != BOUND
     slope = 0.0
-    for attempt in range(ATTEMPTS):
+    for _ in range(ATTEMPTS):
         slope = solve_rows(held, count, ask, chain, solving, positions)
         if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
             break
