@@ -80,7 +80,7 @@ def test_a_kernel_can_be_called_by_kernels_first_and_then_by_python() -> None:
 @pytest.mark.parametrize("own", [linked.Part, linked.Whole, linked.Compiler, linked.Kernel])
 def test_numba_still_has_what_linking_puts_something_else_in_place_of(own) -> None:
     """A numba that renamed one of these would go on as if nothing were replaced."""
-    added = {"part", "_make_part", "_flags", "parts", "signatures"}
+    added = {"part", "_make_part", "_flags", "parts", "signatures", "_note_below"}
     replaced = {name for name, what in vars(own).items() if callable(what) and name not in added}
     assert replaced - {"__init__"}
     assert not [name for name in replaced if not hasattr(own.__base__, name)]

@@ -293,7 +293,7 @@ def note_reaches(level, asked, chain, grips, body, points, start, pose):
                 x, y, z = aim_limb(row, end, False, holds_end, points, start)
                 row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
                 x, y, z = x - origin[0], y - origin[1], z - origin[2]
-                span = math.sqrt(x * x + y * y + z * z)
+                span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
                 taken = span / reach if row.stiff else max(span / reach, row.comforts[end])
                 row.reaches[end] = reach * min(soft_reach(taken, row.comforts[end]), 0.9999)
                 way, carrier = span - min(max(span, fold), row.reaches[end]), 0 if limb >= 2 else upper - 1
