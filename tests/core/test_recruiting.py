@@ -17,9 +17,10 @@ from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.ground import Ground
 from studio.core.joint_limits import limits_of
 from studio.core.kernels.adapt import make_work
-from studio.core.kernels.balance import LEGS_FOLLOW, centre_of_mass, set_balance_rows
+from studio.core.kernels.balance import centre_of_mass, leg_answer, let_arm_reach, set_balance_rows
 from studio.core.kernels.joints import ROOT
 from studio.core.kernels.placing import carry_body
+from studio.core.kernels.reach import aim_at
 from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
@@ -258,21 +259,25 @@ class _Posed:
         self.body = body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0]
         self.work = make_work(1, len(self.chain[1]), len(self.start[0]))
 
-    def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
-        """(3,) the centre of mass with a joint turned by a rotation vector, or the root moved."""
+    def pose(self, joint: int, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The pose with a joint turned by a rotation vector, or the root moved."""
         state = self.work[3][0]
         state[:] = 0.0
         state[joint] = turn if self.chain[1][joint, 0] == ROOT else np.tan(0.5 * turn)
         pose = self.start[0].copy(), self.start[1].copy()
         carry_body(self.chain, self.body, self.work, self.start, pose)
+        return pose
+
+    def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
+        """(3,) the centre of mass then."""
         point = np.empty(3)
-        centre_of_mass(self.masses, pose[0], np.empty((len(self.masses) + 1, 4)), point)
+        centre_of_mass(self.masses, self.pose(joint, turn)[0], np.empty((len(self.masses) + 1, 4)), point)
         return point
 
     def rows(self) -> np.ndarray:
         sums, rows = np.empty((len(self.masses) + 1, 4)), np.empty((3, len(self.chain[1]), 3))
         centre_of_mass(self.masses, self.start[0], sums, np.empty(3))
-        set_balance_rows(3, sums, self.chain[1], self.start[0], rows)
+        set_balance_rows(3, self.masses, sums, self.chain[1], self.start[0], rows)
         return rows
 
 
@@ -286,10 +291,54 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
             turn = step * np.eye(3)[axis]
             slope = (posed.mass(joint, turn) - posed.mass(joint, -turn)) / (2.0 * step)
             if segment == ROOT:
-                assert rows[axis, joint, axis] == LEGS_FOLLOW
-                if axis < 2:  # what is lowered bends its knees
+                if axis < 2:  # what is lowered bends its knees, which are taken to be a little bent
                     assert slope[:2] == pytest.approx(rows[:2, joint, axis], abs=0.1)
             elif segment == 0:  # the hips, too, take the legs along a little
                 assert slope == pytest.approx(rows[:, joint, axis], abs=0.05 * BODIES[name].stature)
             else:
                 assert slope == pytest.approx(rows[:, joint, axis], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str) -> None:
+    posed, step = _Posed(STANDING[name], 30), 1e-6
+    root = int(np.flatnonzero(posed.chain[1][:, 0] == ROOT)[0])
+    posed.masses[: STANDING[name].morphology.layout.segment(BodyPart.RIGHT_THIGH), 0] = 0.0
+    for axis, way in enumerate(np.eye(3)):
+        slope = (posed.mass(root, step * way) - posed.mass(root, -step * way)) / (2.0 * step)
+        answer = [leg_answer(1, *along, 0.0, posed.masses, posed.start[0])[axis] for along in np.eye(3)]
+        assert slope == pytest.approx(answer, abs=1e-3 * np.abs(answer).max())
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: int) -> None:
+    posed, step, goal = _Posed(STANDING["adult_woman"], 30), 1e-6, np.array([2.0, 0.6 - 1.2 * side, 1.5])
+    layout, (joints, masses) = STANDING["adult_woman"].morphology.layout, (posed.chain[1], posed.masses)
+    upper, root = (
+        layout.segment(BodyPart.LEFT_UPPER_ARM if side == 0 else BodyPart.RIGHT_UPPER_ARM),
+        layout.collar(side) + 1,
+    )
+
+    def aimed(joint: int, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        positions, rotations = posed.pose(joint, turn)
+        aim_at(
+            goal, positions[root + 2].copy(), upper, layout.spine_count, positions[root].copy(), positions, rotations
+        )
+        point = np.empty(3)
+        sums = np.empty((len(masses) + 1, 4))
+        centre_of_mass(masses, positions, sums, point)
+        return point, positions
+
+    first = aimed(0, np.zeros(3))[1]
+    sums, rows = np.empty((len(masses) + 1, 4)), np.empty((2, len(joints), 3))
+    centre_of_mass(masses, first, sums, np.empty(3))
+    set_balance_rows(2, masses, sums, joints, first, rows)
+    reach = float(np.linalg.norm(first[root + 2] - first[root]))
+    let_arm_reach(side, 2, goal, reach, sums, joints, first, rows)
+    for joint, segment in enumerate(joints[:, 0]):
+        if segment in (0, ROOT) or (segment >= layout.spine_count + 2 and segment != upper - 1):
+            continue
+        for axis in range(3):
+            turn = step * np.eye(3)[axis]
+            slope = (aimed(joint, turn)[0] - aimed(joint, -turn)[0]) / (2.0 * step)
+            assert slope[:2] == pytest.approx(rows[:, joint, axis], abs=2e-3)  # its elbow is hardly bent

@@ -120,8 +120,10 @@ def solve_each(
     """``solve_frames`` with its scratch: ``work``, and that of ``kernels.clearance``."""
     chain, recruits, wishes, stance, body = pack(chain), pack(recruits), pack(wishes), pack(stance), pack(body)
     clearance, clear_work, clears = pack(clearance), pack(clear_work), clearance[2].shape[0] > 0
-    ask, solving, carried, turned, grips, points, sums, turns, full = work
-    work = pack((pack(ask), pack(solving), carried, turned, grips, points, sums, turns, pack(full)))
+    ask, solving, carried, turned, grips, points, sums, turns, full, past = work
+    matrix, system, newton, active, answer, ways, levers, long = solving
+    solving = pack((matrix, system, newton, active, answer, ways, levers, pack(long)))
+    work = pack((pack(ask), solving, carried, turned, grips, points, sums, turns, pack(full), past))
     motion = pack(motion)
     for frame in range(activations.shape[1]):
         start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
@@ -210,8 +212,9 @@ def note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_re
 def make_work(constraint_count, joint_count, point_count):
     """Scratch, in the order that ``kernels.constraints`` names."""
     rows, segments = 8 * constraint_count + 2, point_count - 5
+    long = np.empty((rows, 3 * joint_count)), np.empty((rows, 3 * joint_count)), np.zeros((rows + 2, 3 * joint_count))
     ask = (
-        np.empty((rows, joint_count, 3)),
+        long[0].reshape((rows, joint_count, 3)),
         np.empty(rows),
         np.empty(rows, np.int64),
         np.empty(rows, np.int64),
@@ -225,8 +228,9 @@ def make_work(constraint_count, joint_count, point_count):
         np.empty((rows, rows + 1)),
         np.empty(rows, np.bool_),
         np.empty(rows),
-        np.zeros((rows + 2, joint_count, 3)),
+        long[2].reshape((rows + 2, joint_count, 3)),
         np.empty((rows, rows + 12)),
+        long,
     )
     unknowns = 3 * joint_count
     full = (
@@ -241,11 +245,12 @@ def make_work(constraint_count, joint_count, point_count):
         solving,
         carried,
         np.zeros((3, joint_count, 3)),
-        np.zeros(8, np.int64),
+        np.zeros(12, np.int64),
         np.empty((8, 3)),
         np.empty((segments + 1, 4)),
         np.empty((KEPT_TURNS + 16, 3, 3)),
         full,
+        np.empty(1),
     )
 
 

@@ -1,10 +1,14 @@
 """The centre of mass, and how joints move it (METHOD 7)."""
 
+import math
+
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import ROOT, pivot_point
 
-LEGS_FOLLOW = 0.854
-"""Part of the mass that follows the root while the ankles stay where they are (METHOD 7)."""
+LEAST_BEND = 0.3
+"""Part of a leg's length by which its knee is taken to lie off its line besides: straight, it would shoot forward."""
+MEETING = 0.005
+"""Metres short of its goal from which on an arm is taken to stay with it."""
 
 
 @kernel
@@ -13,34 +17,42 @@ def centre_of_mass(masses, positions, out_sums, out_point):
 
     ``out_sums`` (S + 1, 4) becomes moment and share of all segments before each: those of a range are a difference.
     """
-    spine_count, whole = positions.shape[0] - 23, masses.shape[0]
-    for column in range(4):
-        out_sums[0, column] = 0.0
-    for segment in range(whole):
+    spine_count = positions.shape[0] - 23
+    x = y = z = whole = 0.0
+    out_sums[0, 0] = out_sums[0, 1] = out_sums[0, 2] = out_sums[0, 3] = 0.0
+    for segment in range(masses.shape[0]):
         point = pivot_point(segment, spine_count)
-        share, place = masses[segment, 0], masses[segment, 1]
-        for axis in range(3):
-            begin = positions[point, axis]
-            centre = begin + place * (positions[point + 1, axis] - begin)
-            out_sums[segment + 1, axis] = out_sums[segment, axis] + share * centre
-        out_sums[segment + 1, 3] = out_sums[segment, 3] + share
-    out_point[0], out_point[1], out_point[2] = out_sums[whole, 0], out_sums[whole, 1], out_sums[whole, 2]
+        far = masses[segment, 0] * masses[segment, 1]
+        near = masses[segment, 0] - far
+        x += near * positions[point, 0] + far * positions[point + 1, 0]
+        y += near * positions[point, 1] + far * positions[point + 1, 1]
+        z += near * positions[point, 2] + far * positions[point + 1, 2]
+        whole += masses[segment, 0]
+        out_sums[segment + 1, 0], out_sums[segment + 1, 1] = x, y
+        out_sums[segment + 1, 2], out_sums[segment + 1, 3] = z, whole
+    out_point[0], out_point[1], out_point[2] = x, y, z
 
 
 @kernel
-def set_balance_rows(axes, sums, joints, positions, rows):
+def set_balance_rows(axes, masses, sums, joints, positions, rows):
     """How joints move the centre of mass along ``axes`` (2 or 3) world axes, m (c - o) x v, into ``rows`` (axes, N, 3).
 
-    ``sums`` as from ``centre_of_mass``. The ankles stay where they are, so legs count neither for the pelvis' turn nor
-    wholly for the root's travel.
+    ``sums`` as from ``centre_of_mass``. The ankles stay where they are, so legs answer the root's travel as
+    ``leg_answer`` says; to the pelvis' turn they do not.
     """
     spine_count = positions.shape[0] - 23
     for joint in range(joints.shape[0]):
         for axis in range(axes):
             rows[axis, joint, 0] = rows[axis, joint, 1] = rows[axis, joint, 2] = 0.0
         if joints[joint, 0] == ROOT:
+            trunk = sums[spine_count + 10, 3]
             for axis in range(axes):
-                rows[axis, joint, axis] = LEGS_FOLLOW
+                x, y, z = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
+                lx, ly, lz = leg_answer(0, x, y, z, LEAST_BEND, masses, positions)
+                rx, ry, rz = leg_answer(1, x, y, z, LEAST_BEND, masses, positions)
+                rows[axis, joint, 0] = trunk * x + lx + rx
+                rows[axis, joint, 1] = trunk * y + ly + ry
+                rows[axis, joint, 2] = trunk * z + lz + rz
             continue
         origin, first = positions[joints[joint, 1]], sums[joints[joint, 2]]
         past = sums[min(joints[joint, 3], spine_count + 10) if joints[joint, 0] == 0 else joints[joint, 3]]
@@ -52,3 +64,79 @@ def set_balance_rows(axes, sums, joints, positions, rows):
         rows[1, joint, 0], rows[1, joint, 2] = -z, x
         if axes > 2:
             rows[2, joint, 0], rows[2, joint, 1] = y, -x
+
+
+@kernel
+def leg_answer(side, vx, vy, vz, least_bend, masses, positions):
+    """How the mass of a leg whose ankle stays goes along v while its hip travels: the travel's levers (3,).
+
+    The knee goes with J u, J^T v = (1 - z/d) (v - (n.v) n) + (z/d) (n.v) n + (z/r^2) (1 - z/d) (e.v) n + (n.v) e / d
+    for the unit n to the ankle, d away, and the knee z along it and off it by e, r long.
+
+    METHOD (35).
+    """
+    spine_count = positions.shape[0] - 23
+    thigh, hip = spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
+    kx = positions[hip + 1, 0] - positions[hip, 0]
+    ky = positions[hip + 1, 1] - positions[hip, 1]
+    kz = positions[hip + 1, 2] - positions[hip, 2]
+    nx = positions[hip + 2, 0] - positions[hip, 0]
+    ny = positions[hip + 2, 1] - positions[hip, 1]
+    nz = positions[hip + 2, 2] - positions[hip, 2]
+    d = max(math.sqrt(nx * nx + ny * ny + nz * nz), 1e-6)
+    nx, ny, nz = nx / d, ny / d, nz / d
+    z = kx * nx + ky * ny + kz * nz
+    ex, ey, ez = kx - z * nx, ky - z * ny, kz - z * nz
+    part, along, off = z / d, nx * vx + ny * vy + nz * vz, ex * vx + ey * vy + ez * vz
+    squared = ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
+    knee = masses[thigh, 0] * masses[thigh, 1] + masses[thigh + 1, 0] * (1.0 - masses[thigh + 1, 1])
+    stays = masses[thigh, 0] * (1.0 - masses[thigh, 1]) + knee * (1.0 - part)
+    to_ankle = knee * ((2.0 * part - 1.0) * along + z / squared * (1.0 - part) * off)
+    forward = knee / d * along
+    return (
+        stays * vx + to_ankle * nx + forward * ex,
+        stays * vy + to_ankle * ny + forward * ey,
+        stays * vz + to_ankle * nz + forward * ez,
+    )
+
+
+@kernel
+def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
+    """Correct ``set_balance_rows`` for an arm that aims at a ``goal`` (3,) which it could meet ``reach`` metres away.
+
+    It does not go with its shoulder by u, as the rows have it: what of it lies at a part f of the way to the wrist, at
+    which it is a link of length l, goes by (1 - f l / d) u across the way to a goal at d, and along it by u, or by
+    (1 - f) u where the goal is met.
+
+    METHOD (34).
+    """
+    spine_count = positions.shape[0] - 23
+    upper, root = spine_count + 3 + 4 * side, spine_count + 4 + 5 * side
+    mass = sums[upper + 3, 3] - sums[upper, 3]
+    shoulder, wrist = positions[root], positions[root + 2]
+    x, y, z = goal[0] - shoulder[0], goal[1] - shoulder[1], goal[2] - shoulder[2]
+    span = max(math.sqrt(x * x + y * y + z * z), 1e-6)
+    x, y, z = x / span, y / span, z / span
+    mx = sums[upper + 3, 0] - sums[upper, 0] - mass * shoulder[0]
+    my = sums[upper + 3, 1] - sums[upper, 1] - mass * shoulder[1]
+    mz = sums[upper + 3, 2] - sums[upper, 2] - mass * shoulder[2]
+    lx, ly, lz = wrist[0] - shoulder[0], wrist[1] - shoulder[1], wrist[2] - shoulder[2]
+    length = max(math.sqrt(lx * lx + ly * ly + lz * lz), 1e-6)
+    moment = (mx * x + my * y + mz * z) / length
+    across = -moment * min(length / span, 1.0)
+    along = -moment * (1.0 - min(max(span - reach, 0.0) / MEETING, 1.0)) - across
+    for axis in range(axes):
+        ex, ey, ez = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
+        part = along * (ex * x + ey * y + ez * z)
+        vx, vy, vz = across * ex + part * x, across * ey + part * y, across * ez + part * z
+        tx, ty, tz = my * ez - mz * ey, mz * ex - mx * ez, mx * ey - my * ex
+        for joint in range(joints.shape[0]):
+            row = rows[axis, joint]
+            if joints[joint, 0] == ROOT:
+                row[0], row[1], row[2] = row[0] + vx, row[1] + vy, row[2] + vz
+            elif joints[joint, 2] <= upper < joints[joint, 3]:
+                origin = positions[joints[joint, 1]]
+                ox, oy, oz = shoulder[0] - origin[0], shoulder[1] - origin[1], shoulder[2] - origin[2]
+                row[0] += oy * vz - oz * vy - tx
+                row[1] += oz * vx - ox * vz - ty
+                row[2] += ox * vy - oy * vx - tz

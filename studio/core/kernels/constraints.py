@@ -7,7 +7,7 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``body`` (measures, masses (S, 2), leashes (2,), legs, limits): leashes are the parts of their lengths to which the
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
-``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (8,),
+``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (12,),
   points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full): scratch, the first two as in ``kernels.priorities``, the last
   ``newton``'s.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
@@ -34,18 +34,22 @@ from studio.core.kernels.limb_constraints import (
 )
 from studio.core.kernels.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.newton import refine_step
-from studio.core.kernels.placing import carry_body, miss_of, place_limbs
+from studio.core.kernels.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
 from studio.core.kernels.priorities import find_step, go_on
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import frees_limbs, note_balances
-from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
+from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_root_way, add_rows, aim_limb
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
-TRIES, LATE = 6, 2
-"""Steps that a level takes, and those that it may add where it is nearly there: a body far out of reach would take many
-more to come to rest, for little. So would recruited limbs, which end where they get.
+TRIES, LATE = 4, 4
+"""Steps that a level takes, and those that it may add where it is nearly there or still gains: a body far out of reach
+would take many more to come to rest, for little.
 """
+THOROUGH = 6
+"""Steps of a level that recruits limbs, which end where they get, and of one whose every joint is looked at."""
+LITTLE, MUCH = 0.15, 0.35
+"""Part of what was missed that the last step gained, up to which no late step follows, and from which a whole one."""
 NEARLY, FAR_OFF = 0.004, 0.012
 """Metres of error up to which late steps are taken whole, and from which on they are not taken."""
 SIMPLE = 2
@@ -75,6 +79,8 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     turned = work[3]
     for joint in range(turned.shape[1]):
         turned[0, joint, 0] = turned[0, joint, 1] = turned[0, joint, 2] = 0.0
+    idle = work[4][8:]
+    note_idle(asked, chain[2], spine_count, idle)
     note_seconds(asked)
     note_limits(asked, chain[2], body[4], start)
     fresh = True
@@ -87,6 +93,11 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
             note_kept(level, asked, areas, body, work, pose)
         solve_level(level, fresh, asked, areas, chain, body, work, start, pose)
         fresh = False
+    for limb in range(4):
+        outlined = idle[limb] == OUTLINED
+        idle[limb] = 0
+        if outlined:
+            put_back(limb, chain, body, work, start, pose)
 
 
 @kernel
@@ -131,8 +142,9 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     note_balances(level, asked, chain, body, work, pose)
     frees = frees_limbs(chain[2])
     whole = fresh and chain[2][-1] < 0 and not frees
-    for attempt in range(TRIES if frees else TRIES + LATE):
-        refines, is_late = whole and attempt >= SIMPLE, attempt >= TRIES
+    tries = THOROUGH if frees or whole else TRIES
+    for attempt in range(tries if frees else tries + LATE):
+        refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
         if not step(level, False, refines, is_late, asked, chain, body, work, start, pose) > STILL:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
@@ -195,18 +207,24 @@ def step(level, mending, whole, is_late, asked, chain, body, work, start, pose):
     count = add_feet_rows(every, 0, chain, body, ask, start, pose[0]) if chain[2][-1] >= 0 else 0
     for c in range(asked.shape[0]):
         if asked[c].wanted == 1 and asked[c].rank < level:
-            count = add_rows(c, every, True, count, asked, chain, body, work, pose)
+            count = add_rows(c, level, every, True, count, asked, chain, body, work, pose)
     own = count
     if not mending:
         for c in range(asked.shape[0]):
             if asked[c].wanted == 1 and asked[c].rank == level:
-                count = add_rows(c, c, False, count, asked, chain, body, work, pose)
+                count = add_rows(c, level, c, False, count, asked, chain, body, work, pose)
     errors, roles = ask[1], ask[3]
     worst = missed = 0.0
-    for row in range(count):
+    past = work[9]
+    asking = count
+    if count > own:
+        count = add_root_way(own, count, chain, ask)
+    for row in range(asking):
         worst = max(worst, errors[row] if roles[row] == BOUND else abs(errors[row]))
         missed = max(missed, abs(errors[row]) if row >= own else 0.0)
-    ease = min((FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0) if is_late else 1.0
+    near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
+    ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
+    past[0] = missed
     if worst < CLOSE_ENOUGH or ease <= 0.0:
         return 0.0
     ways = work[1][5]

@@ -8,8 +8,9 @@ the range, cosine and sine of its middle; and of elbow or knee ``bends`` (2,), `
 radians. For one frame: what the unsolved pose has of all these, ``own_swings`` (2, 2), ``own_parts`` (2,) of the
 limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``caps`` (2, 3) the parts of its limits that
 swing, twist and twist back may take, ``fresh`` whether they are not noted yet; ``sure``, less than 1 where a wish could
-be had by either way round; ``acts``, 1 + the constraint whose place a limit has kept the limb from, or 0. The unsolved
-pose is never limited: where it is beyond, the limit is as far as it goes.
+be had by either way round; ``tip_turns`` whether wrist or ankle has turned; ``acts``, 1 + the constraint whose place a
+limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is as far as it
+goes.
 """
 
 import math
@@ -39,6 +40,7 @@ LIMITED = np.dtype(
         ("own_turn", _REAL),
         ("caps", _REAL, (2, 3)),
         ("sure", _REAL),
+        ("tip_turns", np.int64),
         ("fresh", np.int64),
         ("acts", np.int64),
     ],
@@ -92,7 +94,8 @@ def swing_of(row, joint, parent, child):
 @kernel
 def part_of_swing(radii, x, y):
     """Which part of its limit a swing is: 1 on a curve of four quarters of ellipses (26)."""
-    return math.hypot(x / radii[0 if x >= 0.0 else 1], y / radii[2 if y >= 0.0 else 3])
+    along, across = x / radii[0 if x >= 0.0 else 1], y / radii[2 if y >= 0.0 else 3]
+    return math.sqrt(along * along + across * across)
 
 
 @kernel
@@ -243,7 +246,7 @@ def drawn_back(row, joint, swing):
         return x, y, twist, 1.0
     share = 1.0
     if kept != part:
-        angle = math.hypot(x, y)
+        angle = math.sqrt(x * x + y * y)
         share = surely(angle, max(1.0, own_part) * angle / part)
         x, y = own_x + share * (kept / part * x - own_x), own_y + share * (kept / part * y - own_y)
     return x, y, middle + half * kept_turn, share
@@ -291,8 +294,8 @@ def left_of(part, own):
 @kernel
 def swing_slope(radii, z, sx, sy, part):
     """How fast ``part_of_swing`` grows while the bone ``z`` turns about each axis, (3,)."""
-    across = max(math.hypot(z[0], z[1]), 1e-6)
-    size = math.hypot(sx, sy)
+    across = max(math.sqrt(z[0] * z[0] + z[1] * z[1]), 1e-6)
+    size = math.sqrt(sx * sx + sy * sy)
     px, py = sx / radii[0 if sx >= 0.0 else 1] ** 2, sy / radii[2 if sy >= 0.0 else 3] ** 2
     scale = 1.0 / (max(part, 1e-6) * across)
     out = scale * (py * z[0] - px * z[1]) / across

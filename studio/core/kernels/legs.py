@@ -7,9 +7,9 @@ import numpy as np
 from studio.core.kernels import layout as at
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.feet import smoothstep
-from studio.core.kernels.limb import place_limb, soft_reach
+from studio.core.kernels.limb import middle_of, place_limb, soft_reach
 from studio.core.kernels.realize import put_foot, put_hip
-from studio.core.kernels.turns import aimed, product, turn_in, turn_of, twisted
+from studio.core.kernels.turns import aimed, product, put_beside, turn_in, turn_of, twisted
 
 KNEE_GUARD = 0.0004
 """Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
@@ -54,18 +54,13 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, ro
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
-    pelvis = turn_in(rotations[0])
-    hip = put_hip(channels, measures, side, 0.0, positions[0], pelvis, positions[point])
-    frame, reach, off_plane = leg_line(channels, measures, side, comfort, ankle, hip, pelvis)
-    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
-    if ankle.shape[0] > 3 and ankle[6] > 0.0:
-        frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
+    hip, frame, reach, bones, off_plane = aim_leg(channels, measures, side, comfort, ankle, positions, rotations)
     t = at.LIMB_TWIST + 2 * (2 + side)
     end, _ = place_limb(
         hip,
         frame,
         reach,
-        (upper, lower),
+        bones,
         off_plane,
         1.0,
         (channels[t], channels[t + 1]),
@@ -75,6 +70,34 @@ def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, ro
         rotations[segment + 1],
     )
     put_foot(measures, side, end, turn_in(foot), turn_in(toe), point + 3, segment + 2, positions, rotations)
+
+
+@small_kernel
+def aim_leg(channels, measures, side, comfort, ankle, positions, rotations):
+    """Put the hip on the pelvis; its place, the leg's frame and length to its ankle, its bones' and off its plane."""
+    point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
+    pelvis = turn_in(rotations[0])
+    hip = put_hip(channels, measures, side, 0.0, positions[0], pelvis, positions[point])
+    frame, reach, off_plane = leg_line(channels, measures, side, comfort, ankle, hip, pelvis)
+    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    if ankle.shape[0] > 3 and ankle[6] > 0.0:
+        frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
+    return hip, frame, reach, (upper, lower), off_plane
+
+
+@kernel
+def place_leg_points(channels, measures, side, comfort, ankle, before, positions, rotations):
+    """The points alone of ``place_leg``; ``before`` (P, 3) has the foot beside its ankle as it is to be."""
+    point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
+    hip, frame, reach, bones, off_plane = aim_leg(channels, measures, side, comfort, ankle, positions, rotations)
+    x, y, z, distance = middle_of(reach, bones, off_plane, 1.0)
+    put_beside(hip, frame, x, y, z, positions[point + 1])
+    put_beside(hip, frame, 0.0, 0.0, distance, positions[point + 2])
+    for bone in range(3, 5):
+        for axis in range(3):
+            positions[point + bone, axis] = positions[point + 2, axis] + (
+                before[point + bone, axis] - before[point + 2, axis]
+            )
 
 
 @kernel

@@ -15,17 +15,23 @@ def place_limb(root, frame, distance, bones, off_plane, bend, twists, out_middle
     middle joint and extremity; ``out_upper``, ``out_lower`` (3, 3) rotations. Returns the extremity's place and the
     lower bone's turn.
     """
-    upper, lower = bones
-    d = max(distance, 1e-6)
-    z = (upper * upper - lower * lower + d * d) / (2.0 * d)
-    radius = math.sqrt(max(0.0, upper * upper - z * z))
-    x = min(max(off_plane, -radius), radius)
-    y = bend * math.sqrt(max(0.0, radius * radius - x * x))
+    x, y, z, d = middle_of(distance, bones, off_plane, bend)
     put_beside(root, frame, x, y, z, out_middle)
     put_turn(bone_turn(frame, x, y, z, twists[0]), out_upper)
     last = bone_turn(frame, -x, -y, d - z, twists[1])
     put_turn(last, out_lower)
     return put_beside(root, frame, 0.0, 0.0, d, out_end), last
+
+
+@small_kernel
+def middle_of(distance, bones, off_plane, bend):
+    """Place (x, y, z) of the middle joint in the limb's frame, and the distance of its extremity, which is not 0."""
+    upper, lower = bones
+    d = max(distance, 1e-6)
+    z = (upper * upper - lower * lower + d * d) / (2.0 * d)
+    radius = math.sqrt(max(0.0, upper * upper - z * z))
+    x = min(max(off_plane, -radius), radius)
+    return x, bend * math.sqrt(max(0.0, radius * radius - x * x)), z, d
 
 
 @small_kernel

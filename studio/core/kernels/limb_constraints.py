@@ -110,9 +110,9 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
-    if limits.shape[0] > 0:
-        limits[limb].acts = 0
     turning = grips[limb] >= 0 and asked[grips[limb]].wanted == 1
+    if limits.shape[0] > 0:
+        limits[limb].acts, limits[limb].tip_turns = 0, 1 if limb >= 2 or turning else 0
     if turning:
         turn = product(turn_in(asked[grips[limb]].turn), inverse(turn_in(rotations[upper + 2])))
         turn_part(turn, upper + 2, spine_count, positions[root + 2], positions, rotations)
@@ -170,6 +170,8 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
             end_place(row, end, pose, point)
             if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not turning:
                 aim_end(row.freedoms[end, 1], target, point, root + 2, upper + 2, points[4], pose)
+                if limits.shape[0] > 0:
+                    limits[limb].tip_turns = 1
             if solved == 0:
                 end_place(row, end, pose, first)
             solved += 1
@@ -202,7 +204,8 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits,
     as far as wrist or ankle allow.
     """
     rotations, limit = pose[1], limits[limb]
-    if not turns_lower and is_well_within(limb, 0, limits, rotations) and is_well_within(limb, 1, limits, rotations):
+    tip_stays = not limit.tip_turns or is_well_within(limb, 1, limits, rotations)
+    if not turns_lower and tip_stays and is_well_within(limb, 0, limits, rotations):
         return
     parts = limb_parts(limb, pose[0].shape[0] - 23)
     upper, root, limit.sure = parts[1], parts[2], 1.0
@@ -250,7 +253,7 @@ def draw_back(limb, anew, noting, turns_lower, holds_end, limits, turns, points,
             drawn = keep_middle(limb, limits, pose) or drawn
         if holds_end:
             put_end(limb, root + 2, upper + 2, turns, points, pose)
-    if anew or not is_well_within(limb, 1, limits, pose[1]):
+    if limits[limb].tip_turns and (anew or not is_well_within(limb, 1, limits, pose[1])):
         drawn = keep_tip(limb, anew, noting, limits, pose) or drawn
     return drawn
 

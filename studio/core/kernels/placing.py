@@ -23,8 +23,8 @@ from studio.core.kernels.goals import (
     second_place,
 )
 from studio.core.kernels.joint_limits import is_well_within, keep_root, limb_parts
-from studio.core.kernels.joints import carry_arm, carry_trunk, gibbs_matrix, hang_limb
-from studio.core.kernels.legs import place_leg
+from studio.core.kernels.joints import carry_arm, carry_point, carry_trunk, gibbs_matrix, hang_limb
+from studio.core.kernels.legs import place_leg, place_leg_points
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
 from studio.core.kernels.rotation import (
     matrix_to_rotation_vector,
@@ -40,6 +40,8 @@ KEPT_TURNS = 6
 """Where in the scratch ``turns`` the limbs of ``kernels.edges`` begin."""
 ENGAGED = 1e-6
 """Metres into a forbidden area from which on a point counts as in it."""
+OUTLINED = 2
+"""What an idle limb becomes once its points alone were put where they are to be."""
 AGAIN = 3
 """Times that limbs are placed once more because a point entered an area or a distance was not shared well."""
 
@@ -54,8 +56,12 @@ def carry_body(chain, body, work, start, pose):
 
 @kernel
 def put_back(limb, chain, body, work, start, pose):
-    """One limb as the unsolved pose has it: arms in their clavicles, legs on their ankles."""
+    """One limb as the unsolved pose has it: arms in their clavicles, legs on their ankles. An idle one in outline."""
     slots, turned, turn = chain[2], work[3][0], work[7][3]
+    if work[4][8 + limb]:
+        work[4][8 + limb] = OUTLINED
+        put_outline(limb, body, work[2], start, pose)
+        return
     if work[4][4 + limb]:
         carrier, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
         hang_limb(carrier, upper, root, KEPT_TURNS + 4 * limb, work[7], start, pose)
@@ -81,6 +87,37 @@ def put_back(limb, chain, body, work, start, pose):
         gibbs_matrix(x, y, z, turn)
         turn_part(turn_in(turn), thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
         keep_recruited(limb, slots, body[4], pose)
+
+
+@kernel
+def put_outline(limb, body, carried, start, pose):
+    """The points alone of a limb that nothing but the centre of mass is asked of."""
+    spine_count = pose[0].shape[0] - 23
+    if limb < 2:
+        shoulder = spine_count + 4 + 5 * limb
+        for bone in range(1, 4):
+            carry_point(shoulder + bone, shoulder, spine_count + 2 + 4 * limb, start, carried, pose[0])
+        return
+    side = limb - 2
+    channels, comforts, ankles, _, _ = body[3]
+    place_leg_points(channels, body[0], side, comforts[side], ankles[side], start[0], pose[0], pose[1])
+
+
+@kernel
+def note_idle(asked, slots, spine_count, out_idle):
+    """Which limbs no constraint names and no search turns (4,): their rotations can wait until all is solved.
+
+    Legs on a root that stays are not worth it.
+    """
+    stays = slots[slots.shape[0] - 1] < 0 and slots[0] < 0
+    for limb in range(4):
+        _, upper, _ = limb_parts(limb, spine_count)
+        out_idle[limb] = 1 if slots[upper] < 0 and (limb < 2 or not stays) else 0
+    for c in range(asked.shape[0]):
+        for end in range(2):
+            segment = asked[c].ends[end, 1]
+            if asked[c].ends[end, 0] >= 0 and segment >= spine_count + 2:
+                out_idle[(segment - spine_count - 2) // 4] = 0
 
 
 @kernel

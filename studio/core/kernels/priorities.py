@@ -14,11 +14,10 @@ that it would break most holds first, then what the step breaks now; what pushes
 
 import math
 
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel, summing_kernel
 from studio.core.kernels.joints import FREE_PART, ROOT, brake
-from studio.core.kernels.pulls import BOUND, bend
+from studio.core.kernels.pulls import BOUND, WAY, bend
 from studio.core.kernels.stance import keep_feet_in_reach
-from studio.core.kernels.vectors import weighted_product
 
 LONGEST_ERROR = 0.3
 """Metres (or radians) of error answered in one step."""
@@ -26,12 +25,14 @@ LONGEST_STEP = 0.25
 """Metres, a radian counting half a one, that a step moves anything."""
 SINGULAR = 3e-3
 """Part of itself that must be left of the pivot of a held row, or it is taken to be spoken for by others."""
-SPOKEN_FOR = 0.1
+SPOKEN_FOR = 0.2
 """The same of a row that asks, while its errors are large."""
 EASED = 0.05
 """Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
 ATTEMPTS = 8
 """Times that a step is found, at most, until no bound is broken and none pushes the wrong way."""
+PRESSING = 0.5
+"""Part of its curvature with which a limit answers."""
 CLOSER, CLOSEST = 0.3, 3e-5
 """Part of its room before a limit that a step leaves a joint, and part of the limit that always stays."""
 
@@ -46,16 +47,14 @@ def find_step(held, count, ask, chain, solving, positions):
     ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
     (R, 9), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
     slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
-    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3), levers (R, R + 12)).
+    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3), levers (R, R + 12), long (rows (R, 3 N), weighted
+    (R, 3 N), ways (R + 2, 3 N))), all joints' numbers in one line, first and last those of rows and ways themselves.
     """
     rows, errors, owners, roles, brakes, _, rooms = ask
-    mobilities, matrix, active = chain[0], solving[0], solving[3]
+    active, long = solving[3], solving[7]
     stiffen_rows(count, rows, brakes)
+    multiply_rows(count, long[0], owners, chain[0], long[1], solving[0])
     for i in range(count):
-        weights = mobilities[owners[i]]
-        for j in range(count):
-            twin = j < i and owners[j] == owners[i]
-            matrix[j, i] = matrix[i, j] if twin else weighted_product(rows[j], rows[i], weights)
         active[i] = roles[i] != BOUND
     slope = 0.0
     for _ in range(ATTEMPTS):
@@ -63,6 +62,24 @@ def find_step(held, count, ask, chain, solving, positions):
         if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
             break
     return slope
+
+
+@summing_kernel
+def multiply_rows(count, rows, owners, mobilities, weighted, matrix):
+    """Rows (R, 3 N) by the mobilities of their owners into ``weighted``, and M (R, R) with M_qr = J_q . w_r J_r."""
+    for i in range(count):
+        for k in range(mobilities.shape[1]):
+            share = mobilities[owners[i], k]
+            for number in range(3 * k, 3 * k + 3):
+                weighted[i, number] = share * rows[i, number]
+        for j in range(count):
+            if j < i and owners[j] == owners[i]:
+                matrix[j, i] = matrix[i, j]
+                continue
+            total = 0.0
+            for number in range(rows.shape[1]):
+                total += rows[j, number] * weighted[i, number]
+            matrix[j, i] = total
 
 
 @kernel
@@ -80,36 +97,42 @@ def stiffen_rows(count, rows, brakes):
 @kernel
 def solve_rows(held, count, ask, chain, solving, positions):
     """``find_step`` with the active rows."""
-    rows, errors, owners, _, brakes, _, _ = ask
-    mobilities, joints = chain[0], chain[1]
-    _, system, _, active, answer, ways, _ = solving
+    errors, brakes = ask[1], ask[4]
+    system, active, answer, ways = solving[1], solving[3], solving[4], solving[5]
+    _, weighted, long = solving[7]
+    last = ways.shape[0] - 1
     kept = solve_held(held, count, errors, solving)
     for j in range(held, count):
-        way_of(held, j, kept, rows, owners, mobilities, brakes, solving, ways[j])
-    slope = solve_own(held, count, kept, ask, joints, solving, positions)
-    keeping, asking = ways[ways.shape[0] - 2], ways[ways.shape[0] - 1]
-    for k in range(asking.shape[0]):
-        for axis in range(3):
-            total = 0.0
-            for j in range(held, count):
-                total += answer[j] * ways[j, k, axis]
-            asking[k, axis], keeping[k, axis] = total, 0.0
+        way_of(held, j, kept, system, active, weighted, long)
+        brake_way(brakes, ways[j])
+    slope = solve_own(held, count, kept, ask, chain, solving, positions)
+    for number in range(long.shape[1]):
+        long[last, number] = long[last - 1, number] = 0.0
+    for j in range(held, count):
+        share = answer[j]
+        for number in range(long.shape[1]):
+            long[last, number] += share * long[j, number]
     place = 0
     for i in range(held):
         answer[i] = 0.0
         if active[i]:
-            answer[i] = system[place, kept]
-            for k in range(keeping.shape[0]):
-                share = mobilities[owners[i], k] * answer[i]
-                for axis in range(3):
-                    keeping[k, axis] += share * rows[i, k, axis]
+            share = system[place, kept]
+            for number in range(long.shape[1]):
+                long[last - 1, number] += share * weighted[i, number]
+            answer[i] = share
             for j in range(held, count):
                 answer[i] -= system[place, kept + 1 + j - held] * answer[j]
             place += 1
-    for k in range(keeping.shape[0]):
-        if brakes[k, 3] < 1.0:
-            brake(math.sqrt(brakes[k, 3]), brakes[k], keeping[k])
+    brake_way(brakes, ways[last - 1])
     return slope
+
+
+@small_kernel
+def brake_way(brakes, way):
+    """Shorten a way (N, 3) by the root of what the brakes leave."""
+    for k in range(brakes.shape[0]):
+        if brakes[k, 3] < 1.0:
+            brake(math.sqrt(brakes[k, 3]), brakes[k], way[k])
 
 
 @kernel
@@ -118,7 +141,7 @@ def solve_held(held, count, errors, solving):
 
     METHOD (21).
     """
-    matrix, system, _, active, _, _, _ = solving
+    matrix, system, active = solving[0], solving[1], solving[3]
     kept = 0
     for i in range(held):
         if not active[i]:
@@ -165,31 +188,27 @@ def eliminate(system, count, columns):
 
 
 @kernel
-def way_of(held, j, kept, rows, owners, mobilities, brakes, solving, out_way):
-    """Along which (N, 3) a row that asks moves the joints: its own levers less what held rows take back.
+def way_of(held, j, kept, system, active, weighted, long):
+    """Along which (3 N) a row that asks moves the joints: its own levers less what held rows take back.
 
     METHOD (22).
     """
-    system, active = solving[1], solving[3]
-    for k in range(out_way.shape[0]):
-        share = mobilities[owners[j], k]
-        x, y, z = share * rows[j, k, 0], share * rows[j, k, 1], share * rows[j, k, 2]
-        place = 0
-        for i in range(held):
-            if active[i]:
-                share = -mobilities[owners[i], k] * system[place, kept + 1 + j - held]
-                x, y, z = x + share * rows[i, k, 0], y + share * rows[i, k, 1], z + share * rows[i, k, 2]
-                place += 1
-        out_way[k, 0], out_way[k, 1], out_way[k, 2] = x, y, z
-        if brakes[k, 3] < 1.0:
-            brake(math.sqrt(brakes[k, 3]), brakes[k], out_way[k])
+    for number in range(long.shape[1]):
+        long[j, number] = weighted[j, number]
+    place = 0
+    for i in range(held):
+        if active[i]:
+            share = system[place, kept + 1 + j - held]
+            for number in range(long.shape[1]):
+                long[j, number] -= share * weighted[i, number]
+            place += 1
 
 
 @kernel
-def solve_own(held, count, kept, ask, joints, solving, positions):
+def solve_own(held, count, kept, ask, chain, solving, positions):
     """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23)); the slope along it."""
-    errors = ask[1]
-    matrix, system, newton, active, answer, _, levers = solving
+    errors, joints, limits = ask[1], chain[1], chain[3]
+    matrix, system, newton, active, answer, _, levers, _ = solving
     own = count - held
     worst = 1e-9
     for i in range(own):
@@ -208,14 +227,45 @@ def solve_own(held, count, kept, ask, joints, solving, positions):
     for i in range(own):
         newton[i, own] = 0.0
         for q in range(own):
-            newton[i, own] += levers[q, i] * answer[held + q]
+            newton[i, own] += levers[q, i] * answer[held + q] if ask[3][held + q] != WAY else 0.0
         for j in range(own):
             along = 0.0
             for q in range(own):
-                along += levers[q, i] * levers[q, j]
+                along += levers[q, i] * levers[q, j] if ask[3][held + q] != WAY else 0.0
             newton[i, j] = along
     add_curvature(held, count, kept, ask, joints, solving, positions)
-    return solve_positive(newton, own, matrix, worst / (worst + EASED), answer, held)
+    far_off = worst / (worst + EASED)
+    for i in range(own):
+        if ask[3][held + i] == WAY:
+            newton[i, i] += (EASED / worst * matrix[held + i, held + i]) ** 2
+    press_on_limits(far_off, held, count, ask, limits, solving[5], newton)
+    return solve_positive(newton, own, matrix, far_off, answer, held)
+
+
+@kernel
+def press_on_limits(far_off, held, count, ask, limits, ways, newton):
+    """Add what limits answer to joints that are pressed on them: push / angle across, their own curvature (24).
+
+    Without it what may turn at a limit, but no further, sways along it from step to step; near the goal it is left out.
+    """
+    rows, errors, brakes = ask[0], ask[1], ask[4]
+    for k in range(brakes.shape[0]):
+        if brakes[k, 3] >= 1.0:
+            continue
+        x, y, z, left = brakes[k, 0], brakes[k, 1], brakes[k, 2], brakes[k, 3]
+        push = 0.0
+        for q in range(held, count):
+            pull = min(max(errors[q], -LONGEST_ERROR), LONGEST_ERROR)
+            push += pull * (x * rows[q, k, 0] + y * rows[q, k, 1] + z * rows[q, k, 2])
+        if push <= 0.0:
+            continue
+        across = far_off * PRESSING * push * (1.0 - left) / (max(math.sqrt(left), 1e-6) * 2.0 * limits[k])
+        for i in range(held, count):
+            way = ways[i, k]
+            along = x * way[0] + y * way[1] + z * way[2]
+            ax, ay, az = way[0] - along * x, way[1] - along * y, way[2] - along * z
+            for j in range(held, count):
+                newton[i - held, j - held] += across * (ax * ways[j, k, 0] + ay * ways[j, k, 1] + az * ways[j, k, 2])
 
 
 @kernel

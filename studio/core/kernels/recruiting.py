@@ -51,7 +51,7 @@ def note_balances(level, asked, chain, body, work, pose):
         if squared < 1e-12:
             continue
         way = math.sqrt(squared)
-        reach = MASS_REACH * mass_reach(row, chain[0][c], chain, work, pose[0]) / way
+        reach = MASS_REACH * mass_reach(row, chain[0][c], body[1], chain, work, pose[0]) / way
         part = reach * soft_reach(way / reach, MASS_COMFORT) / way if reach > 1e-9 else 0.0
         for axis in range(row.axes):
             row.places[1, axis] = point[axis] + part * (row.places[0, axis] - point[axis])
@@ -66,12 +66,12 @@ def frees_limbs(slots):
 
 
 @kernel
-def mass_reach(row, mobilities, chain, work, positions):
+def mass_reach(row, mobilities, masses, chain, work, positions):
     """How far (metres squared) all joints that may help, each turned to its limit, move the centre of mass from
     ``work[5][0]`` towards its place, times that way: their levers along it.
     """
     rows, point, total = work[0][0], work[5][0], 0.0
-    set_balance_rows(row.axes, work[6], chain[1], positions, rows)
+    set_balance_rows(row.axes, masses, work[6], chain[1], positions, rows)
     for joint in range(chain[1].shape[0]):
         if mobilities[joint] <= 0.0:
             continue

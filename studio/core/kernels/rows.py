@@ -5,7 +5,7 @@
 
 import math
 
-from studio.core.kernels.balance import centre_of_mass, set_balance_rows
+from studio.core.kernels.balance import centre_of_mass, let_arm_reach, set_balance_rows
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
@@ -13,7 +13,7 @@ from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
 from studio.core.kernels.means import within_means
 from studio.core.kernels.placing import turn_error
 from studio.core.kernels.priorities import LONGEST_ERROR
-from studio.core.kernels.pulls import ASK, BOUND, HOLD, note_pull
+from studio.core.kernels.pulls import ASK, BOUND, HOLD, WAY, note_pull
 from studio.core.kernels.stance import leash_of
 from studio.core.kernels.vectors import copy_point, distance
 
@@ -51,7 +51,25 @@ def add_feet_rows(owner, count, chain, body, ask, start, positions):
 
 
 @kernel
-def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
+def add_root_way(own, count, chain, ask):
+    """A row that asks nothing, but lets a root that the rows from ``own`` on free rise or sink for itself.
+
+    The new number of rows.
+    """
+    root = chain[2][chain[2].shape[0] - 1]
+    if root < 0:
+        return count
+    for row in range(own, count):
+        if chain[0][ask[2][row], root] > 0.0:
+            begin_row(ask, count, ask[2][row], 0.0)
+            ask[3][count] = WAY
+            ask[0][count, root, 2] = 1.0
+            return count + 1
+    return count
+
+
+@kernel
+def add_rows(c, level, owner, is_held, count, asked, chain, body, work, pose):
     """Rows of one constraint, towards its goal or, when held, towards what it has; the new number of rows."""
     ask, grips, points = work[0], work[4], work[5]
     row = asked[c]
@@ -61,7 +79,7 @@ def add_rows(c, owner, is_held, count, asked, chain, body, work, pose):
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
         count = add_turn_rows(row, owner, is_held, count, ask, chain, work[7][0], points[0], pose)
     elif row.kind == BALANCE:
-        count = add_balance_rows(row, owner, is_held, count, ask, chain, body, work[6], points[0], pose[0])
+        count = add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work, points[0], pose[0])
     else:
         for end in range(2):
             if row.ends[end, 0] < 0:
@@ -112,14 +130,22 @@ def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
 
 
 @kernel
-def add_balance_rows(row, owner, is_held, count, ask, chain, body, sums, point, positions):
-    """Two rows that move the centre of mass over the ground, or three."""
+def add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work, point, positions):
+    """Two rows that move the centre of mass over the ground, or three, while arms reach for goals down to ``level``."""
+    ask, sums, spine_count = work[0], work[6], positions.shape[0] - 23
     centre_of_mass(body[1], positions, sums, point)
     for axis in range(row.axes):
         wanted = row.kept_places[0, axis] if is_held else row.places[1, axis]
         begin_row(ask, count, owner, wanted - point[axis])
         count += 1
-    set_balance_rows(row.axes, sums, chain[1], positions, ask[0][count - row.axes : count])
+    rows = ask[0][count - row.axes : count]
+    set_balance_rows(row.axes, body[1], sums, chain[1], positions, rows)
+    for c in range(asked.shape[0]):
+        other = asked[c]
+        if other.kind == POSITION and other.wanted == 1 and other.rank <= level and not other.second:
+            limb = other.ends[0, 2]
+            if 0 <= limb < 2 and other.freedoms[0, 0] > 0.0 and chain[2][limb_indices(limb, spine_count)[1]] < 0:
+                let_arm_reach(limb, row.axes, other.places[0], other.reaches[0], sums, chain[1], positions, rows)
     return count
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from studio.core.kernels.compiling import small_kernel, summing_kernel
+from studio.core.kernels.compiling import small_kernel
 
 
 @small_kernel
@@ -23,12 +23,3 @@ def copy_matrix(a, out_matrix):
     for row in range(3):
         for column in range(3):
             out_matrix[row, column] = a[row, column]
-
-
-@summing_kernel
-def weighted_product(a, b, weights):
-    """Sum of weights[k] a[k] . b[k] over joints k; ``a`` and ``b`` (N, 3), ``weights`` (N,)."""
-    total = 0.0
-    for k in range(weights.shape[0]):
-        total += weights[k] * (a[k, 0] * b[k, 0] + a[k, 1] * b[k, 1] + a[k, 2] * b[k, 2])
-    return total
