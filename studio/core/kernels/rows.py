@@ -19,6 +19,8 @@ from studio.core.kernels.vectors import copy_point, distance
 
 TURN_ARM = 0.3
 """Metres that count as one radian where both are weighed together."""
+HARDLY_MISSED = 5e-4
+"""Metres of miss up to which a limb is held to what it wants, and beyond which its root is held where it is."""
 MISSED = 2e-3
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
 
@@ -239,7 +241,7 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
         along = math.copysign(span, error)
         note_pull(ask[5][count], pull * x, pull * y, pull * z, along, shoulder, carrier)
         return count + 1
-    if row.kept_miss > CLOSE_ENOUGH:
+    if row.kept_miss > HARDLY_MISSED:
         held = min(row.kept_miss / MISSED, 1.0)
         kept, first = row.kept_roots[end], count
         x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
