@@ -38,21 +38,17 @@ def set_balance_rows(axes, masses, sums, joints, positions, rows):
     """How joints move the centre of mass along ``axes`` (2 or 3) world axes, m (c - o) x v, into ``rows`` (axes, N, 3).
 
     ``sums`` as from ``centre_of_mass``. The ankles stay where they are, so legs answer the root's travel as
-    ``leg_answer`` says; to the pelvis' turn they do not.
+    ``add_leg_answer`` says; to the pelvis' turn they do not.
     """
     spine_count = positions.shape[0] - 23
     for joint in range(joints.shape[0]):
         for axis in range(axes):
             rows[axis, joint, 0] = rows[axis, joint, 1] = rows[axis, joint, 2] = 0.0
         if joints[joint, 0] == ROOT:
-            trunk = sums[spine_count + 10, 3]
             for axis in range(axes):
-                x, y, z = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
-                lx, ly, lz = leg_answer(0, x, y, z, LEAST_BEND, masses, positions)
-                rx, ry, rz = leg_answer(1, x, y, z, LEAST_BEND, masses, positions)
-                rows[axis, joint, 0] = trunk * x + lx + rx
-                rows[axis, joint, 1] = trunk * y + ly + ry
-                rows[axis, joint, 2] = trunk * z + lz + rz
+                rows[axis, joint, axis] = sums[spine_count + 10, 3]
+            for side in range(2):
+                add_leg_answer(side, axes, LEAST_BEND, masses, positions, rows[:, joint])
             continue
         origin, first = positions[joints[joint, 1]], sums[joints[joint, 2]]
         past = sums[min(joints[joint, 3], spine_count + 10) if joints[joint, 0] == 0 else joints[joint, 3]]
@@ -67,8 +63,8 @@ def set_balance_rows(axes, masses, sums, joints, positions, rows):
 
 
 @kernel
-def leg_answer(side, vx, vy, vz, least_bend, masses, positions):
-    """How the mass of a leg whose ankle stays goes along v while its hip travels: the travel's levers (3,).
+def add_leg_answer(side, axes, least_bend, masses, positions, out_levers):
+    """Add how the mass of a leg whose ankle stays goes along world axes v while its hip travels: levers (axes, 3).
 
     The knee goes with J u, J^T v = (1 - z/d) (v - (n.v) n) + (z/d) (n.v) n + (z/r^2) (1 - z/d) (e.v) n + (n.v) e / d
     for the unit n to the ankle, d away, and the knee z along it and off it by e, r long.
@@ -87,17 +83,17 @@ def leg_answer(side, vx, vy, vz, least_bend, masses, positions):
     nx, ny, nz = nx / d, ny / d, nz / d
     z = kx * nx + ky * ny + kz * nz
     ex, ey, ez = kx - z * nx, ky - z * ny, kz - z * nz
-    part, along, off = z / d, nx * vx + ny * vy + nz * vz, ex * vx + ey * vy + ez * vz
-    squared = ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
+    part, squared = z / d, ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
     knee = masses[thigh, 0] * masses[thigh, 1] + masses[thigh + 1, 0] * (1.0 - masses[thigh + 1, 1])
     stays = masses[thigh, 0] * (1.0 - masses[thigh, 1]) + knee * (1.0 - part)
-    to_ankle = knee * ((2.0 * part - 1.0) * along + z / squared * (1.0 - part) * off)
-    forward = knee / d * along
-    return (
-        stays * vx + to_ankle * nx + forward * ex,
-        stays * vy + to_ankle * ny + forward * ey,
-        stays * vz + to_ankle * nz + forward * ez,
-    )
+    bends, forward = knee * z / squared * (1.0 - part), knee / d
+    for axis in range(axes):
+        along, off = (nx, ex) if axis == 0 else ((ny, ey) if axis == 1 else (nz, ez))
+        to_ankle, forth = knee * (2.0 * part - 1.0) * along + bends * off, forward * along
+        out_levers[axis, axis] += stays
+        out_levers[axis, 0] += to_ankle * nx + forth * ex
+        out_levers[axis, 1] += to_ankle * ny + forth * ey
+        out_levers[axis, 2] += to_ankle * nz + forth * ez
 
 
 @kernel

@@ -60,6 +60,8 @@ COMFORT = 0.97
 """Part of its reach that a limb takes before the trunk helps."""
 FOLDING = 0.05
 """Part of the way from its greatest to its least reach, the last, in which a limb folds ever less."""
+MET = 1.2e-4
+"""Metres of error at which a wish is met."""
 STILL = 2e-5
 """Metres by which a step must move something for another to be worth while."""
 MENDS = 8
@@ -220,12 +222,15 @@ def step(level, mending, whole, is_late, asked, chain, body, work, start, pose):
     if count > own:
         count = add_root_way(own, count, chain, ask)
     for row in range(asking):
-        worst = max(worst, errors[row] if roles[row] == BOUND else abs(errors[row]))
-        missed = max(missed, abs(errors[row]) if row >= own else 0.0)
+        error = errors[row] if roles[row] == BOUND else abs(errors[row])
+        if row < own:
+            worst = max(worst, error)
+        else:
+            missed = max(missed, error)
     near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
     ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
     past[0] = missed
-    if worst < CLOSE_ENOUGH or ease <= 0.0:
+    if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0
     ways = work[1][5]
     slope = find_step(own, count, ask, chain, work[1], pose[0])

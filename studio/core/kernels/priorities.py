@@ -29,7 +29,7 @@ SPOKEN_FOR = 0.2
 """The same of a row that asks, while its errors are large."""
 EASED = 0.05
 """Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
-ATTEMPTS = 8
+ATTEMPTS = 4
 """Times that a step is found, at most, until no bound is broken and none pushes the wrong way."""
 PRESSING = 0.5
 """Part of its curvature with which a limit answers."""
