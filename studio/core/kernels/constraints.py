@@ -42,7 +42,7 @@ from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_root_way, add_
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
-TRIES, LATE = 4, 4
+TRIES, LATE = 3, 5
 """Steps that a level takes, and those that it may add where it is nearly there or still gains: a body far out of reach
 would take many more to come to rest, for little.
 """
@@ -70,8 +70,8 @@ BACKS = 4
 """Times that a level goes back by as much as it still disturbs those above, before it is given up."""
 GIVEN_UP = 2
 """What ``wanted`` becomes where a constraint is given up for those above it."""
-KEPT = 1e-4
-"""Metres by which a level may disturb those above it."""
+KEPT, UNMENDED = 1e-4, 6e-5
+"""Metres by which a level may disturb those above it, and up to which nothing is mended; a part of it in between."""
 
 
 @kernel
@@ -147,15 +147,16 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     tries = THOROUGH if frees or whole else TRIES
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
-        if not step(level, False, refines, is_late, asked, chain, body, work, start, pose) > STILL:
+        if not step(level, 0.0, refines, is_late, asked, chain, body, work, start, pose) > STILL:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     if fresh:
         return
     for _ in range(MENDS):
-        if disturbance(level, asked, areas, body, work, pose) < KEPT:
+        share = (disturbance(level, asked, areas, body, work, pose) - UNMENDED) / (KEPT - UNMENDED)
+        if share <= 0.0:
             return
-        if not step(level, True, False, False, asked, chain, body, work, start, pose) > 0.0:
+        if not step(level, min(share, 1.0), False, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     for attempt in range(1 + BACKS):
@@ -202,7 +203,10 @@ def note_carried(carried):
 
 @kernel
 def step(level, mending, whole, is_late, asked, chain, body, work, start, pose):
-    """One step of all joints for this level with those above held, or to mend those alone; how far it moves."""
+    """One step of all joints for this level with those above held, or ``mending`` (a part of the step) those alone.
+
+    How far it moves, in metres.
+    """
     ask = work[0]
     set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
     every = min(asked.shape[0] + level, chain[0].shape[0] - 1)
@@ -211,7 +215,7 @@ def step(level, mending, whole, is_late, asked, chain, body, work, start, pose):
         if asked[c].wanted == 1 and asked[c].rank < level:
             count = add_rows(c, level, every, True, count, asked, chain, body, work, pose)
     own = count
-    if not mending:
+    if mending == 0.0:
         for c in range(asked.shape[0]):
             if asked[c].wanted == 1 and asked[c].rank == level:
                 count = add_rows(c, level, c, False, count, asked, chain, body, work, pose)
@@ -228,7 +232,7 @@ def step(level, mending, whole, is_late, asked, chain, body, work, start, pose):
         else:
             missed = max(missed, error)
     near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
-    ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
+    ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else (mending or 1.0)
     past[0] = missed
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0
