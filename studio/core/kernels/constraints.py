@@ -42,7 +42,7 @@ from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_root_way, add_
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
-TRIES, LATE = 3, 5
+TRIES, LATE = 4, 4
 """Steps that a level takes, and those that it may add where it is nearly there or still gains: a body far out of reach
 would take many more to come to rest, for little.
 """
