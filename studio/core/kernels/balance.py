@@ -5,7 +5,7 @@ import math
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import ROOT, pivot_point
 
-LEAST_BEND = 0.35
+LEAST_BEND = 0.3
 """Part of a leg's length by which its knee is taken to lie off its line besides: straight, it would shoot forward."""
 MEETING = 0.005
 """Metres short of its goal from which on an arm is taken to stay with it."""

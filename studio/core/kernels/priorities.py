@@ -31,7 +31,7 @@ EASED = 0.05
 """Metres of error at which that is asked for by half: Newton's steps near the goal are not damped."""
 ATTEMPTS = 4
 """Times that a step is found, at most, until no bound is broken and none pushes the wrong way."""
-PRESSING = 1.0
+PRESSING = 0.5
 """Part of its curvature with which a limit answers."""
 CLOSER, CLOSEST = 0.3, 3e-5
 """Part of its room before a limit that a step leaves a joint, and part of the limit that always stays."""
