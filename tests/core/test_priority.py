@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from studio.core.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
-from tests.core.motions import target, walk
+from tests.core.motions import ALWAYS, target, walk
 from tests.core.reachable import reachable_target
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -18,9 +19,11 @@ WALK, CONTACTS = walk()
 LIMB, ARM, BACK, ALL = Chain(clavicle=0.0), Chain(), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
 WRIST = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
 LEAK = 2e-4
+AWAY = 0.05
+"""Metres, of each coordinate, by which random wishes lie away from where the body has what they are about."""
 
 
-def _solved(body: Morphology, *constraints: PositionConstraint) -> AdaptedMotion:
+def _solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
     return adapt(AdaptRequest(WALK, body, CONTACTS, constraints), 30, 30)
 
 
@@ -71,3 +74,45 @@ def test_only_the_order_of_priorities_counts_and_not_their_numbers(body: Morphol
         for first, second in ((0, 1), (3, 40))
     ]
     assert np.array_equal(*found)
+
+
+TRUNKS = Chain(trunk=1.0), ALL, LIMB, Chain(trunk=0.5, clavicle=1.0)
+PARTS = (
+    BodyPart.LEFT_FOREARM,
+    BodyPart.RIGHT_FOREARM,
+    BodyPart.LEFT_UPPER_ARM,
+    BodyPart.RIGHT_UPPER_ARM,
+    BodyPart.HEAD,
+    BodyPart.THORAX,
+    BodyPart.PELVIS,
+)
+
+
+def _random_set(body: Morphology, random: np.random.Generator) -> list[Constraint]:
+    """Two to eight wishes in order of priority: places some way from where things are, a balance perhaps."""
+    before, wishes = _solved(body), list[Constraint]()
+    for rank in range(random.integers(2, 9)):
+        if random.random() < 0.2 and not any(isinstance(each, BalanceConstraint) for each in wishes):
+            pelvis = BodyPoint(BodyPart.PELVIS)
+            wishes.append(BalanceConstraint("walk", f"{rank}", pelvis, Chain(0.0, 0.0, 0.0, 1.0, 1.0), rank, ALWAYS))
+            continue
+        part = PARTS[random.integers(len(PARTS))]
+        point = BodyPoint(part, at_end=part is not BodyPart.PELVIS)
+        chain = Chain(root=1.0) if part is BodyPart.PELVIS else TRUNKS[random.integers(len(TRUNKS))]
+        place = tuple((place_of(point, before)[0] + AWAY * random.normal(size=3)).tolist())
+        wishes.append(PositionConstraint("walk", f"{rank}", point, chain, rank, ALWAYS, target=place))
+    return wishes
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_whatever_is_added_below_takes_nothing_from_sets_of_wishes_in_any_order(body: Morphology) -> None:
+    for seed in range(30):
+        random = np.random.default_rng(seed)
+        wishes = _random_set(body, random)
+        before = np.zeros(0)
+        for count in range(1, len(wishes) + 1):
+            order = random.permutation(count)
+            after = np.empty(count)
+            after[order] = _solved(body, *(wishes[place] for place in order)).residuals[:, 0]
+            assert np.all(after[:-1] <= before + LEAK), (seed, count, 1e3 * (after[:-1] - before).max())
+            before = after

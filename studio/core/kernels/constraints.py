@@ -143,11 +143,12 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
     note_balances(level, asked, chain, body, work, pose)
     frees = frees_limbs(chain[2])
-    whole = fresh and chain[2][-1] < 0 and not frees
+    stays = fresh and not frees_root(level, asked, chain)
+    whole = stays and not frees
     tries = THOROUGH if frees or whole else TRIES
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
-        if not step(level, 0.0, refines, is_late, asked, chain, body, work, start, pose) > STILL:
+        if not step(level, 0.0, refines, is_late, stays, asked, chain, body, work, start, pose) > STILL:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     if fresh:
@@ -156,7 +157,7 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         share = (disturbance(level, asked, areas, body, work, pose) - UNMENDED) / (KEPT - UNMENDED)
         if share <= 0.0:
             return
-        if not step(level, min(share, 1.0), False, False, asked, chain, body, work, start, pose) > 0.0:
+        if not step(level, min(share, 1.0), False, False, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     for attempt in range(1 + BACKS):
@@ -172,6 +173,16 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     if disturbance(level, asked, areas, body, work, pose) >= KEPT:
         give_up(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
+
+
+@kernel
+def frees_root(level, asked, chain):
+    """Whether any constraint of this level may move the root: others that do must not change how it is solved."""
+    root = chain[2][-1]
+    frees = False
+    for c in range(asked.shape[0]):
+        frees = frees or (root >= 0 and asked[c].rank == level and asked[c].wanted == 1 and chain[0][c, root] > 0.0)
+    return frees
 
 
 @kernel
@@ -202,15 +213,16 @@ def note_carried(carried):
 
 
 @kernel
-def step(level, mending, whole, is_late, asked, chain, body, work, start, pose):
+def step(level, mending, whole, is_late, stays, asked, chain, body, work, start, pose):
     """One step of all joints for this level with those above held, or ``mending`` (a part of the step) those alone.
 
-    How far it moves, in metres.
+    How far it moves, in metres. ``stays``: the root does, so that feet need no holding.
     """
     ask = work[0]
     set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
     every = min(asked.shape[0] + level, chain[0].shape[0] - 1)
-    count = add_feet_rows(every, 0, chain, body, ask, start, pose[0]) if chain[2][-1] >= 0 else 0
+    feet = chain[2][-1] >= 0 and not stays
+    count = add_feet_rows(every, 0, chain, body, ask, start, pose[0]) if feet else 0
     for c in range(asked.shape[0]):
         if asked[c].wanted == 1 and asked[c].rank < level:
             count = add_rows(c, level, every, True, count, asked, chain, body, work, pose)
