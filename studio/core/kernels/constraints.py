@@ -70,8 +70,8 @@ BACKS = 4
 """Times that a level goes back by as much as it still disturbs those above, before it is given up."""
 GIVEN_UP = 2
 """What ``wanted`` becomes where a constraint is given up for those above it."""
-KEPT, UNMENDED = 1e-4, 6e-5
-"""Metres by which a level may disturb those above it, and up to which nothing is mended; a part of it in between."""
+KEPT = 1e-4
+"""Metres by which a level may disturb those above it."""
 
 
 @kernel
@@ -148,16 +148,15 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     tries = THOROUGH if frees or whole else TRIES
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
-        if not step(level, 0.0, refines, is_late, stays, asked, chain, body, work, start, pose) > STILL:
+        if not step(level, False, refines, is_late, stays, asked, chain, body, work, start, pose) > STILL:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     if fresh:
         return
     for _ in range(MENDS):
-        share = (disturbance(level, asked, areas, body, work, pose) - UNMENDED) / (KEPT - UNMENDED)
-        if share <= 0.0:
+        if disturbance(level, asked, areas, body, work, pose) < KEPT:
             return
-        if not step(level, min(share, 1.0), False, False, False, asked, chain, body, work, start, pose) > 0.0:
+        if not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     for attempt in range(1 + BACKS):
@@ -214,7 +213,7 @@ def note_carried(carried):
 
 @kernel
 def step(level, mending, whole, is_late, stays, asked, chain, body, work, start, pose):
-    """One step of all joints for this level with those above held, or ``mending`` (a part of the step) those alone.
+    """One step of all joints for this level with those above held, or, ``mending``, of those alone.
 
     How far it moves, in metres. ``stays``: the root does, so that feet need no holding.
     """
@@ -227,7 +226,7 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
         if asked[c].wanted == 1 and asked[c].rank < level:
             count = add_rows(c, level, every, True, count, asked, chain, body, work, pose)
     own = count
-    if mending == 0.0:
+    if not mending:
         for c in range(asked.shape[0]):
             if asked[c].wanted == 1 and asked[c].rank == level:
                 count = add_rows(c, level, c, False, count, asked, chain, body, work, pose)
@@ -244,7 +243,7 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
         else:
             missed = max(missed, error)
     near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
-    ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else (mending or 1.0)
+    ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
     past[0] = missed
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0

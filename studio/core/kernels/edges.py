@@ -131,7 +131,7 @@ def pose_between(part, frame, asked, areas, activations, chain, body, work, star
     for _ in range(MENDS):
         if disturbance(level, asked, areas, body, work, pose) < CLOSE_ENOUGH:
             break
-        if not step(level, 1.0, False, False, False, asked, chain, body, work, start, pose) > 0.0:
+        if not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     for c in range(asked.shape[0]):
