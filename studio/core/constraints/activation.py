@@ -25,7 +25,7 @@ def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:
         case EaseShape.SMOOTH:
             return t * t * (3.0 - 2.0 * t)
         case EaseShape.QUINTIC:
-            return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
+            return np.minimum(t * t * t * (t * (6.0 * t - 15.0) + 10.0), 1.0)  # rounded, it may pass by a hair
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Where a constraint's target may be: fixed (plain numbers), keyed over time, or following something that moves."""
 
-from dataclasses import fields
-
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowBody
 from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
@@ -35,17 +33,16 @@ def checked_turn(turn: object, constraint: Constraint) -> Turn:
 
 def follows_of(constraint: Constraint) -> tuple[Follow, ...]:
     """All that a constraint follows."""
-    values = (getattr(constraint, field.name) for field in fields(constraint))
-    return tuple(value for value in values if isinstance(value, FOLLOWS))
+    return tuple(value for value in vars(constraint).values() if isinstance(value, FOLLOWS))
 
 
 def key_times(constraint: Constraint) -> tuple[float, ...]:
     """Seconds at which anything of a constraint has a key, in order."""
-    keyed = (getattr(constraint, field.name) for field in fields(constraint))
-    return tuple(sorted({time for value in keyed if isinstance(value, Keys) for time in value.times}))
+    keyed = (value for value in vars(constraint).values() if isinstance(value, Keys))
+    return tuple(sorted({time for value in keyed for time in value.times}))
 
 
 def is_moving(constraint: Constraint) -> bool:
     """Whether what it asks differs from frame to frame."""
     own_height = getattr(constraint, "vertical", False)
-    return own_height or any(hasattr(getattr(constraint, field.name), "kind") for field in fields(constraint))
+    return own_height or any(hasattr(value, "kind") for value in vars(constraint).values())

@@ -38,7 +38,7 @@ from studio.core.kernels.placing import OUTLINED, carry_body, miss_of, note_idle
 from studio.core.kernels.priorities import find_step, go_on
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import frees_limbs, note_balances
-from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_root_way, add_rows, aim_limb
+from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
@@ -233,10 +233,7 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
     errors, roles = ask[1], ask[3]
     worst = missed = 0.0
     past = work[9]
-    asking = count
-    if count > own:
-        count = add_root_way(own, count, chain, ask)
-    for row in range(asking):
+    for row in range(count):
         error = errors[row] if roles[row] == BOUND else abs(errors[row])
         if row < own:
             worst = max(worst, error)

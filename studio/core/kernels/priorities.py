@@ -16,7 +16,7 @@ import math
 
 from studio.core.kernels.compiling import kernel, small_kernel, summing_kernel
 from studio.core.kernels.joints import FREE_PART, ROOT, brake
-from studio.core.kernels.pulls import BOUND, WAY, bend
+from studio.core.kernels.pulls import BOUND, bend
 from studio.core.kernels.stance import keep_feet_in_reach
 
 LONGEST_ERROR = 0.3
@@ -227,17 +227,14 @@ def solve_own(held, count, kept, ask, chain, solving, positions):
     for i in range(own):
         newton[i, own] = 0.0
         for q in range(own):
-            newton[i, own] += levers[q, i] * answer[held + q] if ask[3][held + q] != WAY else 0.0
+            newton[i, own] += levers[q, i] * answer[held + q]
         for j in range(own):
             along = 0.0
             for q in range(own):
-                along += levers[q, i] * levers[q, j] if ask[3][held + q] != WAY else 0.0
+                along += levers[q, i] * levers[q, j]
             newton[i, j] = along
     add_curvature(held, count, kept, ask, joints, solving, positions)
     far_off = worst / (worst + EASED)
-    for i in range(own):
-        if ask[3][held + i] == WAY:
-            newton[i, i] += (EASED / worst * matrix[held + i, held + i]) ** 2
     press_on_limits(far_off, held, count, ask, limits, solving[5], newton)
     return solve_positive(newton, own, matrix, far_off, answer, held)
 

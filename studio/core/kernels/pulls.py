@@ -5,7 +5,7 @@ import math
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.joints import ROOT
 
-ASK, HOLD, BOUND, WAY = 0, 1, 2, 3
+ASK, HOLD, BOUND = 0, 1, 2
 """Roles of rows: a bound is one that holds once it is reached."""
 FEW = 6
 """Rows that ask, up to which the second derivatives of every pair are looked at, and not of each alone."""

@@ -13,7 +13,7 @@ from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
 from studio.core.kernels.means import within_means
 from studio.core.kernels.placing import turn_error
 from studio.core.kernels.priorities import LONGEST_ERROR
-from studio.core.kernels.pulls import ASK, BOUND, HOLD, WAY, note_pull
+from studio.core.kernels.pulls import ASK, BOUND, HOLD, note_pull
 from studio.core.kernels.stance import leash_of
 from studio.core.kernels.vectors import copy_point, distance
 
@@ -49,24 +49,6 @@ def add_feet_rows(owner, count, chain, body, ask, start, positions):
         note_pull(ask[5][count], x, y, z, span, hip, 0)
         add_point_row(hip, x, y, z, 0, chain[1], positions, ask[0][count])
         count += 1
-    return count
-
-
-@kernel
-def add_root_way(own, count, chain, ask):
-    """A row that asks nothing, but lets a root that the rows from ``own`` on free rise or sink for itself.
-
-    The new number of rows.
-    """
-    root = chain[2][chain[2].shape[0] - 1]
-    if root < 0:
-        return count
-    for row in range(own, count):
-        if chain[0][ask[2][row], root] > 0.0:
-            begin_row(ask, count, ask[2][row], 0.0)
-            ask[3][count] = WAY
-            ask[0][count, root, 2] = 1.0
-            return count + 1
     return count
 
 
