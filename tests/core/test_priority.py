@@ -105,7 +105,7 @@ def _random_set(body: Morphology, random: np.random.Generator) -> list[Constrain
 
 
 def test_whatever_is_added_below_takes_nothing_from_sets_of_wishes_in_any_order() -> None:
-    """But for three of 3,140 (of 150 sets a body): arms that lie where a hair decides on which side of their limits."""
+    """But for two of 3,140 (of 150 sets a body): arms that lie where a hair decides on which side of their limits."""
     taken = []
     for body in BODIES.values():
         for seed in range(30):

@@ -140,6 +140,8 @@ def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
     end_place(row, end, pose, point)
     wanted = row.kept_places[end] if is_held else row.places[end]
     segment = row.ends[end, 1]
+    if is_held and holds_already(point, segment, count, ask):
+        return count
     if row.kind == POSITION and end == 0 and not is_held:
         wanted = points[1]
         within_means(row, wanted)
@@ -154,6 +156,17 @@ def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
             x, y, z = -row.share * x, -row.share * y, -row.share * z
             add_point_row(point, x, y, z, row.ends[1, 1], chain[1], pose[0], ask[0][first + axis])
     return count
+
+
+@kernel
+def holds_already(point, carrier, count, ask):
+    """Whether a higher constraint holds the same point: the same three rows once more would say nothing."""
+    for row in range(count):
+        pull = ask[5][row]
+        same = pull[7] == carrier and pull[3] == 0.0 and ask[3][row] == HOLD
+        if same and pull[4] == point[0] and pull[5] == point[1] and pull[6] == point[2]:
+            return True
+    return False
 
 
 @kernel
@@ -224,6 +237,8 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
         note_pull(ask[5][count], pull * x, pull * y, pull * z, along, shoulder, carrier)
         return count + 1
     if row.kept_miss > HARDLY_MISSED:
+        if holds_already(shoulder, carrier, count, ask):
+            return count
         held = min(row.kept_miss / MISSED, 1.0)
         kept, first = row.kept_roots[end], count
         x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
