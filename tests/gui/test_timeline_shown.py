@@ -75,6 +75,14 @@ def test_the_plot_can_show_the_error_of_a_constraint(timeline, live):
     timeline.grab()
     plot = timeline.tracks.picture.plot
     assert [round(curve.at(40 / RATE), 6) for curve in plot.curves] == [0.0, 42.0]
+    assert plot.top == pytest.approx(42.0)
+
+
+def test_what_is_rounding_alone_is_plotted_at_nought(timeline, live):
+    live.errors["performer 1"] = {"kick": 4.2e-14}
+    timeline.tracks.set_quantity(Quantity.ERROR)
+    timeline.grab()
+    assert timeline.tracks.picture.plot.top == 1.0
 
 
 def test_curves_of_long_motions_are_made_beside_the_window_and_are_the_same(timeline, live, qtbot, monkeypatch):

@@ -19,6 +19,8 @@ HEADROOM = 1.12
 LINE = 1.25
 AT_ONCE = 10_000
 """Frames of a motion up to which its curve is made at once."""
+NOISE = 1e-6
+"""What is no more than this, in any unit, is rounding, and drawn as nought."""
 
 Basis = tuple[object, ...]
 """What a curve is made of; an equal one gives an equal curve."""
@@ -75,7 +77,8 @@ class PlotPicture(QObject):
                     known[key] = before
         self._known = known
         self.curves = [curve for _, curve in known.values() if curve is not None]
-        self.top = max((curve.top for curve in self.curves), default=0.0) or 1.0
+        self.top = max((curve.top for curve in self.curves), default=0.0)
+        self.top = self.top if self.top > NOISE else 1.0
         while len(self._lines) < len(self.curves):
             line = pg.PlotCurveItem(antialias=True)
             line.setSegmentedLineMode("on")  # Qt strokes a long path of its own some fifty times slower
