@@ -7,7 +7,7 @@ blended with the one before, joint by joint. Those that both have then get back 
 
 The pose before is kept in the ``work`` of ``kernels.constraints``: the state of its search as the last of ``turned``,
 the rotations of its limbs' segments in what carries each from ``KEPT_TURNS`` on in ``turns``, four a limb; misses as
-``blended`` in the records; and as the last four of ``grips`` which limbs are to stay as blended.
+``blended`` in the records; and as the second four of ``grips`` which limbs are to stay as blended.
 """
 
 from studio.core.kernels.compiling import kernel
