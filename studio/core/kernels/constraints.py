@@ -8,9 +8,9 @@ What goes through the functions here, for C constraints on a body of S segments 
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (12,),
-  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full, past (1,)): scratch, the first two as in ``kernels.priorities``;
-  of each limb what holds its end, whether ``edges`` keeps it and whether it is idle; full ``newton``'s; past what the
-  last step missed.
+  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full, past (1,)): scratch, the first two as in
+  ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is idle; full
+  ``newton``'s; past what the last step missed.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
