@@ -100,9 +100,8 @@ def add_leg_answer(side, axes, least_bend, masses, positions, out_levers):
 def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
     """Correct ``set_balance_rows`` for an arm that aims at a ``goal`` (3,) which it could meet ``reach`` metres away.
 
-    It does not go with its shoulder by u, as the rows have it: what of it lies at a part f of the way to the wrist, at
-    which it is a link of length l, goes by (1 - f l / d) u across the way to a goal at d, and along it by u, or by
-    (1 - f) u where the goal is met.
+    It does not go with its shoulder by u, as the rows have it: its mass, at a part f of the l metres to the wrist, goes
+    by (1 - f l / d) u across the way to a goal d away, and along it by u, or by (1 - f) u where the goal is met.
 
     METHOD (34).
     """

@@ -154,12 +154,8 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
     if fresh:
         return
-    for _ in range(MENDS):
-        if disturbance(level, asked, areas, body, work, pose) < KEPT:
-            return
-        if not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
-            break
-        place(level, False, asked, areas, chain, body, work, start, pose)
+    if mend(level, KEPT, asked, areas, chain, body, work, start, pose):
+        return
     for attempt in range(1 + BACKS):
         disturbs = disturbance(level, asked, areas, body, work, pose)
         if not disturbs >= KEPT:
@@ -173,6 +169,18 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     if disturbance(level, asked, areas, body, work, pose) >= KEPT:
         give_up(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
+
+
+@kernel
+def mend(level, most, asked, areas, chain, body, work, start, pose):
+    """Give those above this level back what it has cost them; whether that is less than ``most`` metres now."""
+    for _ in range(MENDS):
+        if disturbance(level, asked, areas, body, work, pose) < most:
+            return True
+        if not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
+            break
+        place(level, False, asked, areas, chain, body, work, start, pose)
+    return False
 
 
 @kernel

@@ -11,7 +11,7 @@ the rotations of its limbs' segments in what carries each from ``KEPT_TURNS`` on
 """
 
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.constraints import KEPT, MENDS, disturbance, note_kept, place, step
+from studio.core.kernels.constraints import KEPT, mend, note_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH
@@ -128,12 +128,7 @@ def pose_between(part, frame, asked, areas, activations, chain, body, work, star
         if asked[c].wanted == 1:
             note_held(asked[c], hung, work, pose)
     place_limbs(level, asked, areas, chain, body, work, start, pose)
-    for _ in range(MENDS):
-        if disturbance(level, asked, areas, body, work, pose) < CLOSE_ENOUGH:
-            break
-        if not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
-            break
-        place(level, False, asked, areas, chain, body, work, start, pose)
+    mend(level, CLOSE_ENOUGH, asked, areas, chain, body, work, start, pose)
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted == 1 and row.blended > KEPT and row.ends[0, 2] >= 0 and hung[4 + row.ends[0, 2]]:
