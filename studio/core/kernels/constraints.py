@@ -21,8 +21,8 @@ import math
 
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
-from studio.core.kernels.joint_limits import note_own
+from studio.core.kernels.goals import BALANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, counts, end_place
+from studio.core.kernels.joint_limits import keep_caps, note_own, restore_caps
 from studio.core.kernels.joints import set_brakes
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import (
@@ -69,8 +69,6 @@ MENDS = 8
 """Steps that may be taken to give those above back what a level has cost them."""
 BACKS = 4
 """Times that a level goes back by as much as it still disturbs those above, before it is given up."""
-GIVEN_UP = 2
-"""What ``wanted`` becomes where a constraint is given up for those above it."""
 KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 
@@ -86,16 +84,17 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     note_idle(asked, chain[2], spine_count, idle)
     note_seconds(asked)
     note_limits(asked, chain[2], body[4], start)
-    fresh = True
+    before = -1
     for level in range(level_count):
         if not wants_level(level, asked):
             continue
         note_grips(level, asked, spine_count, work[4])
         note_reaches(level, asked, chain, work[4], body, work[5], start, pose)
-        if not fresh:
-            note_kept(level, asked, areas, body, work, pose)
-        solve_level(level, fresh, asked, areas, chain, body, work, start, pose)
-        fresh = False
+        if before >= 0:
+            note_kept(before, level, asked, areas, body, work, pose)
+            keep_caps(body[4])
+        solve_level(level, before < 0, asked, areas, chain, body, work, start, pose)
+        before = level
     for limb in range(4):
         outlined = idle[limb] == OUTLINED
         idle[limb] = 0
@@ -127,14 +126,6 @@ def wants_level(level, asked):
 def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     """Newton's steps on one level with those above held; in the end those above get back what it cost them."""
     stiff = free_stiff(level, asked)
-    if chain[1].shape[0] == 0:
-        if not fresh:
-            carry_body(chain, body, work, start, pose)
-        place_limbs(level, asked, areas, chain, body, work, start, pose)
-        if stiff:
-            stiffen(level, asked)
-            place(level, False, asked, areas, chain, body, work, start, pose)
-        return
     turned = work[3]
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[1, joint])
@@ -142,6 +133,15 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     if stiff:
         stiffen(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
+    if chain[1].shape[0] > 0:
+        take_steps(level, fresh, asked, areas, chain, body, work, start, pose)
+    if not fresh:
+        give_back(level, asked, areas, chain, body, work, start, pose)
+
+
+@kernel
+def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
+    """Steps until a level has what it wants, or as much of it as there is."""
     note_balances(level, asked, chain, body, work, pose)
     frees = frees_limbs(chain[2])
     stays = fresh and not frees_root(level, asked, chain)
@@ -149,16 +149,20 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     tries = THOROUGH if frees or whole else TRIES
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
-        if not step(level, False, refines, is_late, stays, asked, chain, body, work, start, pose) > STILL:
+        if not step(level, False, refines, is_late, stays, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
-    if fresh:
-        return
+
+
+@kernel
+def give_back(level, asked, areas, chain, body, work, start, pose):
+    """Mend what a level has cost those above it, or go back; in the end it is given up, and all is as it began."""
+    turned = work[3]
     if mend(level, KEPT, asked, areas, chain, body, work, start, pose):
         return
     for attempt in range(1 + BACKS):
         disturbs = disturbance(level, asked, areas, body, work, pose)
-        if not disturbs >= KEPT:
+        if disturbs < KEPT:
             return
         share = KEPT / disturbs if attempt < BACKS else 0.0
         for joint in range(turned.shape[1]):
@@ -166,8 +170,11 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
                 before = turned[1, joint, axis]
                 turned[0, joint, axis] = before + share * (turned[0, joint, axis] - before)
         place(level, False, asked, areas, chain, body, work, start, pose)
-    if disturbance(level, asked, areas, body, work, pose) >= KEPT:
+    if not disturbance(level, asked, areas, body, work, pose) < KEPT:
         give_up(level, asked)
+        restore_caps(body[4])
+        note_grips(level, asked, pose[0].shape[0] - 23, work[4])
+        note_reaches(level, asked, chain, work[4], body, work[5], start, pose)
         place(level, False, asked, areas, chain, body, work, start, pose)
 
 
@@ -177,7 +184,8 @@ def mend(level, most, asked, areas, chain, body, work, start, pose):
     for _ in range(MENDS):
         if disturbance(level, asked, areas, body, work, pose) < most:
             return True
-        if not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
+        joints = chain[1].shape[0]
+        if joints == 0 or not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     return False
@@ -198,7 +206,7 @@ def give_up(level, asked):
     """What cannot be had beside the levels above is not asked of limbs any more at this frame."""
     for c in range(asked.shape[0]):
         if asked[c].rank == level and asked[c].wanted:
-            asked[c].wanted = GIVEN_UP
+            asked[c].wanted, asked[c].engaged = GIVEN_UP, 0
 
 
 @kernel
@@ -232,7 +240,7 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
     feet = chain[2][-1] >= 0 and not stays
     count = add_feet_rows(every, 0, chain, body, ask, start, pose[0]) if feet else 0
     for c in range(asked.shape[0]):
-        if asked[c].wanted == 1 and asked[c].rank < level:
+        if counts(asked[c]) and asked[c].rank < level:
             count = add_rows(c, level, every, True, count, asked, chain, body, work, pose)
     own = count
     if not mending:
@@ -258,7 +266,7 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
     if whole:
         slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
     part = part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
-    return go_on(ease, part, body, start, chain, work[2], ways, work[3][0])
+    return go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
 
 
 @kernel
@@ -267,7 +275,7 @@ def disturbance(level, asked, areas, body, work, pose):
     worst = 0.0
     for c in range(asked.shape[0]):
         row = asked[c]
-        if row.wanted == 1 and row.rank < level:
+        if counts(row) and row.rank < level:
             miss = miss_of(c, asked, areas, body, work, pose)
             if row.kind == ORIENTATION or row.kind == LOOK_AT:
                 miss *= TURN_ARM
@@ -276,16 +284,21 @@ def disturbance(level, asked, areas, body, work, pose):
 
 
 @kernel
-def note_kept(level, asked, areas, body, work, pose):
-    """Note what the constraints above this level have got: it is theirs to keep."""
+def note_kept(first, level, asked, areas, body, work, pose):
+    """Note what the constraints above this level have got: it is theirs to keep.
+
+    Those above ``first``, the level that was solved last, keep the least that they have missed: what levels may cost
+    them does not add up.
+    """
     spine_count = pose[0].shape[0] - 23
     for c in range(asked.shape[0]):
         row = asked[c]
-        if row.wanted != 1 or row.rank >= level:
+        if not counts(row) or row.rank >= level:
             continue
-        row.kept_miss = miss_of(c, asked, areas, body, work, pose)
-        if row.kind == ORIENTATION or row.kind == LOOK_AT:
-            row.kept_miss *= TURN_ARM
+        turns = row.kind == ORIENTATION or row.kind == LOOK_AT
+        miss = miss_of(c, asked, areas, body, work, pose) * (TURN_ARM if turns else 1.0)
+        row.kept_miss = miss if row.rank >= first else min(miss, row.kept_miss)
+        if turns:
             copy_matrix(pose[1][row.ends[0, 1]], row.kept_turn)
         elif row.kind == BALANCE:
             centre_of_mass(body[1], pose[0], work[6], row.kept_places[0])

@@ -123,7 +123,7 @@ def pose_between(part, frame, asked, areas, activations, chain, body, work, star
             row.wanted = IN_PART
         note_hung(row, hung)
     carry_body(chain, body, work, start, pose)
-    note_kept(level, asked, areas, body, work, pose)
+    note_kept(0, level, asked, areas, body, work, pose)
     for c in range(asked.shape[0]):
         if asked[c].wanted == 1:
             note_held(asked[c], hung, work, pose)

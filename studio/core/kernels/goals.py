@@ -13,6 +13,14 @@ BALANCE = 3
 LOOK_AT = 4
 AREA = 5
 """Kinds as the solver knows them."""
+GIVEN_UP = 2
+"""What ``wanted`` becomes where a constraint is given up for those above it."""
+
+
+@small_kernel
+def counts(row):
+    """Whether a constraint acts at this frame: what it has is its own, also where it was given up."""
+    return row.wanted == 1 or row.wanted == GIVEN_UP
 
 
 @small_kernel

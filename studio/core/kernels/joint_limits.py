@@ -7,7 +7,8 @@ half of the range of its turn about itself, ``well`` (2, 4) cosines of three qua
 the range, cosine and sine of its middle; and of elbow or knee ``bends`` (2,), ``aslant`` and ``turns`` (2,), in
 radians. For one frame: what the unsolved pose has of all these, ``own_swings`` (2, 2), ``own_parts`` (2,) of the
 limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``caps`` (2, 3) the parts of its limits that
-swing, twist and twist back may take, ``fresh`` whether they are not noted yet; ``sure``, less than 1 where a wish could
+swing, twist and twist back may take, ``fresh`` whether they are not noted yet, and both as they were when the level
+began; ``sure``, less than 1 where a wish could
 be had by either way round; ``tip_turns`` whether wrist or ankle has turned; ``acts``, 1 + the constraint whose place a
 limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is as far as it
 goes.
@@ -20,7 +21,7 @@ import numpy as np
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.turns import inverse, product, turn_by, turn_in
-from studio.core.kernels.vectors import copy_matrix
+from studio.core.kernels.vectors import copy_matrix, copy_point
 
 _REAL = np.float64
 LIMITED = np.dtype(
@@ -39,6 +40,8 @@ LIMITED = np.dtype(
         ("own_slant", _REAL),
         ("own_turn", _REAL),
         ("caps", _REAL, (2, 3)),
+        ("kept_caps", _REAL, (2, 3)),
+        ("kept_fresh", np.int64),
         ("sure", _REAL),
         ("tip_turns", np.int64),
         ("fresh", np.int64),
@@ -162,6 +165,26 @@ def note_own(limb, limits, pose):
         note_caps(row, joint, (x, y, twist))
     row.own_bend, row.own_slant, row.own_turn = bend_of(rotations[upper], rotations[upper + 1])
     row.acts, row.fresh = 0, 1
+
+
+@kernel
+def keep_caps(limits):
+    """Note how far joints may go, should the level that begins be given up."""
+    for limb in range(limits.shape[0]):
+        row = limits[limb]
+        row.kept_fresh = row.fresh
+        for joint in range(2):
+            copy_point(row.caps[joint], row.kept_caps[joint])
+
+
+@kernel
+def restore_caps(limits):
+    """Joints may go as far as when the level began."""
+    for limb in range(limits.shape[0]):
+        row = limits[limb]
+        row.fresh = row.kept_fresh
+        for joint in range(2):
+            copy_point(row.kept_caps[joint], row.caps[joint])
 
 
 @kernel

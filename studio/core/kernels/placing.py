@@ -16,6 +16,7 @@ from studio.core.kernels.goals import (
     LOOK_AT,
     ORIENTATION,
     POSITION,
+    counts,
     ease_goal,
     end_place,
     gaze_goal,
@@ -150,12 +151,12 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
     busy, stiff, moving = 0, 0, False
     for c in range(asked.shape[0]):
         row = asked[c]
-        if row.wanted == 1 and row.rank <= level:
+        if counts(row) and row.rank <= level:
             follows = row.kind != DISTANCE and row.ends[1, 0] >= 0
             moving = moving or follows or row.kind == DISTANCE or row.kind == AREA or row.kind == LOOK_AT
             row.engaged = 0
             for end in range(2):
-                if row.ends[end, 2] >= 0:
+                if row.ends[end, 2] >= 0 and row.wanted == 1:
                     busy |= 1 << row.ends[end, 2]
                     stiff |= row.stiff << row.ends[end, 2]
     for attempt in range(1 + AGAIN):
@@ -190,7 +191,7 @@ def follow(level, solved, asked, areas, work, start, pose):
     points = work[5]
     for c in range(asked.shape[0]):
         row = asked[c]
-        if row.wanted != 1 or row.rank > level:
+        if not counts(row) or row.rank > level:
             continue
         if row.kind != DISTANCE and row.ends[1, 0] >= 0:
             follow_body(row, areas[c], start, pose, work)
@@ -205,7 +206,7 @@ def follow(level, solved, asked, areas, work, start, pose):
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
             turn = shortest(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z)
             put_turn(product(turn, turn_in(rotation)), row.turn)
-        elif row.kind == AREA and not row.engaged and not solved:
+        elif row.kind == AREA and row.wanted == 1 and not row.engaged and not solved:
             engage_one(c, asked, areas, points, pose)
 
 

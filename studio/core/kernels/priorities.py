@@ -33,6 +33,8 @@ ATTEMPTS = 4
 """Times that a step is found, at most, until no bound is broken and none pushes the wrong way."""
 PRESSING = 0.5
 """Part of its curvature with which a limit answers."""
+ROUNDING = 1.5 * 2.0**18
+"""Added to a number and taken away again it leaves multiples of 2^-34, 6e-11 radians or metres, of it."""
 CLOSER, CLOSEST = 0.3, 3e-5
 """Part of its room before a limit that a step leaves a joint, and part of the limit that always stays."""
 
@@ -365,10 +367,10 @@ def let_go(held, roles, solving):
 
 
 @kernel
-def go_on(ease, part, body, start, chain, carried, ways, turned):
+def go_on(least, ease, part, body, start, chain, carried, ways, turned):
     """Go the way that keeps what is held and a part of the way to what is asked, as far as planted feet allow the root.
 
-    ``ease`` the part of both that is gone. How far anything moves, in metres.
+    ``ease`` the part of both that is gone. How far anything moves, in metres; nothing does where it would be ``least``.
     """
     slots, way = chain[2], ways[ways.shape[0] - 1]
     for k in range(way.shape[0]):
@@ -377,24 +379,31 @@ def go_on(ease, part, body, start, chain, carried, ways, turned):
     root = slots[slots.shape[0] - 1]
     if root >= 0:
         keep_feet_in_reach(body, start, carried, turned[root], way[root])
-    return move_joints(chain, carried, way, turned)
+    return move_joints(least, chain, carried, way, turned)
 
 
 @kernel
-def move_joints(chain, carried, way, turned):
-    """Add a step to the state of every joint, less where that is too long; the longest way in metres."""
+def move_joints(least, chain, carried, way, turned):
+    """Add a step to the state of every joint, less where that is too long, none if it is ``least`` metres at most.
+
+    The longest way in metres.
+    """
     _, joints, _, limits = chain
     longest = 0.0
     for k in range(joints.shape[0]):
         size = math.sqrt(way[k, 0] ** 2 + way[k, 1] ** 2 + way[k, 2] ** 2)
         longest = max(longest, size if joints[k, 0] == ROOT else 0.5 * size)
     scale = min(1.0, LONGEST_STEP / max(longest, 1e-9))
+    if longest <= least:
+        return 0.0
     for k in range(joints.shape[0]):
         x, y, z = scale * way[k, 0], scale * way[k, 1], scale * way[k, 2]
         if joints[k, 0] == ROOT:
-            turned[k, 0] += x
-            turned[k, 1] += y
-            turned[k, 2] += z
+            turned[k, 0], turned[k, 1], turned[k, 2] = (
+                rounded(turned[k, 0] + x),
+                rounded(turned[k, 1] + y),
+                rounded(turned[k, 2] + z),
+            )
         elif x != 0.0 or y != 0.0 or z != 0.0:
             turn_further(x, y, z, carried[joints[k, 4]], limits[k], turned[k])
     return scale * longest
@@ -420,4 +429,13 @@ def turn_further(x, y, z, carrier, limit, turned):
         room = limit - max(math.sqrt(gx * gx + gy * gy + gz * gz), FREE_PART * limit)
         most = limit - max(CLOSER * room, CLOSEST * limit)
         scale = min(1.0, most / size)
-    turned[0], turned[1], turned[2] = scale * nx, scale * ny, scale * nz
+    turned[0], turned[1], turned[2] = rounded(scale * nx), rounded(scale * ny), rounded(scale * nz)
+
+
+@small_kernel
+def rounded(value):
+    """A number to the next multiple of 2^-34, as sums in any order of their terms have it.
+
+    What a level comes to must not depend on how many joints others free: where a hair decides it would show.
+    """
+    return (value + ROUNDING) - ROUNDING

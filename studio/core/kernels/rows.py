@@ -7,7 +7,7 @@ import math
 
 from studio.core.kernels.balance import centre_of_mass, let_arm_reach, set_balance_rows
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
+from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
 from studio.core.kernels.means import within_means
@@ -69,6 +69,9 @@ def add_rows(c, level, owner, is_held, count, asked, chain, body, work, pose):
             if row.ends[end, 0] < 0:
                 continue
             free = row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0
+            if row.wanted == GIVEN_UP and row.ends[end, 2] >= 0:
+                count = add_idle_row(c, level, end, owner, count, asked, ask, chain, points[0], pose)
+                continue
             aims = not row.stiff or row.parts[end, 0] == 1.0
             if free and aims:
                 count = add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, body[4], points, pose)
@@ -131,6 +134,29 @@ def add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work
             if 0 <= limb < 2 and other.freedoms[0, 0] > 0.0 and chain[2][limb_indices(limb, spine_count)[1]] < 0:
                 let_arm_reach(limb, row.axes, other.places[0], other.reaches[0], sums, chain[1], positions, rows)
     return count
+
+
+@kernel
+def add_idle_row(c, level, end, owner, count, asked, ask, chain, point, pose):
+    """Hold what an arm misses that is not asked for it any more, and goes as it lies with what carries it.
+
+    Where another constraint poses it, what that does to the miss is only seen in the end.
+    """
+    row = asked[c]
+    if row.kind != POSITION or row.ends[end, 2] >= 2:
+        return count
+    for other in asked:
+        poses = other.ends[0, 2] == row.ends[end, 2] or other.ends[1, 2] == row.ends[end, 2]
+        if poses and other.wanted == 1 and other.rank <= level:
+            return count
+    end_place(row, end, pose, point)
+    goal = row.places[end]
+    x, y, z = goal[0] - point[0], goal[1] - point[1], goal[2] - point[2]
+    size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
+    begin_row(ask, count, owner, size - row.kept_miss)
+    add_point_row(point, x / size, y / size, z / size, row.ends[end, 1], chain[1], pose[0], ask[0][count])
+    note_pull(ask[5][count], 0.0, 0.0, 0.0, 0.0, point, row.ends[end, 1])
+    return count + 1
 
 
 @kernel
