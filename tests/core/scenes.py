@@ -58,8 +58,9 @@ class Scene:
         phase = 2 * np.pi * (self.random.uniform(0.1, FASTEST) * times + self.random.uniform(size=3))
         aside = widest * self.random.normal(size=3)
         follow = FollowTracked(f"{number}")
-        turns = from_vector(0.5 * self.random.normal(size=3)) @ np.eye(3)
-        self.tracks = {**self.tracks, follow: Track(places + aside * np.sin(phase) + aside[::-1], turns[None])}
+        turn = from_vector(0.5 * self.random.normal(size=3))
+        turns = np.broadcast_to(turn, (len(times), 3, 3))
+        self.tracks = {**self.tracks, follow: Track(places + aside * np.sin(phase) + aside[::-1], turns)}
         return follow
 
     def position(self, number: int) -> Constraint:
@@ -72,7 +73,7 @@ class Scene:
         follow, times = FollowTracked(f"{number}"), np.arange(self.before.frame_count)[:, None] / RATE
         vectors = 0.4 * self.random.normal(size=3) * np.sin(2 * np.pi * FASTEST * times)
         turned = self.before.rotations[0, segment] @ np.array([from_vector(each) for each in vectors])
-        self.tracks = {**self.tracks, follow: Track(np.zeros((1, 3)), turned)}
+        self.tracks = {**self.tracks, follow: Track(np.zeros((len(times), 3)), turned)}
         return OrientationConstraint(**fields, target=follow)
 
     def look_at(self, number: int) -> Constraint:

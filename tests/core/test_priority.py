@@ -1,5 +1,7 @@
 """Priorities are strict: what stands lower takes nothing from what stands higher."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,14 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.ground import Ground
+from studio.core.kernels.rows import TURN_ARM
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt, hold, place_of, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, target, walk
 from tests.core.reachable import reachable_target
+from tests.core.scenes import KINDS, Scene
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 WALK, CONTACTS = walk()
@@ -117,3 +121,24 @@ def test_whatever_is_added_below_takes_nothing_from_sets_of_wishes_in_any_order(
             after[order] = hold(standing, [wishes[place] for place in order], 30, 30).residuals[:, 0]
             assert (after[:-1] <= before + LEAK).all(), (seed, count)
             before = after
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_whatever_is_added_below_takes_nothing_from_wishes_of_any_kind(body: Morphology) -> None:
+    motion, contacts = walk(60)
+    standing = stand(motion, body, contacts, Ground())
+    before, kinds = hold(standing, ()), [kind for kind in KINDS if kind != "clear"]
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        scene = Scene(before, seed, random.choice([*kinds, "position"], size=random.integers(2, 9)).tolist())
+        levels = np.cumsum(random.random(len(scene.constraints)) < 0.7)
+        wishes = [replace(each, priority=int(level)) for each, level in zip(scene.constraints, levels, strict=True)]
+        arms = np.array([TURN_ARM if each.unit == "rad" else 1.0 for each in wishes])
+        above = np.zeros(0)
+        for level in np.unique(levels):
+            order = random.permutation(np.sum(levels <= level))
+            after = np.empty(len(order))
+            after[order] = hold(standing, [wishes[place] for place in order], 40, 40, scene.tracks).residuals[:, 0]
+            after *= arms[: len(order)]
+            assert (after[: len(above)] <= above + LEAK).all(), (seed, level)
+            above = after

@@ -88,8 +88,8 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     for level in range(level_count):
         if not wants_level(level, asked):
             continue
-        note_grips(level, asked, spine_count, work[4])
-        note_reaches(level, asked, chain, work[4], body, work[5], start, pose)
+        changed = note_grips(level, asked, spine_count, work[4])
+        note_reaches(level, changed, asked, chain, work[4], body, work[5], start, pose)
         if before >= 0:
             note_kept(before, level, asked, areas, body, work, pose)
             keep_caps(body[4])
@@ -173,8 +173,8 @@ def give_back(level, asked, areas, chain, body, work, start, pose):
     if not disturbance(level, asked, areas, body, work, pose) < KEPT:
         give_up(level, asked)
         restore_caps(body[4])
-        note_grips(level, asked, pose[0].shape[0] - 23, work[4])
-        note_reaches(level, asked, chain, work[4], body, work[5], start, pose)
+        changed = note_grips(level, asked, pose[0].shape[0] - 23, work[4])
+        note_reaches(level, changed, asked, chain, work[4], body, work[5], start, pose)
         place(level, False, asked, areas, chain, body, work, start, pose)
 
 
@@ -312,11 +312,12 @@ def note_kept(first, level, asked, areas, body, work, pose):
 
 
 @kernel
-def note_reaches(level, asked, chain, grips, body, points, start, pose):
+def note_reaches(level, changed, asked, chain, grips, body, points, start, pose):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 
     Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
-    in time and the trunk does the rest without error (METHOD 6, "reach sharing"). ``pose`` is the motion's own.
+    in time and the trunk does the rest without error (METHOD 6, "reach sharing"). Levels above have noted theirs, but
+    for limbs whose grip has ``changed`` (bits).
     """
     spine_count = pose[0].shape[0] - 23
     point = points[0]
@@ -326,6 +327,8 @@ def note_reaches(level, asked, chain, grips, body, points, start, pose):
             continue
         for end in range(2):
             limb = row.ends[end, 2]
+            if row.rank < level and not (limb >= 0 and changed >> limb & 1):
+                continue
             if end == 0 and row.kind == POSITION and (limb < 0 or row.freedoms[end, 0] == 0.0):
                 end_place(row, end, start, row.begin)
                 note_means(c, row, chain, body, start)

@@ -47,16 +47,21 @@ def limb_indices(limb, spine_count):
 
 @kernel
 def note_grips(level, asked, spine_count, out_grips):
-    """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,), -1 for none."""
+    """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,), -1 for none.
+
+    The limbs, as bits, of which another does than before.
+    """
+    changed = 0
     for limb in range(4):
-        out_grips[limb] = -1
-    for c in range(asked.shape[0] - 1, -1, -1):
-        row = asked[c]
-        limb = row.ends[0, 2]
-        if row.kind != ORIENTATION or row.wanted != 1 or row.rank > level or limb < 0:
-            continue
-        if row.ends[0, 1] == limb_indices(limb, spine_count)[1] + 2:
-            out_grips[limb] = c
+        grip, end = -1, limb_indices(limb, spine_count)[1] + 2
+        for c in range(asked.shape[0]):
+            row = asked[c]
+            holds = row.kind == ORIENTATION and row.wanted == 1 and row.rank <= level and row.ends[0, 1] == end
+            if holds and grip < 0:
+                grip = c
+        changed |= (grip != out_grips[limb]) << limb
+        out_grips[limb] = grip
+    return changed
 
 
 @kernel

@@ -84,7 +84,7 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
             for i in range(own):
                 for axis in range(3):
                     scratch[i, axis] += ways[held + i, k, axis]
-        elif joints[k, 2] <= carrier < joints[k, 3]:
+        elif joints[k, 2] <= carrier < joints[k, 3] and moves(k, held, count, ways):
             origin = joints[k, 1]
             if before >= 0:
                 dx, dy, dz = (
@@ -113,6 +113,15 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
             newton[i, j] += bent
             if j < i:
                 newton[j, i] += bent
+
+
+@small_kernel
+def moves(joint, held, count, ways):
+    """Whether any way turns a joint: one that only levels below may turn does not part a link in two."""
+    for i in range(held, count):
+        if ways[i, joint, 0] != 0.0 or ways[i, joint, 1] != 0.0 or ways[i, joint, 2] != 0.0:
+            return True
+    return False
 
 
 @kernel
