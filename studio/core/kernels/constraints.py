@@ -8,9 +8,10 @@ What goes through the functions here, for C constraints on a body of S segments 
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (12,),
-  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full, past (1,)): scratch, the first two as in
+  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full, past (4,)): scratch, the first two as in
   ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is idle; full
-  ``newton``'s; past what the last step missed.
+  ``newton``'s; past what the last step missed, how many rows it held (-1 none), how far it moved, and whether it will
+  do.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
@@ -36,7 +37,7 @@ from studio.core.kernels.limb_constraints import (
 from studio.core.kernels.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.newton import refine_step
 from studio.core.kernels.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
-from studio.core.kernels.priorities import find_step, go_on
+from studio.core.kernels.priorities import find_step, go_on, is_kept, step_again
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import frees_limbs, note_balances
 from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
@@ -67,10 +68,18 @@ STILL = 2e-5
 """Metres by which a step must move something for another to be worth while."""
 MENDS = 8
 """Steps that may be taken to give those above back what a level has cost them."""
-BACKS = 4
-"""Times that a level goes back by as much as it still disturbs those above, before it is given up."""
+BACKS, BACK = 2, 0.7
+"""Times that a level goes back by as much as it still disturbs those above, before it is given up, and the part of what
+it may disturb that it is to be left with.
+"""
 KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
+GAINS = 0.7
+"""Part of the least disturbance so far that a mend may leave; where two leave more, no other follows."""
+SURE = 2e-5
+"""Metres that a step is to leave, as the one before it gained, for no other to be looked at."""
+NEAR = 0.03
+"""Metres that a step may have moved things for the next to be found by what was eliminated for it."""
 
 
 @kernel
@@ -142,7 +151,11 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
 @kernel
 def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
     """Steps until a level has what it wants, or as much of it as there is."""
+    past = work[9]
+    past[0], past[1] = 0.0, -1.0
     note_balances(level, asked, chain, body, work, pose)
+    if is_met(level, asked, areas, body, work, pose):
+        return
     frees = frees_limbs(chain[2])
     stays = fresh and not frees_root(level, asked, chain)
     whole = stays and not frees
@@ -152,6 +165,8 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
         if not step(level, False, refines, is_late, stays, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
+        if past[3] > 0.0:
+            break
 
 
 @kernel
@@ -164,7 +179,7 @@ def give_back(level, asked, areas, chain, body, work, start, pose):
         disturbs = disturbance(level, asked, areas, body, work, pose)
         if disturbs < KEPT:
             return
-        share = KEPT / disturbs if attempt < BACKS else 0.0
+        share = BACK * KEPT / disturbs if attempt < BACKS else 0.0
         for joint in range(turned.shape[1]):
             for axis in range(3):
                 before = turned[1, joint, axis]
@@ -181,10 +196,16 @@ def give_back(level, asked, areas, chain, body, work, start, pose):
 @kernel
 def mend(level, most, asked, areas, chain, body, work, start, pose):
     """Give those above this level back what it has cost them; whether that is less than ``most`` metres now."""
+    least, fails, past = math.inf, 0, work[9]
     for _ in range(MENDS):
-        if disturbance(level, asked, areas, body, work, pose) < most:
+        disturbs = disturbance(level, asked, areas, body, work, pose)
+        if disturbs < most:
             return True
-        joints = chain[1].shape[0]
+        if disturbs > GAINS * least:
+            fails, past[1] = fails + 1, -1.0
+            if fails > 1:
+                break
+        least, joints = min(least, disturbs), chain[1].shape[0]
         if joints == 0 or not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
@@ -257,16 +278,35 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
         else:
             missed = max(missed, error)
     near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
+    near = min(near, 1.0) * min(max(gained / LITTLE, 0.0), 1.0)
     ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
+    # A step leaves c e^2 of an error e, and one by what was eliminated before 2 c e times the error before.
+    left = missed * missed / max(past[0], 1e-9)
+    nears, past[3] = 2.0 * left < SURE, 1.0 if left * missed < SURE * past[0] else 0.0
     past[0] = missed
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0
-    ways = work[1][5]
-    slope = find_step(own, count, ask, chain, work[1], pose[0])
-    if whole:
-        slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
-    part = part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
-    return go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
+    ways, part = work[1][5], 1.0
+    again = past[1] == own and past[2] < NEAR and (mending or nears)
+    if not (again and is_kept(own, ask, work[1]) and step_again(own, count, ask, chain, work[1]) < NEAR):
+        slope = find_step(own, count, ask, chain, work[1], pose[0])
+        if whole:
+            slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
+        part = part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
+        past[1], past[2] = own, 0.0
+    moved = go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
+    past[2] += moved
+    return moved
+
+
+@kernel
+def is_met(level, asked, areas, body, work, pose):
+    """Whether this level has what it wants as limbs were placed, and those above it have lost nothing."""
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.wanted == 1 and row.rank == level and metres_missed(c, asked, areas, body, work, pose) >= MET:
+            return False
+    return disturbance(level, asked, areas, body, work, pose) < KEPT
 
 
 @kernel
@@ -276,11 +316,15 @@ def disturbance(level, asked, areas, body, work, pose):
     for c in range(asked.shape[0]):
         row = asked[c]
         if counts(row) and row.rank < level:
-            miss = miss_of(c, asked, areas, body, work, pose)
-            if row.kind == ORIENTATION or row.kind == LOOK_AT:
-                miss *= TURN_ARM
-            worst = max(worst, miss - row.kept_miss)
+            worst = max(worst, metres_missed(c, asked, areas, body, work, pose) - row.kept_miss)
     return worst
+
+
+@kernel
+def metres_missed(c, asked, areas, body, work, pose):
+    """``miss_of``, turns in metres."""
+    turns = asked[c].kind == ORIENTATION or asked[c].kind == LOOK_AT
+    return miss_of(c, asked, areas, body, work, pose) * (TURN_ARM if turns else 1.0)
 
 
 @kernel
@@ -295,10 +339,9 @@ def note_kept(first, level, asked, areas, body, work, pose):
         row = asked[c]
         if not counts(row) or row.rank >= level:
             continue
-        turns = row.kind == ORIENTATION or row.kind == LOOK_AT
-        miss = miss_of(c, asked, areas, body, work, pose) * (TURN_ARM if turns else 1.0)
+        miss = metres_missed(c, asked, areas, body, work, pose)
         row.kept_miss = miss if row.rank >= first else min(miss, row.kept_miss)
-        if turns:
+        if row.kind == ORIENTATION or row.kind == LOOK_AT:
             copy_matrix(pose[1][row.ends[0, 1]], row.kept_turn)
         elif row.kind == BALANCE:
             centre_of_mass(body[1], pose[0], work[6], row.kept_places[0])

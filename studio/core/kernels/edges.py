@@ -128,6 +128,7 @@ def pose_between(part, frame, asked, areas, activations, chain, body, work, star
         if asked[c].wanted == 1:
             note_held(asked[c], hung, work, pose)
     place_limbs(level, asked, areas, chain, body, work, start, pose)
+    work[9][1] = -1.0
     mend(level, CLOSE_ENOUGH, asked, areas, chain, body, work, start, pose)
     for c in range(asked.shape[0]):
         row = asked[c]
