@@ -250,7 +250,7 @@ def make_work(constraint_count, joint_count, point_count):
         np.empty((segments + 1, 4)),
         np.empty((KEPT_TURNS + 16, 3, 3)),
         full,
-        np.empty(4),
+        np.empty(5),
     )
 
 

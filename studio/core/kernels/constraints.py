@@ -8,10 +8,10 @@ What goes through the functions here, for C constraints on a body of S segments 
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (12,),
-  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full, past (4,)): scratch, the first two as in
+  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full, past (5,)): scratch, the first two as in
   ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is idle; full
-  ``newton``'s; past what the last step missed, how many rows it held (-1 none), how far it moved, and whether it will
-  do.
+  ``newton``'s; past what the last step missed, how many rows held when one was last eliminated (-1 not yet) and how
+  far all has moved since, whether the last will do, and how many rows there were in all then.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
@@ -287,13 +287,13 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0
     ways, part = work[1][5], 1.0
-    again = past[1] == own and past[2] < NEAR and (mending or nears)
+    again = past[1] == own and past[2] < NEAR and (mending or (nears and past[4] == count))
     if not (again and is_kept(own, ask, work[1]) and step_again(own, count, ask, chain, work[1]) < NEAR):
         slope = find_step(own, count, ask, chain, work[1], pose[0])
         if whole:
             slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
         part = part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
-        past[1], past[2] = own, 0.0
+        past[1], past[2], past[4] = own, 0.0, count
     moved = go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
     past[2] += moved
     return moved
