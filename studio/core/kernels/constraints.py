@@ -20,6 +20,7 @@ that neighbouring frames take neighbouring ways.
 
 import math
 
+from studio.core.kernels.again import is_kept, step_again
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, counts, end_place
@@ -37,7 +38,7 @@ from studio.core.kernels.limb_constraints import (
 from studio.core.kernels.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.newton import refine_step
 from studio.core.kernels.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
-from studio.core.kernels.priorities import find_step, go_on, is_kept, step_again
+from studio.core.kernels.priorities import find_step, go_on
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import frees_limbs, note_balances
 from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
@@ -54,6 +55,8 @@ LITTLE, MUCH = 0.15, 0.35
 """Part of what was missed that the last step gained, up to which no late step follows, and from which a whole one."""
 NEARLY, FAR_OFF = 0.004, 0.012
 """Metres of error up to which late steps are taken whole, and from which on they are not taken."""
+NOUGHT = 0.03
+"""Part of what was missed that the last step must gain for another to be taken whole where little is missed."""
 SIMPLE = 2
 """Steps along the rows' own ways, which are all that most targets need, before all joints are looked at (where no feet
 and no other level are to be held: there, what holds would bend the ways of all joints too).
@@ -76,10 +79,12 @@ KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 GAINS = 0.7
 """Part of the least disturbance so far that a mend may leave; where two leave more, no other follows."""
-SURE = 2e-5
-"""Metres that a step is to leave, as the one before it gained, for no other to be looked at."""
+SURE, SURER = 5e-5, 1e-5
+"""Metres that a step is to leave, as the one before it gained, for no other to be looked at, and for it to be found by
+what was eliminated for the one before.
+"""
 NEAR = 0.03
-"""Metres that a step may have moved things for the next to be found by what was eliminated for it."""
+"""Metres that a step may have moved things for the next to be found so, or one that mends."""
 
 
 @kernel
@@ -278,11 +283,10 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
         else:
             missed = max(missed, error)
     near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
-    near = min(near, 1.0) * min(max(gained / LITTLE, 0.0), 1.0)
+    near = min(near, 1.0) * min(max(gained / NOUGHT, 0.0), 1.0)
     ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
-    # A step leaves c e^2 of an error e, and one by what was eliminated before 2 c e times the error before.
     left = missed * missed / max(past[0], 1e-9)
-    nears, past[3] = 2.0 * left < SURE, 1.0 if left * missed < SURE * past[0] else 0.0
+    nears, past[3] = left < SURER, 1.0 if left < SURE else 0.0
     past[0] = missed
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0

@@ -367,65 +367,6 @@ def let_go(held, roles, solving):
 
 
 @kernel
-def is_kept(held, ask, solving):
-    """Whether no bound that the last step did not look at is broken now."""
-    errors, roles, active = ask[1], ask[3], solving[3]
-    kept = True
-    for i in range(held):
-        kept = kept and (active[i] or roles[i] != BOUND or errors[i] <= 0.0)
-    return kept
-
-
-@kernel
-def step_again(held, count, ask, chain, solving):
-    """``find_step`` with what the last one eliminated, for what is missed now: near the goal levers hardly change.
-
-    How far anything is to move, in metres.
-    """
-    rows, errors, roles, brakes = solving[7][0], ask[1], ask[3], ask[4]
-    system, newton, active, answer, ways = solving[1], solving[2], solving[3], solving[4], solving[5]
-    _, weighted, long = solving[7]
-    last, kept, own = ways.shape[0] - 1, 0, count - held
-    for i in range(held):
-        if active[i]:
-            value = max(errors[i], 0.0) if roles[i] == BOUND else errors[i]
-            for h in range(kept):
-                value -= system[kept, h] * system[h, h] * answer[h]
-            answer[kept] = value
-            kept += 1
-    for number in range(long.shape[1]):
-        long[last, number] = long[last - 1, number] = 0.0
-    place = kept
-    for i in range(held - 1, -1, -1):
-        if active[i]:
-            place -= 1
-            value = answer[place]
-            for h in range(place + 1, kept):
-                value -= system[place, h] * answer[h]
-            answer[place] = value * system[place, place]
-            for number in range(long.shape[1]):
-                long[last - 1, number] += answer[place] * weighted[i, number]
-    brake_way(brakes, ways[last - 1])
-    for i in range(own):
-        newton[i, own] = 0.0
-    for q in range(held, count):
-        left = errors[q] - product_of(rows[q], long[last - 1])
-        for i in range(own):
-            newton[i, own] += left * product_of(rows[q], long[held + i])
-    for i in range(own):
-        for j in range(i + 1, own):
-            newton[j, own] -= newton[j, i] / newton[i, i] * newton[i, own]
-    for i in range(own - 1, -1, -1):
-        value = newton[i, own]
-        for j in range(i + 1, own):
-            value -= newton[i, j] * answer[j]
-        answer[i] = value / newton[i, i]
-        for number in range(long.shape[1]):
-            long[last, number] += answer[i] * long[held + i, number]
-    return max(length_of(chain[1], ways[last - 1]), length_of(chain[1], ways[last]))
-
-
-@kernel
 def length_of(joints, way):
     """The longest way in metres that a step (N, 3) moves anything, a radian counting half a one."""
     longest = 0.0
@@ -433,15 +374,6 @@ def length_of(joints, way):
         size = math.sqrt(way[k, 0] ** 2 + way[k, 1] ** 2 + way[k, 2] ** 2)
         longest = max(longest, size if joints[k, 0] == ROOT else 0.5 * size)
     return longest
-
-
-@summing_kernel
-def product_of(a, b):
-    """The sum of products of two rows of numbers."""
-    total = 0.0
-    for number in range(a.shape[0]):
-        total += a[number] * b[number]
-    return total
 
 
 @kernel
