@@ -161,7 +161,7 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
     note_balances(level, asked, chain, body, work, pose)
     if is_met(level, asked, areas, body, work, pose):
         return
-    frees = frees_limbs(chain[2])
+    frees = frees_limbs(min(asked.shape[0] + level, chain[0].shape[0] - 1), chain)
     stays = fresh and not frees_root(level, asked, chain)
     whole = stays and not frees
     tries = THOROUGH if frees or whole else TRIES

@@ -25,6 +25,13 @@ FREE_PART = 0.7
 
 
 @kernel
+def may_turn(row, segment, chain):
+    """Whether ``row`` of the mobilities in ``chain`` (mobilities, joints, slots, limits) frees a segment's joint."""
+    joint = chain[2][segment]
+    return joint >= 0 and chain[0][row, joint] > 0.0
+
+
+@kernel
 def pivot_point(segment, spine_count):
     """The point about which ``segment`` turns."""
     if segment < spine_count + 2:

@@ -8,6 +8,8 @@ import math
 from studio.core.kernels.balance import centre_of_mass, set_balance_rows
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE
+from studio.core.kernels.joint_limits import limb_parts
+from studio.core.kernels.joints import may_turn
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.vectors import copy_point
 
@@ -41,7 +43,7 @@ def note_balances(level, asked, chain, body, work, pose):
         if row.kind != BALANCE or row.wanted != 1 or row.rank != level:
             continue
         copy_point(row.places[0], row.places[1])
-        if not frees_limbs(chain[2]):
+        if not frees_limbs(c, chain):
             continue
         point = work[5][0]
         centre_of_mass(body[1], pose[0], work[6], point)
@@ -58,11 +60,12 @@ def note_balances(level, asked, chain, body, work, pose):
 
 
 @kernel
-def frees_limbs(slots):
-    """Whether a shoulder or a hip is among the joints."""
-    spine_count = slots.shape[0] - 19
-    arms = slots[spine_count + 3] >= 0 or slots[spine_count + 7] >= 0
-    return arms or slots[spine_count + 10] >= 0 or slots[spine_count + 14] >= 0
+def frees_limbs(row, chain):
+    """Whether a constraint, or a level any down to it (``row`` of the mobilities), may turn a shoulder or a hip."""
+    for limb in range(4):
+        if may_turn(row, limb_parts(limb, chain[2].shape[0] - 19)[1], chain):
+            return True
+    return False
 
 
 @kernel

@@ -8,7 +8,7 @@ import math
 from studio.core.kernels.balance import centre_of_mass, let_arm_reach, set_balance_rows
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, end_place
-from studio.core.kernels.joints import add_point_row, add_turn_row
+from studio.core.kernels.joints import add_point_row, add_turn_row, may_turn
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
 from studio.core.kernels.means import within_means
 from studio.core.kernels.placing import turn_error
@@ -125,13 +125,15 @@ def add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work
         wanted = row.kept_places[0, axis] if is_held else row.places[1, axis]
         begin_row(ask, count, owner, wanted - point[axis])
         count += 1
-    rows = ask[0][count - row.axes : count]
+    rows, down_to = ask[0][count - row.axes : count], min(asked.shape[0] + level, chain[0].shape[0] - 1)
     set_balance_rows(row.axes, body[1], sums, chain[1], positions, rows)
     for c in range(asked.shape[0]):
         other = asked[c]
         if other.kind == POSITION and other.wanted == 1 and other.rank <= level and not other.second:
             limb = other.ends[0, 2]
-            if 0 <= limb < 2 and other.freedoms[0, 0] > 0.0 and chain[2][limb_indices(limb, spine_count)[1]] < 0:
+            if not 0 <= limb < 2 or other.freedoms[0, 0] == 0.0:
+                continue
+            if not may_turn(down_to, limb_indices(limb, spine_count)[1], chain):
                 let_arm_reach(limb, row.axes, other.places[0], other.reaches[0], sums, chain[1], positions, rows)
     return count
 
