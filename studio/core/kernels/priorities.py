@@ -59,8 +59,10 @@ def find_step(held, count, ask, chain, solving, positions):
     for i in range(count):
         active[i] = roles[i] != BOUND
     slope = 0.0
-    for _ in range(ATTEMPTS):
+    for attempt in range(ATTEMPTS):
         slope = solve_rows(held, count, ask, chain, solving, positions)
+        if attempt == ATTEMPTS - 1:  # the active rows stay those that were eliminated: the next step goes by them
+            break
         if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
             break
     return slope
