@@ -62,10 +62,10 @@ def note_balances(level, asked, chain, body, work, pose):
 @kernel
 def frees_limbs(row, chain):
     """Whether a constraint, or a level any down to it (``row`` of the mobilities), may turn a shoulder or a hip."""
+    found = False
     for limb in range(4):
-        if may_turn(row, limb_parts(limb, chain[2].shape[0] - 19)[1], chain):
-            return True
-    return False
+        found = found or may_turn(row, limb_parts(limb, chain[2].shape[0] - 19)[1], chain)
+    return found
 
 
 @kernel
