@@ -32,7 +32,7 @@ def step_again(held, count, ask, chain, solving):
         if active[i]:
             value = max(errors[i], 0.0) if roles[i] == BOUND else errors[i]
             for h in range(kept):
-                value -= system[kept, h] * system[h, h] * answer[h]
+                value -= system[h, kept] * system[h, h] * answer[h]
             answer[kept] = value
             kept += 1
     for number in range(long.shape[1]):

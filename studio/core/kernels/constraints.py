@@ -67,6 +67,8 @@ FOLDING = 0.05
 """Part of the way from its greatest to its least reach, the last, in which a limb folds ever less."""
 MET = 1.2e-4
 """Metres of error at which a wish is met."""
+HARDLY = 4e-5
+"""Metres that a step must promise to be worth its way, and twice that to be taken whole."""
 STILL = 2e-5
 """Metres by which a step must move something for another to be worth while."""
 MENDS = 8
@@ -147,6 +149,8 @@ def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
     if stiff:
         stiffen(level, asked)
         place(level, False, asked, areas, chain, body, work, start, pose)
+    if not fresh and yields(level, asked, areas, body, work, pose):
+        begin_again(level, asked, areas, chain, body, work, start, pose)
     if chain[1].shape[0] > 0:
         take_steps(level, fresh, asked, areas, chain, body, work, start, pose)
     if not fresh:
@@ -192,10 +196,38 @@ def give_back(level, asked, areas, chain, body, work, start, pose):
         place(level, False, asked, areas, chain, body, work, start, pose)
     if not disturbance(level, asked, areas, body, work, pose) < KEPT:
         give_up(level, asked)
-        restore_caps(body[4])
-        changed = note_grips(level, asked, pose[0].shape[0] - 23, work[4])
-        note_reaches(level, changed, asked, chain, work[4], body, work[5], start, pose)
-        place(level, False, asked, areas, chain, body, work, start, pose)
+        begin_again(level, asked, areas, chain, body, work, start, pose)
+
+
+@kernel
+def begin_again(level, asked, areas, chain, body, work, start, pose):
+    """Limbs as this level is to have them once something of it is given up."""
+    restore_caps(body[4])
+    note_grips(level, asked, pose[0].shape[0] - 23, work[4])
+    note_reaches(level, True, asked, chain, work[4], body, work[5], start, pose)
+    place(level, False, asked, areas, chain, body, work, start, pose)
+
+
+@kernel
+def yields(level, asked, areas, body, work, pose):
+    """Give up what this level asks of limbs whose turn, wished above, their limits do not leave beside it.
+
+    No joint of the trunk would give that back. Whether there is any.
+    """
+    found = False
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        if row.kind != ORIENTATION or row.ends[0, 2] < 0 or row.wanted != 1 or row.rank >= level:
+            continue
+        limb = row.ends[0, 2]
+        if metres_missed(c, asked, areas, body, work, pose) - row.kept_miss < KEPT:
+            continue
+        for other in range(asked.shape[0]):
+            named = asked[other].ends[0, 2] == limb or asked[other].ends[1, 2] == limb
+            if named and asked[other].rank == level and asked[other].wanted == 1:
+                asked[other].wanted, asked[other].engaged = GIVEN_UP, 0
+                found = True
+    return found
 
 
 @kernel
@@ -274,14 +306,14 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
             if asked[c].wanted == 1 and asked[c].rank == level:
                 count = add_rows(c, level, c, False, count, asked, chain, body, work, pose)
     errors, roles = ask[1], ask[3]
-    worst = missed = 0.0
+    worst = missed = squared = 0.0
     past = work[9]
     for row in range(count):
         error = errors[row] if roles[row] == BOUND else abs(errors[row])
         if row < own:
             worst = max(worst, error)
         else:
-            missed = max(missed, error)
+            missed, squared = max(missed, error), squared + error * error
     near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
     near = min(near, 1.0) * min(max(gained / NOUGHT, 0.0), 1.0)
     ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
@@ -296,7 +328,10 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
         slope = find_step(own, count, ask, chain, work[1], pose[0])
         if whole:
             slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
-        part = part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
+        promised = slope / (2.0 * math.sqrt(squared) + 1e-9)
+        worth = 1.0 if mending else min(max(promised / HARDLY - 1.0, 0.0), 1.0)
+        part = worth * part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
+        past[3] = max(past[3], 1.0 if worth == 0.0 else 0.0)
         past[1], past[2], past[4] = own, 0.0, count
     moved = go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
     past[2] += moved

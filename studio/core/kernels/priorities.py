@@ -14,6 +14,8 @@ that it would break most holds first, then what the step breaks now; what pushes
 
 import math
 
+import numpy as np
+
 from studio.core.kernels.compiling import kernel, small_kernel, summing_kernel
 from studio.core.kernels.joints import FREE_PART, ROOT, brake
 from studio.core.kernels.pulls import BOUND, bend
@@ -23,7 +25,7 @@ LONGEST_ERROR = 0.3
 """Metres (or radians) of error answered in one step."""
 LONGEST_STEP = 0.25
 """Metres, a radian counting half a one, that a step moves anything."""
-SINGULAR = 3e-3
+SINGULAR = 3e-4
 """Part of itself that must be left of the pivot of a held row, or it is taken to be spoken for by others."""
 SPOKEN_FOR = 0.2
 """The same of a row that asks, while its errors are large."""
@@ -170,25 +172,30 @@ def solve_held(held, count, errors, solving):
 
 @kernel
 def eliminate(system, count, columns):
-    """Solve ``system`` (n, columns + 1) in place by elimination in order for all of its right sides.
+    """Solve the symmetric ``system`` (n, columns + 1) in place by elimination in order for all of its right sides.
 
-    The last column is what each pivot was before.
+    The last column is what each pivot was before. What is below the diagonal is not looked at.
     """
     for i in range(count):
         pivot, floor = system[i, i], SINGULAR * system[i, columns]
         inverse = pivot / (pivot * pivot + floor * floor + 1e-24)
         system[i, i] = inverse
         for j in range(i + 1, count):
-            factor = system[j, i] * inverse
+            factor = system[i, j] * inverse
             if factor != 0.0:
-                for column in range(i + 1, columns):
-                    system[j, column] -= factor * system[i, column]
+                take_off(factor, system[i], j, columns, system[j])
     for i in range(count - 1, -1, -1):
         for column in range(count, columns):
-            value = system[i, column]
-            for j in range(i + 1, count):
-                value -= system[i, j] * system[j, column]
-            system[i, column] = value * system[i, i]
+            system[i, column] *= system[i, i]
+        for j in range(i):
+            take_off(system[j, i], system[i], count, columns, system[j])
+
+
+@small_kernel
+def take_off(factor, numbers, first, past, out_numbers):
+    """Take ``factor`` times some numbers off others, from the ``first`` on; indices without a sign go several at once."""
+    for place in range(np.uint64(first), np.uint64(past)):
+        out_numbers[place] -= factor * numbers[place]
 
 
 @kernel
@@ -317,8 +324,7 @@ def solve_positive(newton, count, matrix, damping, answer, first):
         for j in range(i + 1, count):
             factor = newton[j, i] / pivot
             if factor != 0.0:
-                for column in range(i + 1, count + 1):
-                    newton[j, column] -= factor * newton[i, column]
+                take_off(factor, newton[i], i + 1, count + 1, newton[j])
     for i in range(count - 1, -1, -1):
         value = newton[i, count]
         for j in range(i + 1, count):
