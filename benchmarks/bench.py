@@ -32,7 +32,7 @@ DOCS = ROOT / "docs"
 ROUNDS, QUICK_ROUNDS = 9, 3
 JUDGED = "adult_woman", "child"
 """Characters on which the quality is judged; times are those of the first."""
-FEW = 300
+FEW = 150
 """Frames on which many constraints are timed."""
 
 Record = dict[str, Any]

@@ -25,6 +25,9 @@ def draw_growth(constraints: Growth, characters: Growth, file: Path) -> None:
 
 def _draw(axes: Axes, growth: Growth, unit: float, what: str, cost: str) -> None:
     ends = [0, growth.counts[-1]]
+    if growth.least != growth.most:
+        least, most = ([unit * each for each in edge] for edge in (growth.least, growth.most))
+        axes.fill_between(growth.counts, least, most, color=INK, alpha=0.15, linewidth=0.0, label="least and most")
     label = f"{growth.slope:.1f} µs each, R² {growth.fit:.3f}"
     axes.plot(ends, [unit * (growth.fixed + growth.slope * end) for end in ends], color=LINE, label=label)
     axes.plot(growth.counts, [unit * each for each in growth.costs], "o", color=INK, markersize=4)

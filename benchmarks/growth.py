@@ -3,8 +3,10 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.cli.adaptation import MOTION_ID
 from studio.cli.bench_cases import ALWAYS, LIMB, ROOT, WITH_TRUNK, make_tasks
@@ -23,6 +25,8 @@ from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 MOST_CONSTRAINTS = 16
+ORDERS, SEED = 8, 0
+"""Orders in which constraints are added, and of the one that is drawn; what is added early decides what others cost."""
 CHARACTERS = 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000
 SHORT = 120
 """Frames for which a thousand characters are solved."""
@@ -43,6 +47,9 @@ class Growth:
 
     counts: list[int]
     costs: list[float]
+    least: list[float]
+    most: list[float]
+    """Of all orders; the costs are their means."""
     fixed: float
     slope: float
     fit: float
@@ -52,13 +59,19 @@ class Growth:
 def with_constraints(
     motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], character: Character, rounds: int
 ) -> Growth:
-    """Microseconds a frame with the first 1 to 16 of a list of wishes of every kind, on one character."""
+    """Microseconds a frame with 1 to 16 wishes of every kind, added in several orders, on one character."""
     request = AdaptRequest(motion, character.morphology, contacts)
-    wishes = many_wishes(adapt(request))
-    counts = list(range(1, MOST_CONSTRAINTS + 1))
-    requests = [replace(request, constraints=wishes[:count]) for count in counts]
-    jobs = [Job(str(len(each.constraints)), lambda each=each: adapt(each), motion.frame_count) for each in requests]
-    return _fitted(counts, [timing.median for timing in time_jobs(jobs, rounds)])
+    wishes, counts = many_wishes(adapt(request)), list(range(1, MOST_CONSTRAINTS + 1))
+    sets = [[wishes[place] for place in order[:count]] for order in orders() for count in counts]
+    requests = [replace(request, constraints=tuple(each)) for each in sets]
+    jobs = [Job(str(len(each.constraints)), partial(adapt, each), motion.frame_count) for each in requests]
+    return _fitted(counts, np.reshape([timing.median for timing in time_jobs(jobs, rounds)], (ORDERS, -1)))
+
+
+def orders() -> list[NDArray[np.int64]]:
+    """Orders of all wishes: one that is drawn, begun at every second of it, so that each wish is early as often as late."""
+    drawn = np.random.default_rng(SEED).permutation(MOST_CONSTRAINTS)
+    return [np.roll(drawn, -first) for first in range(0, MOST_CONSTRAINTS, MOST_CONSTRAINTS // ORDERS)]
 
 
 def with_characters(
@@ -75,7 +88,7 @@ def with_characters(
         spent += time.process_time() - start
         if number in CHARACTERS:
             costs.append(1e6 * spent / motion.frame_count)
-    return _fitted(list(CHARACTERS), costs)
+    return _fitted(list(CHARACTERS), np.array([costs]))
 
 
 def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
@@ -99,7 +112,11 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
     return tuple(wishes)
 
 
-def _fitted(counts: list[int], costs: list[float]) -> Growth:
+def _fitted(counts: list[int], each: NDArray[np.float64]) -> Growth:
+    """The line nearest to the means of costs (orders, counts)."""
+    costs = each.mean(axis=0)
     slope, fixed = np.polyfit(counts, costs, 1)
-    left = np.array(costs) - (fixed + slope * np.array(counts))
-    return Growth(counts, costs, float(fixed), float(slope), float(1.0 - left.var() / np.var(costs)))
+    left = costs - (fixed + slope * np.array(counts))
+    least, most = each.min(axis=0).tolist(), each.max(axis=0).tolist()
+    fit = float(1.0 - left.var() / np.var(costs))
+    return Growth(counts, costs.tolist(), least, most, float(fixed), float(slope), fit)

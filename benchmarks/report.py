@@ -84,8 +84,9 @@ def growth(record: Record) -> str:
     one, many = record["constraints"], record["characters"]
     return (
         "![Cost against constraints and characters](pictures/growth.svg)\n\n"
-        f"Constraints, 1 to {one['counts'][-1]} of every kind in four priorities: {one['costs'][0]:.1f} µs for the "
-        f"first, {one['costs'][-1]:.1f} µs for all; fitted {one['slope']:.1f} µs each (R² {one['fit']:.3f}).\n"
+        f"Constraints, 1 to {one['counts'][-1]} of every kind in four priorities, means over orders in which they are "
+        f"added: {one['costs'][0]:.1f} µs for the first ({one['least'][0]:.1f} to {one['most'][0]:.1f}), "
+        f"{one['costs'][-1]:.1f} µs for all; fitted {one['slope']:.1f} µs each (R² {one['fit']:.3f}).\n"
         f"Characters of the worst kind, 1 to {many['counts'][-1]:,}: fitted {many['slope']:.1f} µs each "
         f"(R² {many['fit']:.4f}), {1e6 / 30.0 / many['slope']:,.0f} on one core at 30 Hz.\n"
     )

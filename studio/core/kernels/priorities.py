@@ -193,7 +193,7 @@ def eliminate(system, count, columns):
 
 @small_kernel
 def take_off(factor, numbers, first, past, out_numbers):
-    """Take ``factor`` times some numbers off others, from the ``first`` on; indices without a sign go several at once."""
+    """Take ``factor`` times some numbers off others, from the ``first`` on; without a sign they go several at once."""
     for place in range(np.uint64(first), np.uint64(past)):
         out_numbers[place] -= factor * numbers[place]
 
