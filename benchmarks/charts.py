@@ -18,6 +18,7 @@ def draw_growth(constraints: Growth, characters: Growth, file: Path) -> None:
     left, right = figure.subplots(1, 2)
     _draw(left, constraints, 1.0, "constraints on one character", "µs a frame")
     _draw(right, characters, 1e-3, "characters of the worst kind", "ms for a frame of all")
+    right.set_ylim(top=max(right.get_ylim()[1], 1.2e3 / 30.0))
     right.axhline(1e3 / 30.0, color="#C8553D", linewidth=1.0, linestyle="--")
     right.text(0.0, 1e3 / 30.0, " one core at 30 Hz", color="#C8553D", fontsize=8, va="bottom")
     figure.savefig(file, format="svg", metadata={"Date": None})

@@ -69,7 +69,7 @@ def with_constraints(
 
 
 def orders() -> list[NDArray[np.int64]]:
-    """Orders of all wishes: one that is drawn, begun at every second of it, so that each wish is early as often as late."""
+    """Orders of all wishes: one that is drawn, begun at every second of it, so that each is early as often as late."""
     drawn = np.random.default_rng(SEED).permutation(MOST_CONSTRAINTS)
     return [np.roll(drawn, -first) for first in range(0, MOST_CONSTRAINTS, MOST_CONSTRAINTS // ORDERS)]
 
