@@ -65,6 +65,7 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--free-joints", action="store_true", help="let constraints bring limbs further than a person's joints go"
     )
+    parser.add_argument("--exact", action="store_true", help="let joints jolt rather than miss anything for a moment")
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
     parser.add_argument("--by-frame", action="store_true", help="put into the report what happens in every frame, too")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
@@ -96,6 +97,7 @@ class Asked:
     all_frames: bool
     by_frame: bool
     limited: bool
+    eased: bool
 
 
 def asked_by(arguments: Namespace) -> Asked:
@@ -117,6 +119,7 @@ def asked_by(arguments: Namespace) -> Asked:
         arguments.all_frames,
         arguments.by_frame,
         not arguments.free_joints,
+        not arguments.exact,
     )
 
 
@@ -135,7 +138,14 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
     requests = with_tracks(
         {
             key: AdaptRequest(
-                ready.motion, body, contacts, constraints, volume=volumes[key], actor=actor, limited=asked.limited
+                ready.motion,
+                body,
+                contacts,
+                constraints,
+                volume=volumes[key],
+                actor=actor,
+                limited=asked.limited,
+                eased=asked.eased,
             )
             for key, body in bodies.items()
         },

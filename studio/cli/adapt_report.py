@@ -18,7 +18,7 @@ from studio.core.rotations import from_matrix, inverse, multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.packing import limb_of
-from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of
+from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 Record = dict[str, Any]
@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 REACHED_MM, REACHED_DEG = 0.2, 0.1
 """Millimetres and degrees within which a target counts as met."""
 FULLY = 1.0 - 1e-9
-OTHERS = {NOBODY: None, CONTACTS: "contacts", LIMITS: "joint limits", REACH: "reach"}
+OTHERS = {NOBODY: None, CONTACTS: "contacts", LIMITS: "joint limits", REACH: "reach", EASED: "easing"}
 """Who else than another constraint keeps one from being met."""
 QUIET = 1.0
 """Radians a second: a source peak below it counts as this."""

@@ -159,6 +159,7 @@ def request_of(
         volume=character.volume,
         actor=actor.morphology,
         limited=performer.limited,
+        eased=performer.eased,
     )
 
 

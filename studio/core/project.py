@@ -72,6 +72,8 @@ class Performer:
     visible: bool = True
     limited: bool = True
     """Whether constraints bring shoulders, elbows, wrists, hips, knees and ankles no further than a person's go."""
+    eased: bool = True
+    """Whether a moment at which joints would jolt is eased in time, at the cost of exactness."""
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):

@@ -64,7 +64,7 @@ class StandingSolver:
             while len(self._kept) >= KEPT_STANDING:
                 self._kept.pop(next(iter(self._kept)), None)
             kept = self._kept[key] = (ground, stand(request.motion, request.morphology, *ground))
-        return hold(kept[1], request.constraints, first, last, request.tracks)
+        return hold(kept[1], request.constraints, first, last, request.tracks, eased=request.eased)
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
@@ -88,6 +88,7 @@ class Wanted:
     followed: tuple[Followed, ...] = ()
     volume: BodyVolume | None = None
     limited: bool = True
+    eased: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +234,7 @@ class LiveAdaptation(QObject):
         asks = any(isinstance(item, ClearConstraint) for item in constraints)
         wanted = Wanted(
             capture, id(capture), character.morphology, contacts, constraints, ground, followed or (),
-            character.volume if asks else None, performer.limited,
+            character.volume if asks else None, performer.limited, performer.eased,
         )  # fmt: skip
         if followed is None or self._wanted.get(key) == wanted:
             return
@@ -262,7 +263,7 @@ class LiveAdaptation(QObject):
         tracks = tracks_of(wanted.followed)
         request = AdaptRequest(
             motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground, tracks, wanted.volume, actor,
-            wanted.limited,
+            wanted.limited, wanted.eased,
         )  # fmt: skip
         begin = time.perf_counter()
         answer = self._solve(request, first, last)

@@ -45,6 +45,13 @@ class PerformerEditor(Editor):
         )
         self._limited.toggled.connect(self._limit_or_free)
         section.add_row("Joints", self._limited)
+        self._eased = QCheckBox("eased in time")
+        self._eased.setToolTip(
+            "Where a joint would jump from frame to frame, the frames around are eased: constraints may be missed for a"
+            " moment, from the lowest on. Without, every frame meets all it can, however that jolts."
+        )
+        self._eased.toggled.connect(self._ease_or_not)
+        section.add_row("Jolts", self._eased)
         self._body = BodySection(self, lambda: self.entity.character_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
@@ -63,6 +70,8 @@ class PerformerEditor(Editor):
             self._visible.setChecked(performer.visible)
         with QSignalBlocker(self._limited):
             self._limited.setChecked(performer.limited)
+        with QSignalBlocker(self._eased):
+            self._eased.setChecked(performer.eased)
         self._name.setText(performer.name)
         self._cast.clear_all()
         for key, each in self.document.project.characters.items():
@@ -80,6 +89,9 @@ class PerformerEditor(Editor):
 
     def _limit_or_free(self, limited: bool) -> None:
         self.change(f"{'Limit' if limited else 'Free'} the joints of {self.entity.name}", limited=limited)
+
+    def _ease_or_not(self, eased: bool) -> None:
+        self.change(f"{'Ease' if eased else 'Leave'} the jolts of {self.entity.name}", eased=eased)
 
     def _rename(self) -> None:
         name = self._name.text().strip()

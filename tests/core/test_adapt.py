@@ -16,7 +16,8 @@ from studio.core.ground import Ground
 from studio.core.metrics import contact_quality
 from studio.core.morphology import Morphology, Proportions
 from studio.core.normalized.realize import realize
-from studio.core.solver.adapt import adapt, limb_of, place_of, point_indices
+from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.packing import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
 from tests.builders import make_constraint, make_morphology

@@ -87,7 +87,7 @@ def _peak(seed: int, count: int) -> float:
     """The peak beside what source and wishes bring together."""
     standing, before = STANDING[seed % len(BODIES)], BEFORE[seed % len(BODIES)]
     wishes, upper = Wishes(before, seed, count), before.morphology.layout.spine_count + 10
-    solved = hold(standing, wishes.constraints, tracks=wishes.tracks)
+    solved = hold(standing, wishes.constraints, tracks=wishes.tracks, eased=True)
     source, peak = (
         angular_acceleration(local_rotations(each)[:, :upper], each.frame_rate).max() for each in (before, solved)
     )

@@ -4,20 +4,19 @@ import math
 
 import numpy as np
 
-from studio.core.kernels.areas import put_area
-from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import move_all
 from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
-from studio.core.kernels.edges import IN_PART, blends, clear_state, keep_solution, next_edge, pose_between
-from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
+from studio.core.kernels.easing import ease_frame
+from studio.core.kernels.edges import IN_PART, clear_state, keep_solution, next_edge, pose_between
+from studio.core.kernels.jolts import note_jolts
 from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.packed import pack
-from studio.core.kernels.placing import KEPT_TURNS, follow_body, miss_of, turn_error
+from studio.core.kernels.placing import KEPT_TURNS, miss_of
 from studio.core.kernels.recruiting import free_limbs
-from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
-from studio.core.kernels.vectors import copy_matrix, copy_point, distance
+from studio.core.kernels.vectors import copy_matrix, copy_point
+from studio.core.kernels.wishes import set_goals
 
 
 @allocating_kernel
@@ -63,6 +62,7 @@ def solve_frames(
     clearance,
     start_positions,
     start_rotations,
+    easing,
     out_residuals,
     positions,
     rotations,
@@ -75,8 +75,8 @@ def solve_frames(
     things are to be at full activation; ``activations`` (C, F);
     ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body``
     the tuple (measures, masses (S, 2), limits of ``kernels.joint_limits``); ``clearance`` as in ``kernels.clearance``,
-    which works on the unsolved poses, in place, and again after the constraints. ``positions`` and ``rotations`` begin
-    as copies of the unsolved ones.
+    which works on the unsolved poses, in place, and again after the constraints; ``easing`` as in ``kernels.easing``.
+    ``positions`` and ``rotations`` begin as copies of the unsolved ones.
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
     work = make_work(activations.shape[0], chain[1].shape[0], positions.shape[1])
@@ -96,6 +96,7 @@ def solve_frames(
         clear_work,
         work,
         motion,
+        easing,
         out_residuals,
     )
 
@@ -115,6 +116,7 @@ def solve_each(
     clear_work,
     work,
     motion,
+    easing,
     out_residuals,
 ):
     """``solve_frames`` with its scratch: ``work``, and that of ``kernels.clearance``."""
@@ -124,11 +126,14 @@ def solve_each(
     matrix, system, newton, active, answer, ways, levers, long = solving
     solving = pack((matrix, system, newton, active, answer, ways, levers, pack(long)))
     work = pack((pack(ask), solving, carried, turned, grips, points, sums, turns, pack(full), past))
-    motion = pack(motion)
-    for frame in range(activations.shape[1]):
+    motion, easing = pack(motion), pack(easing)
+    frames, states, eases = easing[0], easing[1], easing[2].shape[0] > 0
+    for number in range(frames.shape[0]):
+        frame = frames[number]
         start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
         if clears:
             clear_before(frame, clearance, clear_work, start)
+        if clears or eases:
             copy_pose(start, pose)
         acts = solve_one(
             frame,
@@ -145,9 +150,18 @@ def solve_each(
             motion,
             out_residuals,
         )
+        if eases:
+            frame_body = pack(body_at(frame, leashes, stance, body))
+            ease_frame(frame, asked, areas, chain, wishes, activations, frame_body, work, start, pose, easing)
+            note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
+        for joint in range(states.shape[1]):
+            for axis in range(3):
+                states[frame, joint, axis] = work[3][0, joint, axis] if acts or eases else 0.0
         if clears:
             clear_after(frame, acts, asked, clearance, clear_work, pose)
             note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
+        if not eases:
+            note_jolts(frame, chain[1], motion, easing)
 
 
 @kernel
@@ -252,55 +266,3 @@ def make_work(constraint_count, joint_count, point_count):
         full,
         np.empty(5),
     )
-
-
-@kernel
-def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose):
-    """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts.
-
-    What ``kernels.edges`` blends is wholly wanted, or, where its activation is below ``least``, not at all.
-    """
-    places, turns, distances = wishes
-    acts, point, other, turn = False, work[5][0], work[5][1], work[7][0]
-    for c in range(asked.shape[0]):
-        row, share = asked[c], activations[c, frame]
-        if share < 1.0 and blends(row):
-            share = 1.0 if share >= least else 0.0
-        row.share = share
-        row.wanted = 1 if share > 0.0 else 0
-        if share <= 0.0:
-            continue
-        acts = True
-        wish = places[c, frame if places.shape[1] > 1 else 0]
-        if row.kind == ORIENTATION:
-            begin = pose[1][row.ends[0, 1]]
-            turn_error(turns[c, frame if turns.shape[1] > 1 else 0], begin, turn, point)
-            rotation_vector_to_matrix(share * point[0], share * point[1], share * point[2], turn)
-            multiply(turn, begin, row.turn)
-        elif row.kind == BALANCE:
-            centre_of_mass(body[1], pose[0], work[6], point)
-            copy_point(point, row.begin)
-            for axis in range(3):
-                way = 0.0 if math.isnan(wish[axis]) else wish[axis] - point[axis]
-                row.places[0, axis] = point[axis] + share * way
-        elif row.kind == LOOK_AT:
-            copy_point(wish, row.places[0])
-            for axis in range(3):
-                row.places[1, axis] = pose[1][row.ends[0, 1], axis, 0]
-            row.distance = share
-        elif row.kind == AREA:
-            row.distance = share
-            copy_matrix(turns[c, frame if turns.shape[1] > 1 else 0], row.turn)
-            put_area(areas[c], wish, row.turn)
-        elif row.kind == DISTANCE:
-            copy_point(wish, row.places[1])
-            end_place(row, 0, pose, point)
-            second_place(row, pose, other)
-            now = distance(point, other)
-            row.distance = now + share * (distances[c, frame if distances.shape[1] > 1 else 0] - now)
-        else:
-            end_place(row, 0, pose, point)
-            ease_goal(point, wish, share, row.places[0])
-        if row.kind != DISTANCE and row.ends[1, 0] >= 0:
-            follow_body(row, areas[c], pose, pose, work)
-    return acts

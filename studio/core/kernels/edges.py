@@ -112,9 +112,15 @@ def turn_between(carrier, segment, out_turn):
 @kernel
 def pose_between(part, frame, asked, areas, activations, chain, body, work, start, pose):
     """Pose the body ``part`` of the way from what was just solved to what was kept; what both have is held."""
+    blend_kept(part, asked, areas, body, work, pose)
+    pose_kept(frame, asked, areas, activations, chain, body, work, start, pose)
+
+
+@kernel
+def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
+    """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks."""
     level = chain[0].shape[0] - asked.shape[0]
     hung = work[4]
-    blend_kept(part, asked, areas, body, work, pose)
     for c in range(asked.shape[0]):
         row = asked[c]
         on_edge = not row.wanted and 0.0 < activations[c, frame] < 1.0
@@ -157,4 +163,4 @@ def note_held(row, hung, work, pose):
             row.kept_places[end, axis] += part * (wish[axis] - row.kept_places[end, axis])
         if row.kind == POSITION and row.ends[end, 2] >= 0 and hung[4 + row.ends[end, 2]]:
             copy_point(row.kept_places[end], row.places[end])
-            row.comforts[end], row.reaches[end] = 1.0, row.longest[end]
+            row.comforts[end], row.reaches[end], row.easings[end] = 1.0, row.longest[end], 0.0

@@ -111,8 +111,12 @@ def range_of(limb, segment, holds_end, point, limits, pose):
 
 @kernel
 def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
-    """All constraints of one limb down to ``level``, in order, within its ``limits``."""
+    """All constraints of one limb down to ``level``, in order, within its ``limits``.
+
+    One that ``kernels.edges`` keeps has come within them already, and only bends and aims from where it is.
+    """
     positions, rotations = pose
+    bound = limits.shape[0] > 0 and not grips[4 + limb]
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
     turning = grips[limb] >= 0 and asked[grips[limb]].wanted == 1
@@ -132,7 +136,7 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
             if row.ends[0, 2] == limb and segment < upper + 2:
                 turn = product(turn_in(row.turn), inverse(turn_in(rotations[segment])))
                 turn_part(turn, segment, spine_count, positions[root + segment - upper], positions, rotations)
-                if limits.shape[0] > 0 and segment == upper + 1 and solved == 0:
+                if bound and segment == upper + 1 and solved == 0:
                     keep_middle(limb, limits, pose)
                     turn = product(turn_in(row.turn), inverse(turn_in(rotations[segment])))
                     turn_part(turn, upper, spine_count, positions[root], positions, rotations)
@@ -152,7 +156,7 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
                 held_upper, swivels = segment == upper, segment != upper and not row.stiff
                 reached, ending = c, end
                 reach_with_limb(row, end, limb >= 2 or turning, limits, turns, points, pose)
-            elif free and solved == 1 and limits.shape[0] > 0:
+            elif free and solved == 1 and bound:
                 holds_end, row_helps = limb >= 2 or turning, asked[reached].helped == 1
                 keep_within(
                     limb, swivels, row_helps, False, holds_end, asked[reached], ending, limits, turns, points, pose
@@ -180,7 +184,7 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
             if solved == 0:
                 end_place(row, end, pose, first)
             solved += 1
-    if limits.shape[0] > 0:
+    if bound:
         helped, holds_end = (swivels or held_upper) and asked[reached].helped == 1, limb >= 2 or turning
         keep_within(limb, swivels, helped, turns_lower, holds_end, asked[reached], ending, limits, turns, points, pose)
         limits[limb].acts *= (reached + 1) * (swivels or held_upper)

@@ -14,12 +14,13 @@ BRAKING = 0.03
 
 @kernel
 def leash_of(side, body, start):
-    """(length, braking room) in metres of one leg's leash; no room beyond where the motion itself has the hip."""
+    """(length, braking room) in metres of one leg's leash; it lets the hip be where the motion itself has it."""
     measures, leashes, legs = body[0], body[2], body[3]
     length = measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1]
     hip = start[0][start[0].shape[0] - 10 + 5 * side]
-    leash = leashes[side] * length
-    return leash, min(max(leash - distance(hip, legs[2][side]), 0.0), BRAKING * length)
+    own = distance(hip, legs[2][side])
+    leash = max(leashes[side] * length, own)
+    return leash, min(leash - own, BRAKING * length)
 
 
 @kernel

@@ -1,8 +1,8 @@
 """What became of every constraint in every frame, and of the feet, the knees and the balance: arrays for plots.
 
 Who kept a constraint from being met is found by asking what would be without: each other constraint of its priority or
-a higher one, the contacts of the feet, the limits of the joints. The one without which most of the miss would be gone
-is named; where nobody's absence helps, the body reaches no further.
+a higher one, the contacts of the feet, the limits of the joints, easing in time. The one without which most of the miss
+would be gone is named; where nobody's absence helps, the body reaches no further.
 """
 
 from collections.abc import Sequence
@@ -13,17 +13,18 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
 from studio.core.metrics import centre_of_mass, contact_tracks, knee_speeds
-from studio.core.solver.adapt import Bound, Standing, constraint_activations, hold, standing_of
+from studio.core.solver.adapt import Bound, Standing, hold, standing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stretch import constraint_activations
 from studio.core.solver.support import outlines, standing_points, support_margins
 from studio.core.solver.tracks import Tracks
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-NOBODY, CONTACTS, LIMITS, REACH = -1, -2, -3, -4
+NOBODY, CONTACTS, LIMITS, REACH, EASED = -1, -2, -3, -4, -5
 """Who kept a constraint from being met, beside the row of another one: nobody (it is met, or not asked), the feet that
-stand, how far joints turn, the measures of the body and the chain that may move."""
+stand, how far joints turn, the measures of the body and the chain that may move, a moment that was eased in time."""
 MET = {"m": 2e-4, "rad": float(np.radians(0.1))}
 """What counts as met, by unit."""
 WORTH = 0.05
@@ -57,7 +58,7 @@ def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     slides, heights = contact_tracks(adapted, request.contacts, request.ground)
     return Report(
         adapted.residuals,
-        winners(standing, request.constraints, request.tracks, adapted),
+        winners(standing, request.constraints, request.tracks, adapted, request.eased),
         slides,
         heights,
         knee_speeds(adapted),
@@ -65,7 +66,9 @@ def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     )
 
 
-def winners(standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion) -> IntArray:
+def winners(
+    standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion, eased: bool = False
+) -> IntArray:
     """(C, F) who kept each constraint from being met; see ``Report``."""
     residuals, first = adapted.residuals, adapted.first_frame
     if not constraints:
@@ -86,6 +89,8 @@ def winners(standing: Standing, constraints: Sequence[Constraint], tracks: Track
 
     if missed.any():
         everybody = list(range(len(constraints)))
+        if eased:
+            weigh(EASED, everybody, constraints, Bound())
         weigh(CONTACTS, everybody, constraints, Bound(by_contacts=False))
         weigh(LIMITS, everybody, constraints, Bound(by_limits=False))
         ranks = np.array([each.priority for each in constraints])

@@ -36,6 +36,8 @@ class AdaptRequest:
     """The body that the motion was captured from: where it touches itself, others may."""
     limited: bool = True
     """Whether constraints bring the joints of limbs no further than a person's go, or than the motion itself does."""
+    eased: bool = False
+    """Whether frames are eased in time where joints jolt; without, each is solved from its own pose alone."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,103 @@
+"""How sharply what was solved changes its way from frame to frame, beside what the motion itself does (METHOD (36)).
+
+Of joints that a search turns it is the angular acceleration of their turns away from the motion; of limbs that
+constraints are about that of their own joints. ``jolts`` (F, 2) has the greatest of either at each frame, in radians
+a second squared; ``source`` (1,) the greatest of the unsolved motion that anybody needed to know so far.
+"""
+
+import math
+
+from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.joint_limits import limb_parts
+from studio.core.kernels.joints import ROOT
+from studio.core.kernels.turns import inverse, product, turn_in
+
+LEVER = 0.3
+"""Metres over which a place that moves turns a bone."""
+ADDED, WHOLE = 1.2, 2.0
+"""Parts of the source's peak that joints of a search may add, and that limbs may turn with in all, for nobody to look
+closer.
+"""
+_STRAIGHT = 0.9
+"""Cosine of a turn up to which its angle is the series of its sine's."""
+
+
+@small_kernel
+def pace(parent, child, next_parent, next_child):
+    """Rotation vector (3 numbers, radians) of a joint from one frame to the next; its segments' matrices (3, 3)."""
+    now = product(inverse(turn_in(parent)), turn_in(child))
+    then = product(inverse(turn_in(next_parent)), turn_in(next_child))
+    turn = product(inverse(now), then)
+    x, y, z = 0.5 * (turn[7] - turn[5]), 0.5 * (turn[2] - turn[6]), 0.5 * (turn[3] - turn[1])
+    cosine = 0.5 * (turn[0] + turn[4] + turn[8] - 1.0)
+    squared = x * x + y * y + z * z
+    if cosine > _STRAIGHT:
+        scale = 1.0 + squared * (1.0 / 6.0 + squared * (3.0 / 40.0 + squared * (15.0 / 336.0)))
+    else:
+        scale = math.atan2(math.sqrt(squared), cosine) / max(math.sqrt(squared), 1e-9)
+    return scale * x, scale * y, scale * z
+
+
+@kernel
+def note_jolts(frame, joints, motion, easing):
+    """Note the frame before ``frame``, whose state and pose are there as are those of the two before.
+
+    Of ``kernels.easing``: ``states`` (F, N, 3); ``limbs`` (4,) which of them constraints are about; ``carriers`` (n,)
+    the segments that carry those which count as source, -1 none; ``paces`` (16, 3) of the limbs' joints, as the frame
+    before has left them; ``source``; ``rate`` (1,) frames a second; ``jolts``, written here.
+    """
+    _, states, _, _, _, _, limbs, carriers, paces, source, rate, out_jolts = easing
+    rotations = motion[3]
+    middle, per_second = frame - 1, rate[0] * rate[0]
+    searched = turned = 0.0
+    if frame >= 2:
+        for joint in range(joints.shape[0]):
+            squared = 0.0
+            for axis in range(3):
+                way = states[frame, joint, axis] - 2.0 * states[middle, joint, axis] + states[frame - 2, joint, axis]
+                squared += way * way
+            searched = max(searched, math.sqrt(squared) * (1.0 / LEVER if joints[joint, 0] == ROOT else 2.0))
+    for limb in range(4):
+        if not limbs[limb]:
+            continue
+        before, upper, _ = limb_parts(limb, rotations.shape[1] - 18)
+        for bone in range(3):
+            segment, kept = upper + bone, paces[4 * limb + bone]
+            x, y, z = pace(
+                rotations[middle, before],
+                rotations[middle, segment],
+                rotations[frame, before],
+                rotations[frame, segment],
+            )
+            turned = max(turned, (x - kept[0]) ** 2 + (y - kept[1]) ** 2 + (z - kept[2]) ** 2)
+            kept[0], kept[1], kept[2] = x, y, z
+            before = segment
+    if frame < 2:
+        return
+    out_jolts[middle, 0], out_jolts[middle, 1] = per_second * searched, per_second * math.sqrt(turned)
+    if out_jolts[middle, 0] > ADDED * source[0] or out_jolts[middle, 1] > WHOLE * source[0]:
+        source[0] = max(source[0], per_second * peak_at(middle, carriers, motion[1]))
+
+
+@kernel
+def peak_at(middle, carriers, rotations):
+    """The greatest change of any joint's pace at one frame, in radians a frame squared."""
+    most = 0.0
+    for segment in range(carriers.shape[0]):
+        carrier = carriers[segment]
+        if carrier < 0:
+            continue
+        first = pace(
+            rotations[middle - 1, carrier],
+            rotations[middle - 1, segment],
+            rotations[middle, carrier],
+            rotations[middle, segment],
+        )
+        then = pace(
+            rotations[middle, carrier],
+            rotations[middle, segment],
+            rotations[middle + 1, carrier],
+            rotations[middle + 1, segment],
+        )
+        most = max(most, (then[0] - first[0]) ** 2 + (then[1] - first[1]) ** 2 + (then[2] - first[2]) ** 2)
+    return math.sqrt(most)

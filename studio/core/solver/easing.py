@@ -1,0 +1,224 @@
+"""Where what was solved jolts it is eased in time: less exact for a moment, but as smooth as the motion (METHOD (36)).
+
+Every frame is solved from its own pose alone; a limb that changes sides, or a level that is given up, may so jump
+between two frames. What nowhere jolts beyond what the motion itself and its moving wishes bring is left as it is.
+Elsewhere what constraints have changed is averaged over the frames around, level by level from the highest: each is
+solved with what those above it have become. Then it is met again; where that jolts it is left as the average has it;
+and where those above cannot be held so either, it is left for them altogether.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
+
+from studio.core.canonical import BodyLayout
+from studio.core.kernels import jolts
+from studio.core.kernels.joints import ROOT
+from studio.core.metrics import QUIET, angular_acceleration
+from studio.core.solver.limb_charts import LimbCharts
+from studio.core.solver.root_leash import RootLeash
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Pose = tuple[FloatArray, FloatArray]
+EasingArrays = tuple[object, ...]
+Run = Callable[[int, EasingArrays], None]
+
+EASED_FROM, EASED_TO = np.array([1.2, 2.0]), np.array([1.8, 2.6])
+"""Parts of the allowed peak at which what joints add, and what limbs turn with in all, begins to be eased, and is."""
+WIDTHS = 0.06, 0.12, 0.2, 0.35
+"""Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
+AROUND = 0.2
+"""Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
+MENDED, FALLING = 0.1, 0.35
+"""The same where a level is left as averaged, and where it is left for those above it."""
+PULLED = 0.15
+"""Seconds on either side over which planted feet pull the root."""
+SEEN = 0.8
+"""Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
+BESIDE = 0.1
+"""Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
+
+
+def reach_of(levels: int) -> float:
+    """Seconds on either side of a frame that may have to do with how it is eased."""
+    averaging = sum(width + 2.0 * min(width, AROUND) for width in WIDTHS)
+    return 2.0 * SEEN + levels * (averaging + 2.0 * (MENDED + 3.0 * FALLING))
+
+
+@dataclass(eq=False)
+class Solve:
+    """What ``kernels.adapt.solve_frames`` notes of a stretch of F frames, and is given to pose some of them anew.
+
+    ``joints`` (N, 5) of the search, ``limbs`` (4,) that constraints are about, ``states`` (F, N, 3) of the search, and
+    as in ``kernels.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 2).
+    """
+
+    layout: BodyLayout
+    rate: float
+    joints: IntArray
+    limbs: IntArray
+    states: FloatArray
+    source: FloatArray
+    sharp: FloatArray
+
+    @staticmethod
+    def of(layout: BodyLayout, rate: float, frames: int, joints: IntArray, limbs: IntArray) -> "Solve":
+        """``limbs`` (C, 2) of the constraints' ends, -1 none."""
+        wished = np.array([(limbs == limb).any() for limb in range(4)], dtype=np.int64)
+        states = np.zeros((frames, len(joints), 3))
+        return Solve(layout, rate, joints, wished, states, np.array([QUIET]), np.zeros((frames, 2)))
+
+    def easing(
+        self, frames: IntArray, turns: FloatArray, level: int, meets: bool, misses: FloatArray, kept: Pose
+    ) -> EasingArrays:
+        """As ``kernels.easing`` takes it."""
+        noted = self.limbs, self.carriers, np.zeros((16, 3)), self.source, np.array([self.rate]), self.sharp
+        return frames, self.states, turns, np.array([level, meets]), misses, kept, *noted
+
+    @property
+    def noting(self) -> EasingArrays:
+        """For a first run over all frames."""
+        count = len(self.states)
+        nothing = np.empty((0, 0, 3)), np.empty((0, 0, 3, 3))
+        return self.easing(np.arange(count), np.empty((0, 16, 3, 3)), 0, False, np.empty((0, count)), nothing)
+
+    @property
+    def carriers(self) -> IntArray:
+        """The carrier of every segment that counts as source: legs only where wishes are about them."""
+        carriers = np.array(self.layout.parent_segments())
+        return carriers if self.limbs[2:].any() else carriers[: self.layout.spine_count + 10]
+
+    @property
+    def jolts(self) -> bool:
+        """Whether any frame has to be looked at closer."""
+        return bool((self.sharp > np.array([jolts.ADDED, jolts.WHOLE]) * self.source).any())
+
+    def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
+        """(F, 2) as ``kernels.jolts`` has them, of states of the search and turns (F, 16, 3, 3) of the limbs."""
+        sharp = np.zeros((len(turns), 2))
+        per_joint = np.where(self.joints[:, 0] < 0, 1.0 / jolts.LEVER, 2.0) * self.rate**2
+        sharp[1:-1, 0] = (np.linalg.norm(np.diff(states, 2, axis=0), axis=2) * per_joint).max(axis=1, initial=0.0)
+        limbs = np.flatnonzero(np.repeat(self.limbs, 4))
+        if len(limbs):
+            sharp[1:-1, 1] = angular_acceleration(turns[:, limbs], self.rate).max(axis=1)
+        return sharp
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """A level of priority with those above it: what is noted of their solve, where they act (F,), and what peak of
+    angular acceleration they are allowed (F,), radians a second squared.
+    """
+
+    solve: Solve
+    acts: NDArray[np.bool_]
+    allowed: FloatArray
+
+
+class Easing:
+    """Eases level after level, each with what those above it have become."""
+
+    def __init__(
+        self,
+        levels: Sequence[Level],
+        solve: Run,
+        pose: Run,
+        motion: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+        misses: FloatArray,
+        limits: NDArray[np.void],
+        leash: RootLeash,
+    ) -> None:
+        """``solve`` all frames of ``motion`` (unsolved and solved positions and rotations) with the constraints down to
+        a level, and ``pose`` some anew; both note their ``misses`` (C, F). ``limits`` of ``kernels.joint_limits``.
+        """
+        self._levels, self._solve, self._pose, self._motion, self._misses = levels, solve, pose, motion, misses
+        self._leash = leash
+        self._charts = LimbCharts(levels[0].solve.layout, motion[1], limits)
+        unsolved = self._charts.values(self._charts.turns_of(motion[1]))
+        self._eased: Pose = np.zeros_like(levels[0].solve.states), unsolved
+        self._moved: Pose = np.zeros_like(self._eased[0]), np.zeros_like(unsolved)
+        self._touched, self._jolts = np.zeros(len(unsolved)), np.zeros((len(unsolved), 2))
+
+    def ease(self, held: int) -> None:
+        """Ease all levels but the first ``held``, those of contacts."""
+        kept = self._motion[0].copy(), self._motion[1].copy()
+        for number, level in enumerate(self._levels):
+            if len(self._levels) > 1:  # one alone is solved already
+                self._solve(number, level.solve.noting)
+            if number >= held:
+                self._ease_level(number, kept, number > held)
+            kept = self._motion[2].copy(), self._motion[3].copy()
+
+    def _ease_level(self, number: int, kept: Pose, has_above: bool) -> None:
+        """``kept`` is what those above the level have become."""
+        level, misses, solved = self._levels[number], self._misses.copy(), self._solved(number)
+        room = self._room(level, solved)
+        smooth = self._smoothed(level, solved, room)
+        ways = [(smooth, True, MENDED), (smooth, False, FALLING)]
+        if has_above:
+            ways += 2 * [(self._eased, False, FALLING)]
+        now, bump = solved, np.sign(self._touched)
+        for goal, meets, around in ways:
+            frames = np.flatnonzero(bump > 0.0)
+            if not len(frames):
+                break
+            level.solve.states[:] = _blend(now[0], goal[0], bump)
+            turns = self._charts.turns(_blend(now[1], goal[1], bump))
+            self._pose(number, level.solve.easing(frames, turns, number, meets, misses, kept))
+            now = self._solved(number, now[1])
+            bump = room * self._bump(level, now, around)
+        self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
+        self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
+
+    def _solved(self, number: int, beside: FloatArray | None = None) -> Pose:
+        """States and charted limbs as they are."""
+        turns = self._charts.turns_of(self._motion[3])
+        return self._levels[number].solve.states.copy(), self._charts.values(turns, beside)
+
+    def _smoothed(self, level: Level, solved: Pose, room: FloatArray) -> Pose:
+        """What a level has changed, averaged in time where it jolts."""
+        states, values = solved[0] + self._moved[0], solved[1] + self._moved[1]
+        for seconds in WIDTHS:
+            width = max(round(seconds * level.solve.rate), 1)
+            bump = room * self._bump(level, (states, values), min(seconds, AROUND))
+            self._touched = np.maximum(self._touched, bump)
+            states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
+            values = self._charts.values(self._charts.turns(values), values)  # within limits before the next
+        joints = level.solve.joints
+        back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (room > 0.0)[:, None]
+        self._touched = np.maximum(self._touched, back.any(axis=1))
+        states[:, joints[:, 0] == ROOT] += back[:, None]
+        return states, values
+
+    def _bump(self, level: Level, poses: Pose, around: float) -> FloatArray:
+        """(F,) how far frames of ``poses`` are to be eased, from 0 to 1, for their jolts.
+
+        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade. What those above have
+        become is no fault of a level.
+        """
+        allowed = np.maximum(level.allowed[:, None], self._jolts / EASED_FROM)
+        sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
+        share = np.clip((sharp - EASED_FROM) / (EASED_TO - EASED_FROM), 0.0, 1.0)
+        near = max(round(around * level.solve.rate), 1)
+        return _mean(maximum_filter1d(share.max(axis=1), 2 * near + 1, mode="constant"), near)
+
+    def _room(self, level: Level, solved: Pose) -> FloatArray:
+        """(F,) how far a level may be eased at all: near jolts, and where it acts."""
+        beside = max(round(BESIDE * level.solve.rate), 1)
+        acts = minimum_filter1d(level.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
+        return _mean(acts, beside) * self._bump(level, solved, SEEN)
+
+
+def _blend(first: FloatArray, second: FloatArray, share: FloatArray) -> FloatArray:
+    """From ``first`` to ``second`` (F, ...), by ``share`` (F,)."""
+    return np.asarray(first + share.reshape(-1, *[1] * (second.ndim - 1)) * (second - first))
+
+
+def _mean(values: FloatArray, width: int) -> FloatArray:
+    """Means of ``values`` (F, ...) over ``width`` frames on either side, by Hann's window."""
+    window = np.hanning(2 * width + 3)[1:-1]
+    return np.asarray(convolve1d(values, window / window.sum(), axis=0, mode="nearest"))
