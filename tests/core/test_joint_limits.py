@@ -19,6 +19,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
+from tests.core.reachable import Mannequin
 from tests.core.scenes import Scene
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -129,6 +130,39 @@ def test_a_limb_swivels_back_before_it_gives_up_its_target() -> None:
         free, limited = adapt(replace(request, limited=False), 30, 30), adapt(request, 30, 30)
         assert _beyond(free, before, {0}) > -0.05
         assert limited.residuals[0, 0] < 2e-4
+
+
+def _beyond_the_arm(body: Morphology, random: np.random.Generator) -> np.ndarray:
+    """A place of the left wrist for an arm well within its limits on a trunk that has turned a little."""
+    before, k, row = adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30), body.layout.spine_count, limits_of(body)[0]
+    doll = Mannequin(before, 0, random)
+    for vertebra in range(1, k):
+        doll.jiggle(vertebra, 0.12)
+    doll.jiggle(k + 2, 0.2)
+    angle, far = random.uniform(0.0, 2.0 * np.pi), 0.92 * np.sqrt(random.uniform(0.2, 0.95))
+    way = far * np.array([np.cos(angle), np.sin(angle)])
+    swing = way * np.where(way >= 0.0, row["radii"][0][[0, 2]], row["radii"][0][[1, 3]])
+    twist = row["twists"][0, 0] + random.uniform(-0.9, 0.9) * row["twists"][0, 1]
+    posture = Rotation.from_rotvec([*swing, 0.0]) * Rotation.from_rotvec([0.0, 0.0, twist])
+    wanted = doll.rotations[k + 2] @ row["axes"][0] @ posture.as_matrix()
+    doll.turn(k + 3, Rotation.from_matrix(wanted @ doll.rotations[k + 3].T).as_rotvec())
+    bend = random.uniform(0.3, 2.2) - _bends(doll.rotations[None, k + 3], doll.rotations[None, k + 4])[0]
+    doll.turn(k + 4, bend * doll.rotations[k + 3, :, 0])
+    return doll.place(BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_the_trunk_brings_a_limited_arm_to_what_they_can_reach_together(body: Morphology) -> None:
+    random, misses = np.random.default_rng(5), list[float]()
+    while len(misses) < 24:
+        place = _beyond_the_arm(body, random)
+        request = AdaptRequest(WALK, body, CONTACTS, (target("left_forearm", place, ARM),))
+        if adapt(request, 30, 30).residuals[0, 0] > 5e-3:
+            for chain in (Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)):
+                wish = target("left_forearm", place, chain)
+                misses.append(adapt(replace(request, constraints=(wish,)), 30, 30).residuals[0, 0])
+    assert np.mean(np.array(misses) < 2e-4) > 0.9
+    assert max(misses) < 2e-3
 
 
 def _circling(axis: int) -> tuple[FollowTracked, Track]:

@@ -203,8 +203,8 @@ def give_back(level, asked, areas, chain, body, work, start, pose):
 def begin_again(level, asked, areas, chain, body, work, start, pose):
     """Limbs as this level is to have them once something of it is given up."""
     restore_caps(body[4])
-    note_grips(level, asked, pose[0].shape[0] - 23, work[4])
-    note_reaches(level, True, asked, chain, work[4], body, work[5], start, pose)
+    changed = note_grips(level, asked, pose[0].shape[0] - 23, work[4])
+    note_reaches(level, changed, asked, chain, work[4], body, work[5], start, pose)
     place(level, False, asked, areas, chain, body, work, start, pose)
 
 

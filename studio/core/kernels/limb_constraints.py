@@ -26,12 +26,15 @@ from studio.core.kernels.reach import aim_at, bend_range, bend_to, span_range, s
 from studio.core.kernels.stiffness import stiff_span, turn_back
 from studio.core.kernels.turns import inverse, product, turn_by, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
-from studio.core.kernels.within_limits import step_within
+from studio.core.kernels.within_limits import NEAR, step_within
 
 CLOSE_ENOUGH = 5e-5
 """Metres (or radians) of error that are left as they are."""
-STEPS_WITHIN = 6
-"""Steps that a limb takes along its limits towards what it misses, at most."""
+STEPS_WITHIN, LATE_WITHIN = 6, 3
+"""Steps that a limb takes along its limits towards what it misses, at most, and those that it may add where little is
+missed: whole up to ``NEAR``, none from ``FAR_WITHIN`` metres on.
+"""
+FAR_WITHIN = 0.008
 STILL_WITHIN = 1e-4
 """Radians of such a step after which no other follows."""
 LIMB_COMFORT = 0.985
@@ -229,7 +232,11 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits,
         point[1] + limit.sure * (goal[1] - point[1]),
         point[2] + limit.sure * (goal[2] - point[2]),
     )
-    for _ in range(STEPS_WITHIN):
+    for attempt in range(STEPS_WITHIN + (LATE_WITHIN if row.helped else 0)):
+        left = distance(goal, point) if attempt >= STEPS_WITHIN else 0.0
+        part = min((FAR_WITHIN - left) / (FAR_WITHIN - NEAR), 1.0)
+        if part <= 0.0:
+            return
         x, y, z = wish[0], wish[1], wish[2]
         if by_tip:
             x, y, z = x + tip[0] - point[0], y + tip[1] - point[1], z + tip[2] - point[2]
@@ -240,7 +247,7 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits,
         spans = min(row.easings[end], now), max(comfortable(row, end, far), now)
         if holds_end:
             lift_end(limb, root + 2, upper + 2, turns, points, pose)
-        size = step_within(limit, parts, point, (x, y, z), spans, pose)
+        size = step_within(part, limit, parts, point, (x, y, z), spans, pose)
         if holds_end:
             put_end(limb, root + 2, upper + 2, turns, points, pose)
         draw_back(limb, False, False, False, holds_end, limits, turns, points, pose)

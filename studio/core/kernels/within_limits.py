@@ -13,10 +13,12 @@ from studio.core.kernels.joint_limits import part_of_range, part_of_swing, swing
 from studio.core.kernels.reach import bend_range
 from studio.core.kernels.turns import about, inverse, product, turn_by, turn_in
 
-DAMPING, LEAST_DAMPING = 4.0, 0.01
+DAMPING, FAR_DAMPING, LEAST_DAMPING = 4.0, 0.01, 1e-4
 """What a radian squared of turning costs: of what is missed across the limb, squared (Yamashita and Fukushima
-2001), and at least of the length of the limb, squared.
+2001), and of the length of the limb, squared, where more than ``NEAR`` is missed, and at least.
 """
+NEAR = 0.004
+"""Metres of miss at which half of what far misses cost is counted."""
 SWEEPS = 4
 """Times that each bound is looked at, one after another (Hildreth 1957)."""
 
@@ -44,8 +46,8 @@ def dot(a, b):
 
 
 @kernel
-def step_within(limit, parts, moved, goal, spans, pose):
-    """Turn a limb so that what is at ``moved`` (3,) nears ``goal`` (x, y, z) within its ``limit``.
+def step_within(part, limit, parts, moved, goal, spans, pose):
+    """Turn a limb ``part`` of the way so that what is at ``moved`` (3,) nears ``goal`` (x, y, z) within its ``limit``.
 
     ``parts`` (carrier, upper segment, root point); ``spans`` (least, most) metres that ``moved`` may come to be
     from the root. What hangs on the limb goes with it. Returns how far it turned, in radians.
@@ -63,6 +65,7 @@ def step_within(limit, parts, moved, goal, spans, pose):
     e = turned(back, goal[0] - moved[0], goal[1] - moved[1], goal[2] - moved[2])
     bends = bend_room(shoulder, middle, hinge, moved, spans)
     x, y, w, bend = nearest_step(limit, r, c, shortened(e, r), h, z, bends)
+    x, y, w, bend = part * x, part * y, part * w, part * bend
     turn_part(about(hinge, math.cos(bend), math.sin(bend)), upper + 1, spine_count, middle, positions, rotations)
     x, y, w = turned(frame, x, y, w)
     turn_part(turn_by(x, y, w), upper, spine_count, shoulder, positions, rotations)
@@ -107,7 +110,9 @@ def nearest_step(limit, r, c, e, h, z, bends):
     swing_room = max(limit.caps[0, 0] - part, 0.0)
     least_twist, most_twist = -half * max(limit.caps[0, 2] + turn, 0.0), half * max(limit.caps[0, 1] - turn, 0.0)
     long = max(dot(r, r), 1e-9)
-    damping = LEAST_DAMPING * long + DAMPING * (dot(e, e) - dot(e, r) ** 2 / long)
+    missed = dot(e, e)
+    far = missed / (missed + NEAR * NEAR)
+    damping = (LEAST_DAMPING + far * FAR_DAMPING) * long + DAMPING * (missed - dot(e, r) ** 2 / long)
     a = inverse_of_sum(r, c, damping)
     y = turned(a, e[0], e[1], e[2])
     x, bend = cross(r, y), dot(c, y)
