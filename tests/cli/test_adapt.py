@@ -282,6 +282,20 @@ def test_what_is_followed_and_not_there_is_named(capsys, walk, tmp_path, target,
     assert re.search(sentence, capsys.readouterr().err)
 
 
+def test_jolts_are_eased_unless_all_is_to_be_exact(capsys, walk, tmp_path):
+    always = {"start": 0.0, "full": 0.0, "full_end": 9.0, "end": 9.0}
+    chain = {"limb": 1.0, "trunk": 1.0, "root": 1.0}
+    past = {**WRIST, "target": [0.1, -0.3, 1.3], "chain": chain, "activation": always}
+    file = constraint_file(tmp_path, past)
+    asked = ("--character", "adult_woman", "--constraints", file)
+    eased, exact = (
+        adapt(capsys, walk, tmp_path / name, *asked, *flags)[1]["characters"][0]
+        for name, flags in (("eased", ()), ("exact", ("--exact",)))
+    )
+    assert eased["acceleration_ratio"] < exact["acceleration_ratio"]
+    assert "easing" not in exact["constraints"][0]["kept_by"]
+
+
 def test_joints_are_freed_by_a_flag_and_limits_are_named_where_they_keep_a_wrist_off(capsys, walk, tmp_path):
     always = {"start": 0.0, "full": 0.0, "full_end": 1.0, "end": 1.0}
     chain = {"limb": 1.0, "clavicle": 0.0}

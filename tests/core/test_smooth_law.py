@@ -2,7 +2,7 @@
 
 A wish brings a and v^2 / l, the greatest acceleration and speed of its target beside the point that it is for, over a
 lever of l = 0.3 m: what a bone of that length must turn at to follow it. The peak of all joints of trunk and arms is to
-be at most three times that and the peak of the source together. Where no such law holds yet, the bound says so.
+be at most three times that and the peak of the source together.
 """
 
 import numpy as np
@@ -95,15 +95,16 @@ def _peak(seed: int, count: int) -> float:
 
 
 @pytest.mark.parametrize(
-    ("count", "within", "median", "worst"), [(1, 0.75, 1.5, 90.0), (2, 0.25, 10.0, 230.0), (3, 0.0, 25.0, 280.0)]
+    ("count", "within", "median", "worst"),
+    [(1, 0.97, 1.2, 6.0), (2, 0.97, 1.8, 6.0), (3, 0.97, 2.2, 6.0), (4, 0.97, 2.5, 6.0)],
 )
 def test_wishes_that_move_smoothly_move_no_joint_with_a_jerk(
     count: int, within: float, median: float, worst: float
 ) -> None:
-    """``within`` is the share of sets that keeps the law; it, median and worst are as measured, to rise and to fall.
+    """``within`` is the share of sets that keeps the law.
 
-    Not met where a straight trunk has to bend to become shorter, where an elbow's place lies within the upper arm's
-    length of a shoulder that others pull, and by most sets of three, whose levels end before they have come to rest.
+    Of 100 sets of one to four wishes 99 to 100 do, and the others came to 5: what is eased touches a limit of a joint,
+    or fades at the end of what may be eased.
     """
     peaks = np.array([_peak(seed, count) for seed in range(40)])
     assert np.mean(peaks < 3.0) >= within

@@ -1,0 +1,159 @@
+"""What jolts from frame to frame is eased in time, and nothing else is: of a walk past wishes that sway or stay."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import ClearConstraint
+from studio.core.constraints.follow import FollowTracked
+from studio.core.ground import Ground
+from studio.core.joint_limits import limits_of
+from studio.core.kernels.jolts import LEVER
+from studio.core.metrics import QUIET, angular_acceleration, contact_quality
+from studio.core.rest_pose import rest_pose
+from studio.core.rotations import angle_between, from_matrix
+from studio.core.solver.adapt import Standing, hold, place_of, stand
+from studio.core.solver.limb_charts import LimbCharts
+from studio.core.solver.packing import pack
+from studio.core.solver.report import EASED, report_of
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.tracks import Targets, Track
+from studio.core.solver.wished import brought
+from studio.io.character_file import bundled_characters
+from tests.core.motions import local_rotations, random_rotations, target, walk
+from tests.core.test_smooth_law import BEFORE, CONTACTS, STANDING, Wishes
+
+WOMAN = bundled_characters()["adult_woman"].morphology
+LONG, LONG_CONTACTS = walk(600)
+WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
+KINDS_THAT_JOLT = (25, 1), (14, 2), (27, 2), (24, 3)
+"""Seeds and counts of wishes whose frames, solved alone, jolt."""
+
+
+def _peak(adapted: AdaptedMotion) -> float:
+    arms = adapted.morphology.layout.spine_count + 10
+    return float(angular_acceleration(local_rotations(adapted)[:, :arms], adapted.frame_rate).max())
+
+
+def _past(standing: Standing, *changes: object) -> Constraint:
+    """A wrist that is to stay where it is in the middle of the walk: before and after it is far out of reach."""
+    middle = standing.motion.frame_count // 2
+    place = place_of(WRIST, hold(standing, ()))[middle] + [0.0, -0.1, 0.2]
+    return target("right_forearm", place, Chain(trunk=1.0, root=1.0), **dict(changes))
+
+
+def test_what_does_not_jolt_is_as_if_nothing_could_be_eased() -> None:
+    same = []
+    for seed in range(10):
+        wishes = Wishes(BEFORE[seed % 5], seed, 1)
+        asked = (STANDING[seed % 5], wishes.constraints)
+        plain, eased = (hold(*asked, tracks=wishes.tracks, eased=e) for e in (False, True))
+        same.append(np.array_equal(plain.rotations, eased.rotations))
+    assert sum(same) >= 5
+
+
+@pytest.mark.parametrize(("seed", "count"), KINDS_THAT_JOLT)
+def test_feet_that_stand_stay_where_they_are_and_joints_do_not_jolt(seed: int, count: int) -> None:
+    wishes = Wishes(BEFORE[seed % 5], seed, count)
+    plain, eased = (hold(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=e) for e in (False, True))
+    allowed = 3.0 * (max(QUIET, _peak(BEFORE[seed % 5])) + wishes.brings)
+    assert _peak(plain) > allowed > _peak(eased)
+    assert contact_quality(eased, CONTACTS, Ground()).slide < 2e-4
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_eased_below_takes_nothing_from_what_stands_above(seed: int) -> None:
+    """Where what stands above holds to 0.2 mm, or 0.5 mrad of a look (on forty such sets: never more than 0.7)."""
+    standing, before = STANDING[seed % 5], BEFORE[seed % 5]
+    wishes = Wishes(before, seed, 3)
+    ordered = tuple(replace(each, priority=k) for k, each in enumerate(wishes.constraints))
+    residuals = [hold(standing, ordered[: 1 + k], tracks=wishes.tracks, eased=True).residuals for k in range(3)]
+    for k in range(2):
+        worse = residuals[k + 1][: k + 1] - residuals[k]
+        assert worse.max() < (5e-4 if "look" in {each.kind for each in ordered[: k + 1]} else 2.5e-4)
+
+
+def test_any_window_is_as_the_whole_clip_to_the_bit() -> None:
+    standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
+    wish = _past(standing)
+    plain, whole = (hold(standing, (wish,), eased=e) for e in (False, True))
+    eased = np.flatnonzero(np.abs(whole.positions - plain.positions).max(axis=(1, 2)) > 1e-4)
+    assert len(eased) > 20
+    for first, last in ((int(eased[3]), int(eased[3])), (int(eased[0]) - 5, int(eased[0]) + 30), (0, 4), (590, 599)):
+        window = hold(standing, (wish,), first, last, eased=True)
+        assert np.array_equal(window.rotations, whole.rotations[first : last + 1])
+        assert np.array_equal(window.residuals, whole.residuals[:, first : last + 1], equal_nan=True)
+
+
+def test_nothing_is_eased_where_nothing_acts() -> None:
+    standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
+    acts = ActivationCurve(3.0, 3.3, 8.0, 8.3)
+    solved, before = hold(standing, (_past(standing, ("activation", acts)),), eased=True), hold(standing, ())
+    times = np.arange(LONG.frame_count) / LONG.frame_rate
+    beyond = (times <= 3.0) | (times >= 8.3)
+    assert np.array_equal(solved.rotations[beyond], before.rotations[beyond])
+
+
+def test_joints_stay_within_their_limits_while_they_are_eased() -> None:
+    for seed, count in KINDS_THAT_JOLT:
+        wishes, before = Wishes(BEFORE[seed % 5], seed, count), BEFORE[seed % 5]
+        eased = hold(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=True)
+        charts = LimbCharts(before.morphology.layout, before.rotations, limits_of(before.morphology))
+        turns = charts.turns_of(eased.rotations)
+        kept = charts.turns(charts.values(turns))
+        arms = np.r_[0:3, 4:7]
+        assert angle_between(from_matrix(turns), from_matrix(kept))[:, arms].max() < 0.02
+
+
+def test_a_body_with_free_joints_and_one_that_keeps_clear_of_itself_are_eased_too() -> None:
+    wishes = Wishes(BEFORE[4], 14, 2)
+    allowed = 3.0 * (max(QUIET, _peak(BEFORE[4])) + wishes.brings)
+    free = replace(STANDING[4], limited=False)
+    assert _peak(hold(free, wishes.constraints, tracks=wishes.tracks, eased=True)) < allowed
+    clear = ClearConstraint("motion", "Clear", BodyPoint(BodyPart.THORAX), Chain(), 3, ActivationCurve(0, 0, 9, 9))
+    solved = hold(STANDING[4], (*wishes.constraints, clear), tracks=wishes.tracks, eased=True)
+    assert np.isfinite(solved.positions).all()
+    assert len(solved.residuals) == 3
+
+
+def test_a_report_says_what_was_missed_for_easing() -> None:
+    request = AdaptRequest(
+        LONG, WOMAN, LONG_CONTACTS, (_past(stand(LONG, WOMAN, LONG_CONTACTS, Ground())),), eased=True
+    )
+    standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
+    adapted = hold(standing, request.constraints, eased=True)
+    assert (report_of(request, adapted).winners == EASED).any()
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), limited=st.booleans())
+def test_charts_of_limbs_give_back_what_they_were_given(seed: int, limited: bool) -> None:
+    random = np.random.default_rng(seed)
+    layout = WOMAN.layout
+    rotations = random_rotations(random, 3, layout.segment_count)
+    charts = LimbCharts(layout, rotations, limits_of(WOMAN)[: 4 * limited])
+    turns = charts.turns_of(rotations)
+    assert charts.turns(charts.values(turns)) == pytest.approx(turns, abs=1e-7)
+
+
+@settings(max_examples=30, deadline=None)
+@given(hertz=st.floats(0.2, 2.0), metres=st.floats(0.01, 0.5))
+def test_a_wish_that_sways_brings_what_a_lever_needs_to_follow_it(hertz: float, metres: float) -> None:
+    rate, count = 120.0, 600
+    times, still = np.arange(count) / rate, rest_pose(WOMAN)
+    positions, rotations = (np.broadcast_to(each, (count, *each.shape)) for each in still)
+    way = metres * np.sin(2.0 * np.pi * hertz * times)[:, None] * [1.0, 0.0, 0.0]
+    follow = FollowTracked("sway")
+    targets = Targets(times, {follow: Track(positions[:, WOMAN.layout.wrist(1)] + way, np.eye(3)[None])}, lambda: way)
+    rows = pack([replace(target("right_forearm", (0, 0, 0)), target=follow)], WOMAN.layout, targets)
+    brings = brought(rows, 0, np.ones((1, count)), positions, rotations, WOMAN, rate)
+    push, speed = metres * (2.0 * np.pi * hertz) ** 2, metres * 2.0 * np.pi * hertz
+    angles = np.linspace(0.0, 2.0 * np.pi, 1000)
+    highest = np.max(push * np.abs(np.sin(angles)) + speed**2 * np.cos(angles) ** 2 / LEVER) / LEVER
+    assert brings[0, 60:-60].max() == pytest.approx(highest, rel=0.02)
