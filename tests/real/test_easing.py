@@ -1,0 +1,104 @@
+"""On real captures whatever is asked jolts no joint beyond three times the source and what wishes bring, nor moves a
+foot that stands.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.follow import FollowTracked
+from studio.core.constraints.position import PositionConstraint
+from studio.core.ground import Ground
+from studio.core.metrics import QUIET, angular_acceleration, contact_quality
+from studio.core.solver.adapt import Standing, hold, place_of, stand
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.tracks import Track, Tracks
+from studio.io.character_file import bundled_characters
+from tests.core.motions import ALWAYS, local_rotations
+from tests.real.taken import contacts_of, named, taken
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+CAPTURED = (
+    "accad_female1_B03_Walk1",
+    "accad_male2_A6_BoxLift",
+    "accad_male2_E1_JabLeft",
+    "accad_female1_D3_ConversationGestures",
+)
+TRUNK, WHOLE = Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
+WRISTS = BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM
+LEVER = 0.3
+LONGEST = 600
+"""Frames of a capture that are tried."""
+
+
+def _sets(standing: Standing, before: AdaptedMotion) -> dict[str, tuple[tuple[Constraint, ...], Tracks]]:
+    """Places that a body goes past, that are far out of reach, and that wander about its shoulders."""
+    layout, frame, rate = before.morphology.layout, before.frame_count // 2, before.frame_rate
+    forward, arm = before.rotations[frame, 0], before.morphology.arm[1].sum()
+    points = [BodyPoint(part, at_end=True) for part in WRISTS]
+
+    def wish(side: int, target: object, chain: Chain, priority: int) -> Constraint:
+        return PositionConstraint("motion", f"{side}", points[side], chain, priority, ALWAYS, target=target)
+
+    found: dict[str, tuple[tuple[Constraint, ...], Tracks]] = {}
+    for name, chain in (("trunk", TRUNK), ("root", WHOLE)):
+        near = [place_of(point, before)[frame] + forward @ [0.1, 0.0, 0.2] for point in points]
+        far = [before.positions[frame, layout.collar(side) + 1] + forward @ [1.6 * arm, 0.0, 0.0] for side in range(2)]
+        found[f"past, {name}"] = (wish(1, tuple(near[1]), chain, 0),), {}
+        found[f"two past, {name}"] = tuple(wish(side, tuple(near[side]), chain, side) for side in range(2)), {}
+        found[f"two far, {name}"] = tuple(wish(side, tuple(far[side]), chain, side) for side in range(2)), {}
+        random, tracks, wishes = np.random.default_rng(3), {}, []
+        times = np.arange(standing.motion.frame_count)[:, None] / rate
+        for side in range(2):
+            sway = sum(
+                0.15
+                * random.normal(size=3)
+                * np.sin(2.0 * np.pi * (random.uniform(0.1, 0.5) * times + random.uniform()))
+                for _ in range(3)
+            )
+            follow = FollowTracked(f"{side}")
+            shoulder = standing.positions[:, layout.collar(side) + 1]
+            tracks[follow] = Track(shoulder + arm * (sway + forward @ [0.5, 0.0, 0.0]), np.eye(3)[None])
+            wishes.append(wish(side, follow, chain, side))
+        found[f"wandering, {name}"] = tuple(wishes), tracks
+    return found
+
+
+def _brings(before: AdaptedMotion, wishes: tuple[Constraint, ...], tracks: Tracks) -> float:
+    """The same sum as in tests/core/test_smooth_law.py, of wishes beside where the motion has their points."""
+    total = 0.0
+    for wish in wishes:
+        target = wish.target
+        goal = (
+            tracks[target].places[before.first_frame :][: before.frame_count]
+            if isinstance(target, FollowTracked)
+            else np.array(target)
+        )
+        way = goal - place_of(wish.point, before)
+        speed = np.linalg.norm(np.gradient(way, axis=0), axis=1) * before.frame_rate
+        push = np.linalg.norm(np.gradient(np.gradient(way, axis=0), axis=0), axis=1) * before.frame_rate**2
+        total += float(((push + speed**2 / LEVER) / LEVER).max())
+    return total
+
+
+def _peak(adapted: AdaptedMotion) -> float:
+    arms = adapted.morphology.layout.spine_count + 10
+    return float(angular_acceleration(local_rotations(adapted)[:, :arms], adapted.frame_rate).max())
+
+
+@pytest.mark.parametrize("body", ["adult_woman", "child"])
+@pytest.mark.parametrize("stem", CAPTURED)
+def test_no_joint_jolts_and_no_foot_slides(captures: Path, stem: str, body: str) -> None:
+    capture, motion, _ = taken(named(stem))
+    contacts = contacts_of(capture)
+    standing: Standing = stand(motion, BODIES[body], contacts, Ground())
+    window = capture.first_frame, capture.first_frame + LONGEST - 1
+    before = hold(standing, (), *window)
+    for name, (wishes, tracks) in _sets(standing, before).items():
+        allowed = max(QUIET, _peak(before)) + _brings(before, wishes, tracks)
+        eased = hold(standing, wishes, *window, tracks, eased=True)
+        assert _peak(eased) < 3.0 * allowed, name
+        assert contact_quality(eased, contacts, Ground()).slide < 2e-4, name
