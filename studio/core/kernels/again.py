@@ -5,7 +5,7 @@ The rows, those that bound, and what was eliminated are as ``kernels.priorities.
 
 from studio.core.kernels.compiling import kernel, summing_kernel
 from studio.core.kernels.priorities import brake_way, length_of
-from studio.core.kernels.pulls import BOUND
+from studio.core.kernels.pulls import BOUND, FURTHEST
 
 
 @kernel
@@ -25,8 +25,7 @@ def step_again(held, count, ask, chain, solving):
     How far anything is to move, in metres.
     """
     rows, errors, roles, brakes = solving[7][0], ask[1], ask[3], ask[4]
-    system, newton, active, answer, ways = solving[1], solving[2], solving[3], solving[4], solving[5]
-    _, weighted, long = solving[7]
+    _, system, newton, active, answer, ways, levers, (_, weighted, long) = solving
     last, kept, own = ways.shape[0] - 1, 0, count - held
     for i in range(held):
         if active[i]:
@@ -50,10 +49,11 @@ def step_again(held, count, ask, chain, solving):
     brake_way(brakes, ways[last - 1])
     for i in range(own):
         newton[i, own] = 0.0
-    for q in range(held, count):
-        left = errors[q] - product_of(rows[q], long[last - 1])
+    for q in range(own):
+        levers[q, own] = errors[held + q] - product_of(rows[held + q], long[last - 1])
         for i in range(own):
-            newton[i, own] += left * product_of(rows[q], long[held + i])
+            levers[q, i] = product_of(rows[held + q], long[held + i])
+            newton[i, own] += levers[q, own] * levers[q, i]
     for i in range(own):
         for j in range(i + 1, own):
             newton[j, own] -= newton[j, i] / newton[i, i] * newton[i, own]
@@ -62,9 +62,23 @@ def step_again(held, count, ask, chain, solving):
         for j in range(i + 1, own):
             value -= newton[i, j] * answer[j]
         answer[i] = value / newton[i, i]
+    part = part_as_now(own, levers, answer)
+    for i in range(own):
         for number in range(long.shape[1]):
-            long[last, number] += answer[i] * long[held + i, number]
+            long[last, number] += part * answer[i] * long[held + i, number]
     return max(length_of(chain[1], ways[last - 1]), length_of(chain[1], ways[last]))
+
+
+@kernel
+def part_as_now(own, levers, answer):
+    """The part of an ``answer`` (n,) that misses least of ``levers`` (n, n + 1) as they are now, errors last."""
+    made = squared = 0.0
+    for q in range(own):
+        along = 0.0
+        for i in range(own):
+            along += levers[q, i] * answer[i]
+        made, squared = made + along * levers[q, own], squared + along * along
+    return min(max(made / max(squared, 1e-24), 0.0), FURTHEST)
 
 
 @summing_kernel

@@ -81,7 +81,7 @@ KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 GAINS = 0.7
 """Part of the least disturbance so far that a mend may leave; where two leave more, no other follows."""
-SURE, SURER = 5e-5, 1e-5
+SURE = 5e-5
 """Metres that a step is to leave, as the one before it gained, for no other to be looked at, and for it to be found by
 what was eliminated for the one before.
 """
@@ -318,12 +318,12 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
     near = min(near, 1.0) * min(max(gained / NOUGHT, 0.0), 1.0)
     ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
     left = missed * missed / max(past[0], 1e-9)
-    nears, past[3] = left < SURER, 1.0 if left < SURE else 0.0
+    past[3] = 1.0 if left < SURE else 0.0
     past[0] = missed
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0
     ways, part = work[1][5], 1.0
-    again = past[1] == own and past[2] < NEAR and (mending or (nears and past[4] == count))
+    again = past[1] == own and past[2] < NEAR and (mending or (past[3] > 0.0 and past[4] == count))
     if not (again and is_kept(own, ask, work[1]) and step_again(own, count, ask, chain, work[1]) < NEAR):
         slope = find_step(own, count, ask, chain, work[1], pose[0])
         if whole:
