@@ -18,7 +18,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.joints import ROOT
 from studio.core.solver.adapt import Standing
-from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.chains import carrying_chain, free_joints, segment_masses
 
 FloatArray = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class _Frame:
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]
         ranks = np.zeros(len(constraints), dtype=np.int64)
-        joints = free_joints(tuple(each.chain for each in constraints), tuple(ranks.tolist()), self.layout)
+        joints = free_joints(tuple(map(carrying_chain, constraints)), tuple(ranks.tolist()), self.layout)
         trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6}
         free = dict(zip(joints.joints[:, 0].tolist(), 2.0 * np.arctan(joints.limits), strict=True))
         self.segments = sorted(trunk & free.keys())

@@ -74,7 +74,7 @@ HINGED, UPRIGHT = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
 
 def limits_of(body: Morphology) -> NDArray[np.void]:
     """(4,) records of ``kernels.joint_limits``, a row a limb, to be written in."""
-    return _limits_of(body).copy()
+    return _limits_of(body).view(np.uint8).copy().view(LIMITED)  # whole: records are copied field by field
 
 
 @lru_cache(maxsize=64)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.constraints.base import Chain
 from studio.core.kernels.adapt import make_work
+from studio.core.kernels.again import step_again
 from studio.core.kernels.joints import ROOT, add_point_row, carry_arm, carry_trunk, set_brakes
 from studio.core.kernels.priorities import eliminate, find_step, move_joints
 from studio.core.kernels.pulls import ASK, HOLD
@@ -115,6 +116,20 @@ def test_what_is_held_stays_while_others_ask(seed: int) -> None:
     for _ in range(8):
         search.step()
     assert abs(search.gained[0]) < 2e-4
+
+
+@given(seeds, st.integers(0, 2), st.floats(0.1, 1.0))
+@settings(max_examples=25, deadline=None)
+def test_a_step_by_what_was_eliminated_goes_the_same_way_as_far_as_is_missed(seed: int, held: int, part: float) -> None:
+    search = _Search(seed, 1, held)
+    search.step()
+    ask, solving = search.work[:2]
+    found, missed = solving[7][2][-1].copy(), part * search.goals[-1]
+    ask[1][: search.count] *= part
+    step_again(search.held, search.count, ask, search.free.arrays, solving)
+    way = solving[7][2][-1]
+    assert solving[7][0][: search.count] @ way == pytest.approx([0.0] * held + [missed], abs=1e-3 * abs(missed) + 1e-9)
+    assert np.linalg.norm(found) * way == pytest.approx(np.linalg.norm(way) * found, abs=1e-9)
 
 
 @given(seeds)

@@ -21,7 +21,6 @@ that neighbouring frames take neighbouring ways.
 import math
 
 from studio.core.kernels.again import is_kept, step_again
-from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, counts, end_place
 from studio.core.kernels.joint_limits import keep_caps, note_own, restore_caps
@@ -81,9 +80,9 @@ KEPT = 1e-4
 """Metres by which a level may disturb those above it."""
 GAINS = 0.7
 """Part of the least disturbance so far that a mend may leave; where two leave more, no other follows."""
-SURE = 5e-5
+SURE, SURER = 5e-5, 1e-5
 """Metres that a step is to leave, as the one before it gained, for no other to be looked at, and for it to be found by
-what was eliminated for the one before.
+what was eliminated for the one before where several rows ask.
 """
 NEAR = 0.03
 """Metres that a step may have moved things for the next to be found so, or one that mends."""
@@ -323,7 +322,11 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0
     ways, part = work[1][5], 1.0
-    again = past[1] == own and past[2] < NEAR and (mending or (past[3] > 0.0 and past[4] == count))
+    again = (
+        past[1] == own
+        and past[2] < NEAR
+        and (mending or (left < (SURE if count == own + 1 else SURER) and past[4] == count))
+    )
     if not (again and is_kept(own, ask, work[1]) and step_again(own, count, ask, chain, work[1]) < NEAR):
         slope = find_step(own, count, ask, chain, work[1], pose[0])
         if whole:
@@ -383,7 +386,7 @@ def note_kept(first, level, asked, areas, body, work, pose):
         if row.kind == ORIENTATION or row.kind == LOOK_AT:
             copy_matrix(pose[1][row.ends[0, 1]], row.kept_turn)
         elif row.kind == BALANCE:
-            centre_of_mass(body[1], pose[0], work[6], row.kept_places[0])
+            copy_point(work[5][0], row.kept_places[0])  # where its miss was measured
         else:
             for end in range(2):
                 if row.ends[end, 0] >= 0:

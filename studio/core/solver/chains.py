@@ -7,8 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout, BodyPart
-from studio.core.constraints.base import CLAVICLES, THIGHS, UPPER_ARMS, Chain
+from studio.core.constraints.base import CLAVICLES, THIGHS, UPPER_ARMS, Chain, Constraint
+from studio.core.constraints.follow import FollowBody
+from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.joints import ROOT, joint_table
+from studio.core.solver.packing import limb_of
 
 FloatArray = NDArray[np.float64]
 
@@ -48,6 +51,22 @@ class FreeJoints:
     @property
     def without_limits(self) -> "FreeJoints":
         return replace(self, limits=np.full_like(self.limits, np.inf))
+
+
+def carrying_chain(constraint: Constraint) -> Chain:
+    """The chain of a constraint without what carries none of its points, were it moved: of a place that a limb is to be
+    brought to neck, head and the clavicles of other limbs, which would at most balance what others do.
+    """
+    alone = isinstance(constraint, PositionConstraint) and not isinstance(constraint.target, FollowBody)
+    limb = limb_of(constraint.point.part)
+    return _without_idle(constraint.chain, limb) if alone and limb >= 0 else constraint.chain
+
+
+@lru_cache(maxsize=256)
+def _without_idle(chain: Chain, limb: int) -> Chain:
+    idle = [BodyPart.NECK, BodyPart.HEAD, *(clavicle for side, clavicle in enumerate(CLAVICLES) if side != limb)]
+    named = {part for part, _ in chain.segments}
+    return replace(chain, segments=(*chain.segments, *((part, 0.0) for part in idle if part not in named)))
 
 
 @lru_cache(maxsize=256)

@@ -18,7 +18,7 @@ from studio.core.metrics import QUIET
 from studio.core.morphology import at_frames
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.carrying import limb_freedom
-from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.chains import carrying_chain, free_joints, segment_masses
 from studio.core.solver.clearance import lowest_first, pack_clearance
 from studio.core.solver.easing import Easing, EasingArrays, Level, Solve, reach_of
 from studio.core.solver.footing import Footing, leashes
@@ -63,7 +63,7 @@ class Stretch:
         share_by_weight(self._rows)
         ranks, ends = self._rows.asked["rank"], self._rows.asked["ends"][:, :, 2]
         self._levels = int(ranks.max(initial=-1)) + 1
-        joints = free_joints(tuple(each.chain for each in everything), tuple(ranks.tolist()), body.layout)
+        joints = free_joints(tuple(map(carrying_chain, everything)), tuple(ranks.tolist()), body.layout)
         joints = joints if bound.by_limits else joints.without_limits
         recruits = find_recruits(
             joints, body.layout.spine_count,
@@ -212,10 +212,9 @@ def constraint_activations(
 ) -> FloatArray:
     """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
     times = np.arange(motion.frame_count) / motion.frame_rate
-    return np.array(
-        [
-            constraint.activation.at(times)
-            * limb_freedom(contacts, limb_of(constraint.point.part), motion.frame_count, motion.frame_rate)
-            for constraint in constraints
-        ]
-    )
+    activations = np.array([constraint.activation.at(times) for constraint in constraints])
+    for row, constraint in zip(activations, constraints, strict=True):
+        limb = limb_of(constraint.point.part)
+        if any(contact.point.limb == limb >= 0 for contact in contacts):
+            row *= limb_freedom(contacts, limb, motion.frame_count, motion.frame_rate)
+    return activations
