@@ -54,19 +54,19 @@ class FreeJoints:
 
 
 def carrying_chain(constraint: Constraint) -> Chain:
-    """The chain of a constraint without what carries none of its points, were it moved: of a place that a limb is to be
-    brought to neck, head and the clavicles of other limbs, which would at most balance what others do.
+    """The chain of a constraint without what is no use to it: the clavicles of other limbs for a place of one limb, which
+    they neither carry nor, as neck and head do, balance.
     """
     alone = isinstance(constraint, PositionConstraint) and not isinstance(constraint.target, FollowBody)
     limb = limb_of(constraint.point.part)
-    return _without_idle(constraint.chain, limb) if alone and limb >= 0 else constraint.chain
+    return _without_clavicles(constraint.chain, limb) if alone and limb >= 0 else constraint.chain
 
 
 @lru_cache(maxsize=256)
-def _without_idle(chain: Chain, limb: int) -> Chain:
-    idle = [BodyPart.NECK, BodyPart.HEAD, *(clavicle for side, clavicle in enumerate(CLAVICLES) if side != limb)]
+def _without_clavicles(chain: Chain, limb: int) -> Chain:
     named = {part for part, _ in chain.segments}
-    return replace(chain, segments=(*chain.segments, *((part, 0.0) for part in idle if part not in named)))
+    idle = [clavicle for side, clavicle in enumerate(CLAVICLES) if side != limb and clavicle not in named]
+    return replace(chain, segments=(*chain.segments, *((clavicle, 0.0) for clavicle in idle)))
 
 
 @lru_cache(maxsize=256)
