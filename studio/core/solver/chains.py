@@ -54,8 +54,8 @@ class FreeJoints:
 
 
 def carrying_chain(constraint: Constraint) -> Chain:
-    """The chain of a constraint without what is no use to it: the clavicles of other limbs for a place of one limb, which
-    they neither carry nor, as neck and head do, balance.
+    """The chain of a constraint without what is of no use to it: of the place of a limb the clavicles of others, which
+    neither carry it nor balance it as neck and head do.
     """
     alone = isinstance(constraint, PositionConstraint) and not isinstance(constraint.target, FollowBody)
     limb = limb_of(constraint.point.part)
