@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
@@ -203,6 +204,17 @@ def test_a_half_space_turns_with_what_it_follows(body: Morphology) -> None:
     tracks = {wall: Track((before + np.array([0.3, 0.05, 0.1]))[None], quarter)}
     moved = place_of(RIGHT, solved(body, area, tracks=tracks, frames=(30, 30)))[0] - before
     assert moved == pytest.approx([0.0, 0.05, 0.0], abs=MET)
+
+
+@every_body
+def test_a_half_space_tilts_with_the_prop_it_follows(body: Morphology) -> None:
+    lid, before = FollowProp("lid"), place_of(RIGHT, solved(body))[30]
+    normal = np.array([np.sin(0.4), 0.0, np.cos(0.4)])
+    tilted = Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix()
+    area = ask(AreaConstraint, RIGHT, ALL, centre=lid, shape=AreaShape.HALF_SPACE, size=(0.0, 0.0, 2.0))
+    tracks = {lid: Track((before + 0.05 * normal)[None], tilted[None])}
+    moved = place_of(RIGHT, solved(body, area, tracks=tracks, frames=(30, 30)))[0] - before
+    assert moved == pytest.approx(0.05 * normal, abs=MET)
 
 
 def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion() -> None:

@@ -31,7 +31,8 @@ class AreaConstraint(Constraint):
     half-space is bounded by the plane through ``centre`` whose normal is ``size`` as a direction; outside is the side
     to which the normal points. A ``mesh`` has its own size and its origin at ``centre``; outside is where its triangles
     are seen counter-clockwise. An area moves when centre or heading is keyed, and with what its centre follows: its
-    turn about Z is added to the heading. Raises ValueError for an area of no size, or a mesh shape without a mesh.
+    turn about Z is added to the heading, and a half-space tilts with a prop. Raises ValueError for an area of no size,
+    or a mesh shape without a mesh.
     """
 
     kind: ClassVar[str] = "area"

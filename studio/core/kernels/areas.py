@@ -22,9 +22,16 @@ does not pop.
 
 @kernel
 def put_area(area, centre, turn):
-    """Move an area (10,) to ``centre`` (3,) and head it as ``turn`` (3, 3) does; a centre of NaN leaves it."""
-    if not math.isnan(centre[0]):
-        area[2], area[3], area[4] = centre[0], centre[1], centre[2]
+    """Move an area (10,) to ``centre`` (3,) and head it as ``turn`` (3, 3) does; a centre of NaN leaves it.
+
+    The normal of a half-space is the first column of its turn.
+    """
+    if math.isnan(centre[0]):
+        return
+    area[2], area[3], area[4] = centre[0], centre[1], centre[2]
+    if int(area[0]) == HALF_SPACE:
+        area[5], area[6], area[7], area[8], area[9] = turn[0, 0], turn[1, 0], turn[2, 0], 1.0, 0.0
+    else:
         area[8], area[9] = turn[0, 0], turn[1, 0]
 
 

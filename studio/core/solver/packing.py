@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout, BodyPart
-from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Constraint, limb_bones
 from studio.core.constraints.distance import DistanceConstraint
@@ -197,7 +197,10 @@ def _area(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.put_end(c, 0, constraint.point, constraint)
     if not rows.put_followed(c, constraint.centre):
         rows.places[c] = rows.targets.places(constraint.centre)
-    rows.turns[c] = rows.targets.headings(constraint.heading, constraint.centre)
+    if constraint.shape is AreaShape.HALF_SPACE:
+        rows.turns[c] = rows.targets.tilts(constraint.heading, constraint.centre, constraint.size)
+    else:
+        rows.turns[c] = rows.targets.headings(constraint.heading, constraint.centre)
     row = area_row(constraint)
     if len(row) > rows.areas.shape[1]:
         rows.areas = np.pad(rows.areas, ((0, 0), (0, len(row) - rows.areas.shape[1])))

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
 from studio.core.constraints.target import Place, Turn
-from studio.core.rotations import from_matrix, to_matrix
+from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
 
 FloatArray = NDArray[np.float64]
 
@@ -62,6 +63,18 @@ class Targets:
         """(F or 1,)."""
         return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
 
+    def tilts(self, heading: float | KeyedNumber, centre: Place, normal: Vector) -> FloatArray:
+        """(F or 1, 3, 3) turns that take x to a half-space's ``normal``: as ``headings``, but it tilts with a prop.
+
+        A prop's axes are seen as they turn; those of a bone are not.
+        """
+        x_to_normal = shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([normal])))[0]
+        if isinstance(centre, FollowProp) and centre in self.tracks:
+            turns = self.tracks[centre].rotations @ self.headings(heading, (0.0, 0.0, 0.0)) @ x_to_normal
+        else:
+            turns = self.headings(heading, centre) @ x_to_normal
+        return np.asarray(turns)
+
     def headings(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
         """(F or 1, 3, 3) turns about Z: ``heading`` (radians), added to that of what ``centre`` follows.
 
@@ -90,7 +103,10 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
             changes[name] = tuple(targets.places(value)[0].tolist())
         elif isinstance(value, KeyedNumber):
             changes[name] = float(targets.numbers(value)[0])
-    if "centre" in changes and hasattr(constraint, "heading"):
+    if "centre" in changes and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
+        tilt = targets.tilts(constraint.heading, constraint.centre, constraint.size)[0]
+        changes["size"], changes["heading"] = tuple(tilt[:, 0].tolist()), 0.0
+    elif "centre" in changes and hasattr(constraint, "heading"):
         turn = targets.headings(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
         changes["heading"] = float(np.arctan2(turn[1, 0], turn[0, 0]))
     return replace(constraint, **changes) if changes else constraint
