@@ -1,4 +1,4 @@
-"""Where what was solved jolts it is eased in time: less exact for a moment, but as smooth as the motion (METHOD (36)).
+"""Where what was solved jolts it is eased in time: less exact for a moment, but as smooth as the motion (METHOD (36) to (38)).
 
 Every frame is solved from its own pose alone; a limb that changes sides, or a level that is given up, may so jump
 between two frames. What nowhere jolts beyond what the motion itself and its moving wishes bring is left as it is.
@@ -27,8 +27,10 @@ Pose = tuple[FloatArray, FloatArray]
 EasingArrays = tuple[object, ...]
 Run = Callable[[int, EasingArrays], None]
 
-EASED_FROM, EASED_TO = np.array([1.2, 2.0]), np.array([1.8, 2.6])
+EASED = np.array([[1.2, 2.0], [1.8, 2.6]])
 """Parts of the allowed peak at which what joints add, and what limbs turn with in all, begins to be eased, and is."""
+LEFT = np.array([[1.8, 2.6], [2.4, 3.2]])
+"""The same at which a level is left altogether for those above it."""
 WIDTHS = 0.06, 0.12, 0.2, 0.35
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
 AROUND = 0.2
@@ -200,9 +202,10 @@ class Easing:
         ``around`` seconds on either side of a jolt are eased wholly, and as many again fade. What those above have
         become is no fault of a level.
         """
-        allowed = np.maximum(level.allowed[:, None], self._jolts / EASED_FROM)
+        begin, end = LEFT if around == FALLING else EASED
+        allowed = np.maximum(level.allowed[:, None], self._jolts / begin)
         sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
-        share = np.clip((sharp - EASED_FROM) / (EASED_TO - EASED_FROM), 0.0, 1.0)
+        share = np.clip((sharp - begin) / (end - begin), 0.0, 1.0)
         near = max(round(around * level.solve.rate), 1)
         return _mean(maximum_filter1d(share.max(axis=1), 2 * near + 1, mode="constant"), near)
 

@@ -1,4 +1,4 @@
-"""Turns of the limbs' joints as numbers whose means are turns again, and within the joints' limits (METHOD (36)).
+"""Turns of the limbs' joints as numbers whose means are turns again, and within the joints' limits (METHOD (37)).
 
 A joint with limits is charted by these: shoulders, hips, wrists and ankles by swing and twist about the middle of their
 range, elbows and knees by bend, slant and turn (METHOD (25) to (28)). What limits allow is convex there, and so the

@@ -1,4 +1,4 @@
-"""A root that is brought back to where planted feet are in reach, smoothly in time (METHOD (36))."""
+"""A root that is brought back to where planted feet are in reach, smoothly in time (METHOD (37))."""
 
 from dataclasses import dataclass
 
