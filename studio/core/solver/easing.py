@@ -27,10 +27,11 @@ Pose = tuple[FloatArray, FloatArray]
 EasingArrays = tuple[object, ...]
 Run = Callable[[int, EasingArrays], None]
 
-EASED = np.array([[1.2, 2.0], [1.8, 2.6]])
-"""Parts of the allowed peak at which what joints add, and what limbs turn with in all, begins to be eased, and is."""
-LEFT = np.array([[1.8, 2.6], [2.4, 3.2]])
-"""The same at which a level is left altogether for those above it."""
+EASED = np.array([[1.2, 1.2, 2.0], [1.8, 1.8, 2.6]])
+"""Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, begins to be eased, and
+is."""
+LEFT = np.array([[5.0, 1.8, 2.6], [6.0, 2.4, 3.2]])
+"""The same at which a level is left altogether for those above it: a root that starts at once is the lesser evil."""
 WIDTHS = 0.06, 0.12, 0.2, 0.35
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
 AROUND = 0.2
@@ -100,13 +101,17 @@ class Solve:
         return bool((self.sharp > np.array([jolts.ADDED, jolts.WHOLE]) * self.source).any())
 
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
-        """(F, 2) as ``kernels.jolts`` has them, of states of the search and turns (F, 16, 3, 3) of the limbs."""
-        sharp = np.zeros((len(turns), 2))
-        per_joint = np.where(self.joints[:, 0] < 0, 1.0 / jolts.LEVER, 2.0) * self.rate**2
-        sharp[1:-1, 0] = (np.linalg.norm(np.diff(states, 2, axis=0), axis=2) * per_joint).max(axis=1, initial=0.0)
+        """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
+
+        As ``kernels.jolts`` has them, radians a second squared.
+        """
+        sharp, roots = np.zeros((len(turns), 3)), self.joints[:, 0] == ROOT
+        ways = np.linalg.norm(np.diff(states, 2, axis=0), axis=2) * self.rate**2
+        sharp[1:-1, 0] = ways[:, roots].max(axis=1, initial=0.0) / jolts.LEVER
+        sharp[1:-1, 1] = 2.0 * ways[:, ~roots].max(axis=1, initial=0.0)
         limbs = np.flatnonzero(np.repeat(self.limbs, 4))
         if len(limbs):
-            sharp[1:-1, 1] = angular_acceleration(turns[:, limbs], self.rate).max(axis=1)
+            sharp[1:-1, 2] = angular_acceleration(turns[:, limbs], self.rate).max(axis=1)
         return sharp
 
 
@@ -143,7 +148,7 @@ class Easing:
         unsolved = self._charts.values(self._charts.turns_of(motion[1]))
         self._eased: Pose = np.zeros_like(levels[0].solve.states), unsolved
         self._moved: Pose = np.zeros_like(self._eased[0]), np.zeros_like(unsolved)
-        self._touched, self._jolts = np.zeros(len(unsolved)), np.zeros((len(unsolved), 2))
+        self._touched, self._jolts = np.zeros(len(unsolved)), np.zeros((len(unsolved), 3))
 
     def ease(self, held: int) -> None:
         """Ease all levels but the first ``held``, those of contacts."""
