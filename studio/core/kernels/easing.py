@@ -1,4 +1,4 @@
-"""Frames where what was solved jolts, posed again from what the frames around them have, eased in time (METHOD (36) to (38)).
+"""Frames where what was solved jolts, posed again as they were eased in time (METHOD (36) to (38)).
 
 ``easing`` is the tuple (frames (n,) to be solved, states (F, N, 3) of their searches, turns (F, 16, 3, 3) of the limbs'
 joints, four a limb, as eased, none while nothing is, level (2,) that is eased and whether it is to be met again, misses

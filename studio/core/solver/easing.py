@@ -1,4 +1,4 @@
-"""Where what was solved jolts it is eased in time: less exact for a moment, but as smooth as the motion (METHOD (36) to (38)).
+"""Where what was solved jolts it is eased in time: less exact for a moment, but smooth (METHOD (36) to (38)).
 
 Every frame is solved from its own pose alone; a limb that changes sides, or a level that is given up, may so jump
 between two frames. What nowhere jolts beyond what the motion itself and its moving wishes bring is left as it is.
