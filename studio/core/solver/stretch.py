@@ -84,7 +84,7 @@ class Stretch:
         self._joints = joints.joints
         legs = legs_of(standing.footing, window)
         measures = at_frames(body.rows, window)
-        self._leash = RootLeash.of(standing.positions[window], measures, body.layout, legs[1], leash)
+        self._stance = measures, body.layout, legs[1], leash
         self._given = (
             (self._rows.asked, self._rows.areas, joints.arrays, recruits, self._rows.wishes),
             (
@@ -144,7 +144,8 @@ class Stretch:
             acts = np.asarray((self._activations[above] > 0.0).any(axis=0))
             levels.append(Level(solve, acts, peak + brings[above].sum(axis=0)))
         motion = *self._unsolved, self._positions, self._rotations
-        Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, self._leash).ease(
+        leash = RootLeash.of(standing.positions[self.window], *self._stance)
+        Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, leash).ease(
             int(self._held > 0)
         )
 
