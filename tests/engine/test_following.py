@@ -24,14 +24,17 @@ REACH = Chain(trunk=0.5, root=1.0)
 
 
 def stage(characters: int = 2, **followed: str) -> Project:
-    """Bodies a hand's breadth apart, each playing a motion of its own; ``p0="p1"``: p0's right wrist follows p1's."""
+    """Bodies a hand's breadth apart, each playing a motion of its own, frame by frame.
+
+    ``p0="p1"``: p0's right wrist follows p1's.
+    """
     project = make_project(characters=characters, constraints=0, contacts=0)
     project = project.with_entity("motions", "motion", None)
     for k in range(characters):
         motion = f"m{k}"
         performer = project.performers[f"performer {k}"]
         clips = (replace(performer.clips[0], motion_id=motion),)
-        performer = replace(performer, clips=clips, position=(0.0, 0.25 * k), heading=0.2 * k)
+        performer = replace(performer, clips=clips, position=(0.0, 0.25 * k), heading=0.2 * k, eased=False)
         project = project.with_entity("motions", motion, Motion(motion, "capture"))
         project = project.with_entity("performers", f"performer {k}", None).with_entity(
             "performers", f"p{k}", performer

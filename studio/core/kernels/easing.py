@@ -3,7 +3,7 @@
 ``easing`` is the tuple (frames (n,) to be solved, states (F, N, 3) of their searches, turns (F, 16, 3, 3) of the limbs'
 joints, four a limb, as eased, none while nothing is, level (2,) that is eased and whether it is to be met again, misses
 (C, F) before the easing, kept (positions, rotations) what those above it have become, and of ``kernels.jolts`` limbs,
-carriers, paces, source, rate (1,) and jolts).
+carriers, source, rate (1,) and jolts).
 """
 
 import math
@@ -22,7 +22,7 @@ from studio.core.kernels.wishes import set_goals
 @kernel
 def ease_frame(frame, asked, areas, chain, wishes, activations, body, work, start, pose, easing):
     """Pose a frame that was just solved as it was eased, and hold what stands above where that has come to be."""
-    _, states, turns, level, misses, kept, _, _, _, _, _, _ = easing
+    _, states, turns, level, misses, kept, _, _, _, _, _ = easing
     above = pack((kept[0][frame], kept[1][frame]))
     for joint in range(states.shape[1]):
         put_state(states[frame, joint], chain[3][joint], work[3][0, joint])

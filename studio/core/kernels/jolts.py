@@ -18,6 +18,8 @@ ADDED, WHOLE = 1.2, 2.0
 """Parts of the source's peak that joints of a search may add, and that limbs may turn with in all, for nobody to look
 closer.
 """
+CALM = 0.9
+"""Part of the source's peak up to which bones of a limb may turn in the world for its joints to be below ``WHOLE``."""
 _STRAIGHT = 0.9
 """Cosine of a turn up to which its angle is the series of its sine's."""
 
@@ -43,40 +45,81 @@ def note_jolts(frame, joints, motion, easing):
     """Note the frame before ``frame``, whose state and pose are there as are those of the two before.
 
     Of ``kernels.easing``: ``states`` (F, N, 3); ``limbs`` (4,) which of them constraints are about; ``carriers`` (n,)
-    the segments that carry those which count as source, -1 none; ``paces`` (16, 3) of the limbs' joints, as the frame
-    before has left them; ``source``; ``rate`` (1,) frames a second; ``jolts``, written here.
+    the segments that carry those which count as source, -1 none; ``source``; ``rate`` (1,) frames a second; ``jolts``,
+    written here.
     """
-    _, states, _, _, _, _, limbs, carriers, paces, source, rate, out_jolts = easing
-    rotations = motion[3]
-    middle, per_second = frame - 1, rate[0] * rate[0]
-    searched = turned = 0.0
-    if frame >= 2:
-        for joint in range(joints.shape[0]):
-            squared = 0.0
-            for axis in range(3):
-                way = states[frame, joint, axis] - 2.0 * states[middle, joint, axis] + states[frame - 2, joint, axis]
-                squared += way * way
-            searched = max(searched, math.sqrt(squared) * (1.0 / LEVER if joints[joint, 0] == ROOT else 2.0))
-    for limb in range(4):
-        if not limbs[limb]:
-            continue
-        before, upper, _ = limb_parts(limb, rotations.shape[1] - 18)
-        for bone in range(3):
-            segment, kept = upper + bone, paces[4 * limb + bone]
-            x, y, z = pace(
-                rotations[middle, before],
-                rotations[middle, segment],
-                rotations[frame, before],
-                rotations[frame, segment],
-            )
-            turned = max(turned, (x - kept[0]) ** 2 + (y - kept[1]) ** 2 + (z - kept[2]) ** 2)
-            kept[0], kept[1], kept[2] = x, y, z
-            before = segment
     if frame < 2:
         return
-    out_jolts[middle, 0], out_jolts[middle, 1] = per_second * searched, per_second * math.sqrt(turned)
+    _, states, _, _, _, _, limbs, carriers, source, rate, out_jolts = easing
+    middle, per_second = frame - 1, rate[0] * rate[0]
+    searched = turned = 0.0
+    for joint in range(joints.shape[0]):
+        squared = 0.0
+        for axis in range(3):
+            way = states[frame, joint, axis] - 2.0 * states[middle, joint, axis] + states[frame - 2, joint, axis]
+            squared += way * way
+        scale = 1.0 / LEVER if joints[joint, 0] == ROOT else 2.0
+        searched = max(searched, scale * scale * squared)
+    calm = CALM * source[0] / per_second
+    for limb in range(4):
+        if limbs[limb] and not is_calm(limb, middle, calm * calm, motion[2], motion[3]):
+            turned = max(turned, limb_jolt(limb, middle, motion[3]))
+    out_jolts[middle, 0], out_jolts[middle, 1] = per_second * math.sqrt(searched), per_second * turned
     if out_jolts[middle, 0] > ADDED * source[0] or out_jolts[middle, 1] > WHOLE * source[0]:
         source[0] = max(source[0], per_second * peak_at(middle, carriers, motion[1]))
+
+
+@kernel
+def is_calm(limb, middle, most, positions, rotations):
+    """Whether the bones of a limb, and hand or foot about itself, turn in the world by less than the root of ``most``.
+
+    In radians a frame squared, by the second differences of their directions.
+    """
+    _, upper, root = limb_parts(limb, rotations.shape[1] - 18)
+    for bone in range(3):
+        squared = length = 0.0
+        for axis in range(3):
+            way = positions[middle, root + bone + 1, axis] - positions[middle, root + bone, axis]
+            before = positions[middle - 1, root + bone + 1, axis] - positions[middle - 1, root + bone, axis]
+            after = positions[middle + 1, root + bone + 1, axis] - positions[middle + 1, root + bone, axis]
+            length += way * way
+            squared += (after - 2.0 * way + before) ** 2
+        if squared > most * length:
+            return False
+    squared, end = 0.0, upper + 2
+    for axis in range(3):
+        way = rotations[middle, end, axis, 0]
+        squared += (rotations[middle + 1, end, axis, 0] - 2.0 * way + rotations[middle - 1, end, axis, 0]) ** 2
+    return squared <= most
+
+
+@kernel
+def limb_jolt(limb, middle, rotations):
+    """The greatest change of pace of a limb's joints at one frame, in radians a frame squared."""
+    before, upper, _ = limb_parts(limb, rotations.shape[1] - 18)
+    most = 0.0
+    for bone in range(3):
+        most = max(most, change_of_pace(middle, before, upper + bone, rotations))
+        before = upper + bone
+    return most
+
+
+@kernel
+def change_of_pace(middle, carrier, segment, rotations):
+    """By how much a joint's pace changes at one frame, in radians a frame squared."""
+    first = pace(
+        rotations[middle - 1, carrier],
+        rotations[middle - 1, segment],
+        rotations[middle, carrier],
+        rotations[middle, segment],
+    )
+    then = pace(
+        rotations[middle, carrier],
+        rotations[middle, segment],
+        rotations[middle + 1, carrier],
+        rotations[middle + 1, segment],
+    )
+    return math.sqrt((then[0] - first[0]) ** 2 + (then[1] - first[1]) ** 2 + (then[2] - first[2]) ** 2)
 
 
 @kernel
@@ -84,20 +127,6 @@ def peak_at(middle, carriers, rotations):
     """The greatest change of any joint's pace at one frame, in radians a frame squared."""
     most = 0.0
     for segment in range(carriers.shape[0]):
-        carrier = carriers[segment]
-        if carrier < 0:
-            continue
-        first = pace(
-            rotations[middle - 1, carrier],
-            rotations[middle - 1, segment],
-            rotations[middle, carrier],
-            rotations[middle, segment],
-        )
-        then = pace(
-            rotations[middle, carrier],
-            rotations[middle, segment],
-            rotations[middle + 1, carrier],
-            rotations[middle + 1, segment],
-        )
-        most = max(most, (then[0] - first[0]) ** 2 + (then[1] - first[1]) ** 2 + (then[2] - first[2]) ** 2)
-    return math.sqrt(most)
+        if carriers[segment] >= 0:
+            most = max(most, change_of_pace(middle, carriers[segment], segment, rotations))
+    return most

@@ -9,6 +9,7 @@ and where those above cannot be held so either, it is left for them altogether.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,13 @@ BESIDE = 0.1
 """Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
 
 
+_NO_TURNS, _NO_MISSES, _NO_POSE = (
+    np.empty((0, 16, 3, 3)),
+    np.empty((0, 0)),
+    (np.empty((0, 0, 3)), np.empty((0, 0, 3, 3))),
+)
+
+
 def reach_of(levels: int) -> float:
     """Seconds on either side of a frame that may have to do with how it is eased."""
     averaging = sum(width + 2.0 * min(width, AROUND) for width in WIDTHS)
@@ -71,7 +79,8 @@ class Solve:
     @staticmethod
     def of(layout: BodyLayout, rate: float, frames: int, joints: IntArray, limbs: IntArray) -> "Solve":
         """``limbs`` (C, 2) of the constraints' ends, -1 none."""
-        wished = np.array([(limbs == limb).any() for limb in range(4)], dtype=np.int64)
+        named = set(limbs.ravel().tolist())
+        wished = np.array([limb in named for limb in range(4)], dtype=np.int64)
         states = np.zeros((frames, len(joints), 3))
         return Solve(layout, rate, joints, wished, states, np.array([QUIET]), np.zeros((frames, 2)))
 
@@ -79,21 +88,18 @@ class Solve:
         self, frames: IntArray, turns: FloatArray, level: int, meets: bool, misses: FloatArray, kept: Pose
     ) -> EasingArrays:
         """As ``kernels.easing`` takes it."""
-        noted = self.limbs, self.carriers, np.zeros((16, 3)), self.source, np.array([self.rate]), self.sharp
+        noted = self.limbs, self.carriers, self.source, np.array([self.rate]), self.sharp
         return frames, self.states, turns, np.array([level, meets]), misses, kept, *noted
 
     @property
     def noting(self) -> EasingArrays:
         """For a first run over all frames."""
-        count = len(self.states)
-        nothing = np.empty((0, 0, 3)), np.empty((0, 0, 3, 3))
-        return self.easing(np.arange(count), np.empty((0, 16, 3, 3)), 0, False, np.empty((0, count)), nothing)
+        return self.easing(np.arange(len(self.states)), _NO_TURNS, 0, False, _NO_MISSES, _NO_POSE)
 
     @property
     def carriers(self) -> IntArray:
         """The carrier of every segment that counts as source: legs only where wishes are about them."""
-        carriers = np.array(self.layout.parent_segments())
-        return carriers if self.limbs[2:].any() else carriers[: self.layout.spine_count + 10]
+        return _carriers(self.layout, bool(self.limbs[2:].any()))
 
     @property
     def jolts(self) -> bool:
@@ -113,6 +119,12 @@ class Solve:
         if len(limbs):
             sharp[1:-1, 2] = angular_acceleration(turns[:, limbs], self.rate).max(axis=1)
         return sharp
+
+
+@cache
+def _carriers(layout: BodyLayout, with_legs: bool) -> IntArray:
+    carriers = np.array(layout.parent_segments())
+    return carriers if with_legs else carriers[: layout.spine_count + 10]
 
 
 @dataclass(frozen=True, eq=False)

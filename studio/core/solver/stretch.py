@@ -120,7 +120,9 @@ class Stretch:
 
     def _solve_of(self, level: int) -> Solve:
         """To note what is solved down to ``level``."""
-        ends = self._rows.asked["ends"][self._rows.asked["rank"] <= level, :, 2]
+        ends = self._rows.asked["ends"][:, :, 2]
+        if level < self._levels - 1:
+            ends = ends[self._rows.asked["rank"] <= level]
         motion, layout = self.standing.motion, self.standing.morphology.layout
         return Solve.of(layout, motion.frame_rate, len(self._positions), self._joints, ends)
 
