@@ -55,7 +55,11 @@ class Stretch:
         activations, self._held = given[self._order], len(held)
         known = _known_tracks(standing, constraints, window, tracks)
         times = np.arange(motion.frame_count)[window] / motion.frame_rate
-        self._rows = pack(everything, body.layout, Targets(times, known, self._masses))
+
+        def masses() -> FloatArray:  # a method would keep all arrays until somebody looks for rings
+            return mass_path(standing.positions[window], body.still)
+
+        self._rows = pack(everything, body.layout, Targets(times, known, masses))
         if held:
             place_above(self._rows, held, window)
             stands = np.array([each.standing[window] for each in held])
@@ -94,9 +98,6 @@ class Stretch:
             ),
         )  # fmt: skip
         self._misses = np.full((len(everything), len(times)), np.nan)
-
-    def _masses(self) -> FloatArray:
-        return mass_path(self.standing.positions[self.window], self.standing.morphology.still)
 
     def solve(self) -> bool:
         """Solve every frame from its own pose; whether anything jolts."""
