@@ -11,7 +11,7 @@ import math
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.edges import IN_PART, pose_kept
-from studio.core.kernels.goals import BALANCE, ORIENTATION, POSITION, end_place
+from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import KEPT_TURNS, carry_body, follow, miss_of
 from studio.core.kernels.stance import keep_feet_in_reach
@@ -47,7 +47,8 @@ def pin(c, asked, areas, body, work, start, above):
     row.wanted, row.blended = 1, 0.0
     if row.kind == POSITION and row.ends[1, 0] < 0:
         end_place(row, 0, above, row.places[0])
-    elif row.kind == ORIENTATION and row.ends[1, 0] < 0:
+    elif row.kind == LOOK_AT or (row.kind == ORIENTATION and row.ends[1, 0] < 0):
+        row.pinned = 1
         copy_matrix(above[1][row.ends[0, 1]], row.turn)
     elif row.kind == BALANCE and row.ends[1, 0] < 0:
         centre_of_mass(body[1], above[0], work[6], row.places[0])

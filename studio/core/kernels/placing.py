@@ -199,7 +199,7 @@ def follow(level, solved, asked, areas, work, start, pose):
             end_place(row, 0, pose, points[0])
             second_place(row, pose, points[1])
             part_to(points[0], points[1], row.distance, row.shares, row.places)
-        elif row.kind == LOOK_AT:
+        elif row.kind == LOOK_AT and not row.pinned:
             rotation = pose[1][row.ends[0, 1]]
             end_place(row, 0, pose, points[0])
             gaze_goal(row.places[1], row.places[0], points[0], row.distance, points[1])

@@ -25,7 +25,7 @@ def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose)
         if share < 1.0 and blends(row):
             share = 1.0 if share >= least else 0.0
         row.share = share
-        row.wanted = 1 if share > 0.0 else 0
+        row.wanted, row.pinned = 1 if share > 0.0 else 0, 0
         if share <= 0.0:
             continue
         acts = True

@@ -38,7 +38,7 @@ WIDTHS = 0.06, 0.12, 0.2, 0.35
 AROUND = 0.2
 """Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
 MENDED, FALLING = 0.1, 0.35
-"""The same where a level is left as averaged, and where it is left for those above it."""
+"""The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
 PULLED = 0.15
 """Seconds on either side over which planted feet pull the root."""
 SEEN = 0.8
@@ -57,7 +57,7 @@ _NO_TURNS, _NO_MISSES, _NO_POSE = (
 def reach_of(levels: int) -> float:
     """Seconds on either side of a frame that may have to do with how it is eased."""
     averaging = sum(width + 2.0 * min(width, AROUND) for width in WIDTHS)
-    return 2.0 * SEEN + levels * (averaging + 2.0 * (MENDED + 3.0 * FALLING))
+    return 2.0 * SEEN + levels * (averaging + 2.0 * (MENDED + 4.0 * FALLING))
 
 
 @dataclass(eq=False)
@@ -177,11 +177,11 @@ class Easing:
         level, misses, solved = self._levels[number], self._misses.copy(), self._solved(number)
         room = self._room(level, solved)
         smooth = self._smoothed(level, solved, room)
-        ways = [(smooth, True, MENDED), (smooth, False, FALLING)]
+        ways = [(smooth, True, MENDED, EASED), (smooth, False, FALLING, EASED), (smooth, False, FALLING, LEFT)]
         if has_above:
-            ways += 2 * [(self._eased, False, FALLING)]
+            ways += 2 * [(self._eased, False, FALLING, LEFT)]
         now, bump = solved, np.sign(self._touched)
-        for goal, meets, around in ways:
+        for goal, meets, around, parts in ways:
             frames = np.flatnonzero(bump > 0.0)
             if not len(frames):
                 break
@@ -189,7 +189,7 @@ class Easing:
             turns = self._charts.turns(_blend(now[1], goal[1], bump))
             self._pose(number, level.solve.easing(frames, turns, number, meets, misses, kept))
             now = self._solved(number, now[1])
-            bump = room * self._bump(level, now, around)
+            bump = room * self._bump(level, now, around, parts)
         self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
         self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
 
@@ -213,13 +213,13 @@ class Easing:
         states[:, joints[:, 0] == ROOT] += back[:, None]
         return states, values
 
-    def _bump(self, level: Level, poses: Pose, around: float) -> FloatArray:
+    def _bump(self, level: Level, poses: Pose, around: float, parts: FloatArray = EASED) -> FloatArray:
         """(F,) how far frames of ``poses`` are to be eased, from 0 to 1, for their jolts.
 
-        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade. What those above have
-        become is no fault of a level.
+        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade; ``parts`` of what is
+        allowed (2, 3), where that begins and where it is whole. What those above have become is no fault of a level.
         """
-        begin, end = LEFT if around == FALLING else EASED
+        begin, end = parts
         allowed = np.maximum(level.allowed[:, None], self._jolts / begin)
         sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
         share = np.clip((sharp - begin) / (end - begin), 0.0, 1.0)
