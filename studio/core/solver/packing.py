@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
-from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Constraint, limb_bones
+from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Chain, Constraint, limb_bones
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
@@ -50,18 +50,15 @@ class Rows:
 
     def put_end(self, c: int, end: int, point: BodyPoint, constraint: Constraint) -> None:
         """One end of a constraint: a point of the body and the freedom of its limb."""
-        row, chain, limb = self.asked[c], constraint.chain, limb_of(point.part)
+        row, limb = self.asked[c], limb_of(point.part)
         row["ends"][end] = *point_indices(point, self.layout), limb
         row["offsets"][end] = point.offset
-        row["freedoms"][end] = chain.limb, chain.end_segment
+        helped, parts, freedom = _means_of(point.part, constraint.chain)
+        row["freedoms"][end] = freedom, constraint.chain.end_segment
         if limb >= 0:
-            carriers = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK
-            row["helped"] |= chain.root > 0.0 or any(chain.weight(part) > 0.0 for part in carriers)
-            bones = limb_bones(point.part)
-            parts = [chain.weight(part) for part in bones]
+            row["helped"] |= helped
             row["parts"][end] = parts
-            row["freedoms"][end, 0] = max(parts[:1] if point.part == bones[0] else parts)
-            row["stiff"] |= row["freedoms"][end, 0] > 0.0 and min(parts) < 1.0
+            row["stiff"] |= freedom > 0.0 and min(parts) < 1.0
 
     def put_followed(self, c: int, target: object) -> bool:
         """What a constraint follows on its own body; False where that is no such thing."""
@@ -215,6 +212,18 @@ _WRITERS: dict[type[Constraint], Callable[[Rows, int, Any], None]] = {
     BalanceConstraint: _balance,
     AreaConstraint: _area,
 }
+
+
+@lru_cache(maxsize=1024)
+def _means_of(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
+    """Whether a chain helps the limb of a part by what carries it, the weights of its bones, and how free it is."""
+    limb = limb_of(part)
+    if limb < 0:
+        return False, (), chain.limb
+    carriers, bones = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK, limb_bones(part)
+    parts = tuple(chain.weight(bone) for bone in bones)
+    helped = chain.root > 0.0 or any(chain.weight(carrier) > 0.0 for carrier in carriers)
+    return helped, parts, max(parts[:1] if part == bones[0] else parts)
 
 
 @lru_cache(maxsize=1024)

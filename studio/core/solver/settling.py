@@ -141,7 +141,7 @@ def _settled(
     if kneeling:
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
     links = _Links([], [], [], [])
-    for side, leash in enumerate(leashes(footing, rate)):
+    for side, leash in enumerate(leashes(footing)):
         hip, legs = positions[:, layout.hip(side)], lengths_of(body, at.M_LEG + 2 * side)
         links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), leash * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:

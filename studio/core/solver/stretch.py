@@ -83,7 +83,7 @@ class Stretch:
             self._unsolved = self._positions.copy(), self._rotations.copy()
         leash = np.full((2, len(times)), np.inf)
         if bound.by_contacts:
-            leash = np.ascontiguousarray(leashes(standing.footing, motion.frame_rate)[:, window])
+            leash = np.ascontiguousarray(leashes(standing.footing)[:, window])
         self._limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
         self._joints = joints.joints
         legs = legs_of(standing.footing, window)
@@ -217,8 +217,9 @@ def constraint_activations(
     """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
     times = np.arange(motion.frame_count) / motion.frame_rate
     activations = np.array([constraint.activation.at(times) for constraint in constraints])
+    standing = {contact.point.limb for contact in contacts}
     for row, constraint in zip(activations, constraints, strict=True):
         limb = limb_of(constraint.point.part)
-        if any(contact.point.limb == limb >= 0 for contact in contacts):
+        if limb >= 0 and limb in standing:
             row *= limb_freedom(contacts, limb, motion.frame_count, motion.frame_rate)
     return activations
