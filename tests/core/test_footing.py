@@ -72,8 +72,10 @@ def test_a_foot_is_free_when_its_nearest_stand_is_long_ago(planted: list[bool], 
 
 
 def test_a_standing_leg_stretches_as_far_as_the_motions_own_or_nearly_straight() -> None:
-    comforts = leg_comforts(WALK, foot_states(CONTACTS, WALK.frame_count))
-    standing = foot_states(CONTACTS, WALK.frame_count) != 0
+    states = foot_states(CONTACTS, WALK.frame_count)
+    free = np.array([freedom(foot != 0, WALK.frame_rate) for foot in states])
+    comforts = leg_comforts(WALK, states, free)
+    standing = states != 0
     assert (comforts[standing] >= STANDING_REACH - 1e-12).all()
     assert (comforts < 1.0).all()
     assert comforts.min() == pytest.approx(SWINGING_REACH, abs=0.02)

@@ -31,7 +31,7 @@ Run = Callable[[int, EasingArrays], None]
 EASED = np.array([[1.2, 1.2, 2.0], [1.8, 1.8, 2.6]])
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, begins to be eased, and
 is."""
-LEFT = np.array([[5.0, 1.8, 2.6], [6.0, 2.4, 3.2]])
+LEFT = np.array([[5.0, 1.6, 2.4], [6.0, 2.2, 2.9]])
 """The same at which a level is left altogether for those above it: a root that starts at once is the lesser evil."""
 WIDTHS = 0.06, 0.12, 0.2, 0.35
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
