@@ -78,7 +78,8 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
         _follow("left"): far[left],
         _follow("right"): far[right],
     }
-    bare = AdaptRequest(motion, body, tracks={follow: _track(places) for follow, places in tracks.items()})
+    followed = {follow: _track(places) for follow, places in tracks.items()}
+    bare = AdaptRequest(motion, body, tracks=followed, eased=True)
     held = replace(bare, contacts=contacts)
     balance = BalanceConstraint(MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)
     reachable, strict = wrist(right, "near", LIMB), wrist(right, "near", WITH_TRUNK)

@@ -44,6 +44,24 @@ def hip_heights(channels, measures, rotations, ankles, comforts, states, out_dro
 
 
 @kernel
+def lower_smoothly(drops, window, out_peaks, out_drops):
+    """At least ``drops`` (F,) and 0 everywhere: the greatest around, averaged over the same support by ``window``.
+
+    The window (2 n + 1,) adds up to 1; beyond its ends a motion goes on as it is there. METHOD (9).
+    """
+    count, half = drops.shape[0], window.shape[0] // 2
+    for frame in range(count):
+        out_peaks[frame] = 0.0
+        for other in range(max(frame - half, 0), min(frame + half + 1, count)):
+            out_peaks[frame] = max(out_peaks[frame], drops[other])
+    for frame in range(count):
+        out_drops[frame] = 0.0
+        for step in range(2 * half + 1):
+            other = min(max(frame + step - half, 0), count - 1)
+            out_drops[frame] += window[step] * out_peaks[other]
+
+
+@kernel
 def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, rotations):
     """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
 

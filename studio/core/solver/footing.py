@@ -6,14 +6,14 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import convolve1d, gaussian_filter1d, maximum_filter1d
+from scipy.ndimage import gaussian_filter1d
 
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.kernels import feet as kernel
 from studio.core.kernels import layout as at
 from studio.core.kernels.layout import LIMB_SLACK
-from studio.core.kernels.legs import hip_heights
+from studio.core.kernels.legs import hip_heights, lower_smoothly
 from studio.core.kernels.swing import keep_above
 from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
@@ -63,12 +63,11 @@ class Footing:
 
 def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.int64]:
     """(2, F) of bits: 1 where the heel stands, 2 where the toe does."""
-    states = np.zeros((2, frame_count), dtype=np.int64)
+    stands = np.zeros((2, 2, frame_count), dtype=bool)
     for contact in contacts:
         if contact.point.is_foot:
-            bit = kernel.HEEL if contact.point.is_heel else kernel.TOE
-            states[contact.point.side, contact.first : contact.last + 1] |= bit
-    return states
+            stands[1 - contact.point.is_heel, contact.point.side, contact.first : contact.last + 1] = True
+    return np.asarray(kernel.HEEL * stands[0] + kernel.TOE * stands[1])
 
 
 def find_footing(
@@ -269,9 +268,9 @@ def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
     """
     if not (drops > 0.0).any():
         return np.zeros(len(drops))
-    half = max(1, round(LOOK_AHEAD * frame_rate))
-    peaks = maximum_filter1d(np.maximum(drops, 0.0), 2 * half + 1, mode="nearest")
-    return np.asarray(convolve1d(peaks, hann_window(half), mode="nearest"))
+    peaks, smooth = np.empty_like(drops), np.empty_like(drops)
+    lower_smoothly(drops, hann_window(max(1, round(LOOK_AHEAD * frame_rate))), peaks, smooth)
+    return smooth
 
 
 @cache
