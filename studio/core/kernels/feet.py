@@ -147,12 +147,15 @@ def level_soles(rotations, states, reach, out_rotations):
             end += 1
         set_heading(level, along, across)
         for standing in range(frame, end):
-            multiply(level, rotations[standing].T, turn)
-            matrix_to_rotation_vector(turn, corrections[standing])
+            copy_matrix(level, out_rotations[standing])
+            if not is_inside(standing, known):
+                multiply(level, rotations[standing].T, turn)
+                matrix_to_rotation_vector(turn, corrections[standing])
         frame = end
     ease_gaps(corrections, known, reach)
     for frame in range(count):
-        put_turn(corrected(corrections[frame], turn_in(rotations[frame])), out_rotations[frame])
+        if not known[frame]:
+            put_turn(corrected(corrections[frame], turn_in(rotations[frame])), out_rotations[frame])
 
 
 @small_kernel
@@ -215,7 +218,7 @@ def level_toes(feet, toes, states, reach, out_toes):
     """
     count = states.shape[0]
     corrections = np.zeros((count, 3))
-    known = (states & TOE) != 0
+    known, lies = (states & TOE) != 0, np.zeros(count, np.bool_)
     level, turn, local = np.zeros((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     level[2, 2] = 1.0
     for frame in range(count):
@@ -229,14 +232,32 @@ def level_toes(feet, toes, states, reach, out_toes):
                     foot[2, 2] * foot[0, 0] - foot[2, 0] * foot[0, 2],
                     foot[2, 2] * foot[1, 0] - foot[2, 0] * foot[1, 2],
                 )
-            multiply(foot.T, level, local)
-            multiply(local, toes[frame].T, turn)
-            matrix_to_rotation_vector(turn, corrections[frame])
-            corrections[frame] *= smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
+            share = smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
+            lies[frame] = share == 1.0
+            if lies[frame]:
+                copy_matrix(level, out_toes[frame])
+            if not (lies[frame] and is_inside(frame, known)):
+                multiply(foot.T, level, local)
+                multiply(local, toes[frame].T, turn)
+                matrix_to_rotation_vector(turn, corrections[frame])
+                corrections[frame] *= share
     ease_gaps(corrections, known, reach)
     for frame in range(count):
-        local_toe = corrected(corrections[frame], turn_in(toes[frame]))
-        put_turn(product(turn_in(feet[frame]), local_toe), out_toes[frame])
+        if not lies[frame]:
+            local_toe = corrected(corrections[frame], turn_in(toes[frame]))
+            put_turn(product(turn_in(feet[frame]), local_toe), out_toes[frame])
+
+
+@small_kernel
+def is_inside(frame, known):
+    """Whether both frames before and after one are ``known`` (F,), so that ``ease_gaps`` does not look at it."""
+    return (
+        1 < frame < known.shape[0] - 2
+        and known[frame - 2]
+        and known[frame - 1]
+        and known[frame + 1]
+        and known[frame + 2]
+    )
 
 
 @allocating_kernel
