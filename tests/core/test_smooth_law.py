@@ -94,19 +94,7 @@ def _peak(seed: int, count: int) -> float:
     return float(peak / (max(source, QUIET) + wishes.brings))
 
 
-@pytest.mark.parametrize(
-    ("count", "within", "median", "worst"),
-    [(1, 0.97, 1.2, 6.0), (2, 0.97, 1.8, 6.0), (3, 0.97, 2.2, 6.0), (4, 0.97, 2.5, 6.0)],
-)
-def test_wishes_that_move_smoothly_move_no_joint_with_a_jerk(
-    count: int, within: float, median: float, worst: float
-) -> None:
-    """``within`` is the share of sets that keeps the law.
-
-    Of 100 sets of one to four wishes 99 to 100 do, and the others came to 5: what is eased touches a limit of a joint,
-    or fades at the end of what may be eased.
-    """
-    peaks = np.array([_peak(seed, count) for seed in range(40)])
-    assert np.mean(peaks < 3.0) >= within
-    assert np.median(peaks) < median
-    assert peaks.max() < worst
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_wishes_that_move_smoothly_move_no_joint_with_a_jerk(count: int) -> None:
+    """Of 800 sets, 200 of each count, 799 keep the law, and one comes to 4.4: where joints are at their limits."""
+    assert max(_peak(seed, count) for seed in range(40)) < 3.0
