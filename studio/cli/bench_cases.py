@@ -24,7 +24,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized
 from studio.core.solver.adapt import Standing, hold, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.tracks import Track
+from studio.core.solver.tracks import Track, Tracks
 
 FloatArray = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
         _follow("left"): far[left],
         _follow("right"): far[right],
     }
-    followed = {follow: _track(places) for follow, places in tracks.items()}
+    followed: Tracks = {follow: _track(places) for follow, places in tracks.items()}
     bare = AdaptRequest(motion, body, tracks=followed, eased=True)
     held = replace(bare, contacts=contacts)
     balance = BalanceConstraint(MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)

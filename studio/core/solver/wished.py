@@ -1,7 +1,5 @@
 """How sharply wishes themselves move and come and go: what joints must turn with to follow them (METHOD (36))."""
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
@@ -33,43 +31,36 @@ def brought(
     v and a are of what each asks, by its activation (C, F), beside where the unsolved poses have what it is for.
     """
     brings = np.zeros(activations.shape)
-    for row, path, lever in _paths(rows, first, activations, positions, rotations, body):
+    for c in (first + np.flatnonzero((activations[first:] > 0.0).any(axis=1))).tolist():
+        path, lever = _path(c, rows, activations[c][:, None], positions, rotations, body)
         speed = np.linalg.norm(np.gradient(path, axis=0), axis=1) * rate
         push = np.linalg.norm(np.diff(path, 2, axis=0), axis=1) * rate**2
         sharp = (np.pad(push, 1, mode="edge") + speed**2 / lever) / lever
-        acts = maximum_filter1d(activations[row] > 0.0, 3)
-        brings[row] = maximum_filter1d(np.where(acts, sharp, 0.0), 2 * round(NEAR * rate) + 1, mode="nearest")
+        acts = maximum_filter1d(activations[c] > 0.0, 3)
+        brings[c] = maximum_filter1d(np.where(acts, sharp, 0.0), 2 * round(NEAR * rate) + 1, mode="nearest")
     return brings
 
 
-def _paths(
-    rows: Rows,
-    first: int,
-    activations: FloatArray,
-    positions: FloatArray,
-    rotations: FloatArray,
-    body: Morphology,
-) -> Iterator[tuple[int, FloatArray, float]]:
-    """Of every wish that ever acts its row, its path (F, n) and the lever over which it turns a bone."""
-    count = len(positions)
-    for c in (first + np.flatnonzero((activations[first:] > 0.0).any(axis=1))).tolist():
-        row, share = rows.asked[c], activations[c][:, None]
-        wish = np.broadcast_to(rows.places[c], (count, 3))
-        (point, segment, _), (other, axes, _) = row["ends"]
-        place = positions[:, point] + rotations[:, segment] @ row["offsets"][0]
-        followed = positions[:, other] + rotations[:, axes] @ row["offsets"][1]
-        if row["kind"] == goals.ORIENTATION:
-            turns = np.broadcast_to(rows.turns[c], (count, 3, 3)) if other < 0 else rotations[:, axes] @ row["relative"]
-            errors = turns @ np.swapaxes(rotations[:, segment], 1, 2)
-            yield c, share * Rotation.from_matrix(errors).as_rotvec(), 1.0
-        elif row["kind"] == goals.LOOK_AT:
-            way = (wish if other < 0 else followed) - place
-            way = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
-            yield c, share * (way - rotations[:, segment, :, 0]), 1.0
-        elif row["kind"] == goals.DISTANCE:
-            now = np.linalg.norm(place - (wish if other < 0 else followed), axis=1, keepdims=True)
-            yield c, share * (rows.distances[c][:, None] - now), LEVER
-        else:
-            begin = mass_path(positions, body) if row["kind"] == goals.BALANCE else place
-            goal = followed if other >= 0 else np.where(np.isnan(wish), begin, wish)
-            yield c, share * (goal - begin), LEVER
+def _path(
+    c: int, rows: Rows, share: FloatArray, positions: FloatArray, rotations: FloatArray, body: Morphology
+) -> tuple[FloatArray, float]:
+    """What one wish asks by its ``share`` (F, 1), (F, n), and the lever over which it turns a bone."""
+    row, count = rows.asked[c], len(positions)
+    wish = np.broadcast_to(rows.places[c], (count, 3))
+    (point, segment, _), (other, axes, _) = row["ends"]
+    place = positions[:, point] + rotations[:, segment] @ row["offsets"][0]
+    followed = positions[:, other] + rotations[:, axes] @ row["offsets"][1]
+    if row["kind"] == goals.ORIENTATION:
+        turns = np.broadcast_to(rows.turns[c], (count, 3, 3)) if other < 0 else rotations[:, axes] @ row["relative"]
+        errors = turns @ np.swapaxes(rotations[:, segment], 1, 2)
+        return share * Rotation.from_matrix(errors).as_rotvec(), 1.0
+    if row["kind"] == goals.LOOK_AT:
+        way = (wish if other < 0 else followed) - place
+        way = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
+        return share * (way - rotations[:, segment, :, 0]), 1.0
+    if row["kind"] == goals.DISTANCE:
+        now = np.linalg.norm(place - (wish if other < 0 else followed), axis=1, keepdims=True)
+        return share * (rows.distances[c][:, None] - now), LEVER
+    begin = mass_path(positions, body) if row["kind"] == goals.BALANCE else place
+    goal = followed if other >= 0 else np.where(np.isnan(wish), begin, wish)
+    return share * (goal - begin), LEVER
