@@ -156,7 +156,8 @@ class Easing:
         """
         self._levels, self._solve, self._pose, self._motion, self._misses = levels, solve, pose, motion, misses
         self._leash = leash
-        self._charts = LimbCharts(levels[0].solve.layout, motion[1], limits)
+        limbs = np.flatnonzero(levels[-1].solve.limbs).tolist()
+        self._charts = LimbCharts(levels[0].solve.layout, motion[1], limits, limbs)
         unsolved = self._charts.values(self._charts.turns_of(motion[1]))
         self._eased: Pose = np.zeros_like(levels[0].solve.states), unsolved
         self._moved: Pose = np.zeros_like(self._eased[0]), np.zeros_like(unsolved)
@@ -204,6 +205,8 @@ class Easing:
         for seconds in WIDTHS:
             width = max(round(seconds * level.solve.rate), 1)
             bump = room * self._bump(level, (states, values), min(seconds, AROUND))
+            if not bump.any():
+                break
             self._touched = np.maximum(self._touched, bump)
             states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
             values = self._charts.values(self._charts.turns(values), values)  # within limits before the next

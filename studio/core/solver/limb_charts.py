@@ -5,6 +5,8 @@ range, elbows and knees by bend, slant and turn (METHOD (25) to (28)). What limi
 way from one side of a shoulder to the other leads through the front of it. Free joints are charted by quaternions.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
@@ -21,8 +23,14 @@ BONES = np.array([[3, 4, 5, 5], [7, 8, 9, 9], [10, 11, 12, 13], [14, 15, 16, 17]
 class LimbCharts:
     """Charts of the 16 joints of limbs, about the unsolved turns of F frames."""
 
-    def __init__(self, layout: BodyLayout, unsolved: FloatArray, limits: NDArray[np.void]) -> None:
-        """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.joint_limits``, or none."""
+    def __init__(
+        self, layout: BodyLayout, unsolved: FloatArray, limits: NDArray[np.void], limbs: Sequence[int] = range(4)
+    ) -> None:
+        """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.joint_limits``, or none.
+
+        Of others than ``limbs`` nothing changes.
+        """
+        self._limbs, self._joints = limbs, [4 * limb + joint for limb in limbs for joint in range(4)]
         self._segments = (layout.spine_count + BONES).ravel()
         self._carriers = np.array(layout.parent_segments())[self._segments]
         self._limits = limits
@@ -37,7 +45,10 @@ class LimbCharts:
         """(F, 16, n) what ``turns`` (F, 16, 3, 3) have beside the unsolved ones, with signs as those ``beside``."""
         if len(self._limits):
             return self._angles(turns) - self._own
-        quaternions = from_matrix(np.swapaxes(self._unsolved, 2, 3) @ turns)
+        quaternions = np.zeros((*turns.shape[:2], 4))
+        quaternions[..., 3] = 1.0
+        before = np.swapaxes(self._unsolved[:, self._joints], 2, 3)
+        quaternions[:, self._joints] = from_matrix(before @ turns[:, self._joints])
         if beside is None:
             return sign_continuous(quaternions)
         return np.where((quaternions * beside).sum(axis=-1, keepdims=True) < 0.0, -quaternions, quaternions)
@@ -48,19 +59,19 @@ class LimbCharts:
             length = np.linalg.norm(values, axis=-1, keepdims=True)
             return np.ascontiguousarray(self._unsolved @ to_matrix(values / length))
         own = self._own.reshape(-1, 4, 4, 3)
-        angles, turns = own + values.reshape(own.shape), np.empty((*own.shape, 3))
-        for limb, row in enumerate(self._limits):
+        angles, turns = own + values.reshape(own.shape), self._unsolved.reshape(*own.shape, 3).copy()
+        for limb in self._limbs:
             for joint in range(4):
-                turns[:, limb, joint] = _turns(angles[:, limb, joint], own[:, limb, joint], joint, row)
+                turns[:, limb, joint] = _turns(angles[:, limb, joint], own[:, limb, joint], joint, self._limits[limb])
         return turns.reshape(-1, 16, 3, 3)
 
     def _angles(self, turns: FloatArray) -> FloatArray:
         """(F, 16, 3) radians beside the middles of limits."""
         turns = turns.reshape(-1, 4, 4, 3, 3)
-        angles = np.empty(turns.shape[:-1])
-        for limb, row in enumerate(self._limits):
+        angles = np.zeros(turns.shape[:-1])
+        for limb in self._limbs:
             for joint in range(4):
-                angles[:, limb, joint] = _angles(turns[:, limb, joint], joint, row)
+                angles[:, limb, joint] = _angles(turns[:, limb, joint], joint, self._limits[limb])
         return angles.reshape(-1, 16, 3)
 
 
