@@ -13,6 +13,10 @@ from studio.core.solver.support import mass_path
 
 FloatArray = NDArray[np.float64]
 
+FARTHEST = 0.8
+"""Metres that a wish brings its point at most: what is farther off is no more than a direction."""
+TURN = 1.0
+"""Radians by which joints come and go with a wish."""
 NEAR = 0.1
 """Seconds around a frame within which what a wish brings may show in the joints."""
 
@@ -28,23 +32,29 @@ def brought(
 ) -> FloatArray:
     """(C, F) radians a second squared that wishes, from row ``first`` on, bring: (a + v^2 / l) / l over l metres.
 
-    v and a are of what each asks, by its activation (C, F), beside where the unsolved poses have what it is for.
+    v and a are of what each asks beside where the unsolved poses have what it is for, and of ``TURN`` by its activation
+    (C, F), which comes and goes joint by joint.
     """
     brings = np.zeros(activations.shape)
     for c in (first + np.flatnonzero((activations[first:] > 0.0).any(axis=1))).tolist():
-        path, lever = _path(c, rows, activations[c][:, None], positions, rotations, body)
-        speed = np.linalg.norm(np.gradient(path, axis=0), axis=1) * rate
-        push = np.linalg.norm(np.diff(path, 2, axis=0), axis=1) * rate**2
-        sharp = (np.pad(push, 1, mode="edge") + speed**2 / lever) / lever
+        path, lever = _path(c, rows, positions, rotations, body)
+        sharp = _sharp(path, lever, rate) + _sharp(TURN * activations[c][:, None], 1.0, rate)
         acts = maximum_filter1d(activations[c] > 0.0, 3)
         brings[c] = maximum_filter1d(np.where(acts, sharp, 0.0), 2 * round(NEAR * rate) + 1, mode="nearest")
     return brings
 
 
+def _sharp(path: FloatArray, lever: float, rate: float) -> FloatArray:
+    """(F,) radians a second squared that turn a bone with a lever along a path (F, n)."""
+    speed = np.linalg.norm(np.gradient(path, axis=0), axis=1) * rate
+    push = np.linalg.norm(np.diff(path, 2, axis=0), axis=1) * rate**2
+    return np.asarray((np.pad(push, 1, mode="edge") + speed**2 / lever) / lever)
+
+
 def _path(
-    c: int, rows: Rows, share: FloatArray, positions: FloatArray, rotations: FloatArray, body: Morphology
+    c: int, rows: Rows, positions: FloatArray, rotations: FloatArray, body: Morphology
 ) -> tuple[FloatArray, float]:
-    """What one wish asks by its ``share`` (F, 1), (F, n), and the lever over which it turns a bone."""
+    """What one wish asks (F, n), and the lever over which it turns a bone."""
     row, count = rows.asked[c], len(positions)
     wish = np.broadcast_to(rows.places[c], (count, 3))
     (point, segment, _), (other, axes, _) = row["ends"]
@@ -53,14 +63,14 @@ def _path(
     if row["kind"] == goals.ORIENTATION:
         turns = np.broadcast_to(rows.turns[c], (count, 3, 3)) if other < 0 else rotations[:, axes] @ row["relative"]
         errors = turns @ np.swapaxes(rotations[:, segment], 1, 2)
-        return share * Rotation.from_matrix(errors).as_rotvec(), 1.0
+        return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
     if row["kind"] == goals.LOOK_AT:
         way = (wish if other < 0 else followed) - place
         way = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
-        return share * (way - rotations[:, segment, :, 0]), 1.0
+        return way - rotations[:, segment, :, 0], 1.0
     if row["kind"] == goals.DISTANCE:
         now = np.linalg.norm(place - (wish if other < 0 else followed), axis=1, keepdims=True)
-        return share * (rows.distances[c][:, None] - now), LEVER
+        return rows.distances[c][:, None] - now, LEVER
     begin = mass_path(positions, body) if row["kind"] == goals.BALANCE else place
-    goal = followed if other >= 0 else np.where(np.isnan(wish), begin, wish)
-    return share * (goal - begin), LEVER
+    way = (followed if other >= 0 else np.where(np.isnan(wish), begin, wish)) - begin
+    return way / np.sqrt(1.0 + (np.linalg.norm(way, axis=1, keepdims=True) / FARTHEST) ** 2), LEVER
