@@ -3,13 +3,14 @@
 ``easing`` is the tuple (frames (n,) to be solved, states (F, N, 3) of their searches, turns (F, 16, 3, 3) of the limbs'
 joints, four a limb, as eased, none while nothing is, level (2,) that is eased and whether it is to be met again, misses
 (C, F) before the easing, kept (positions, rotations) what those above it have become, and of ``kernels.jolts`` limbs,
-carriers, source, rate (1,) and jolts).
+carriers, source, rate (1,) and jolts, the first of which become the metres that those above have lost by the easing).
 """
 
 import math
 
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import kernel
+from studio.core.kernels.constraints import disturbance
 from studio.core.kernels.edges import IN_PART, pose_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.packed import pack
@@ -22,7 +23,7 @@ from studio.core.kernels.wishes import set_goals
 @kernel
 def ease_frame(frame, asked, areas, chain, wishes, activations, body, work, start, pose, easing):
     """Pose a frame that was just solved as it was eased, and hold what stands above where that has come to be."""
-    _, states, turns, level, misses, kept, _, _, _, _, _ = easing
+    _, states, turns, level, misses, kept, _, _, _, _, out_lost = easing
     above = pack((kept[0][frame], kept[1][frame]))
     for joint in range(states.shape[1]):
         put_state(states[frame, joint], chain[3][joint], work[3][0, joint])
@@ -37,6 +38,7 @@ def ease_frame(frame, asked, areas, chain, wishes, activations, body, work, star
         elif row.wanted == 1 and not level[1]:
             row.wanted = IN_PART
     pose_kept(frame, asked, areas, activations, chain, body, work, start, pose)
+    out_lost[frame, 0] = disturbance(level[0], asked, areas, body, work, pose)
     note_goals(frame, asked, areas, wishes, activations, body, work, start, pose)
 
 

@@ -41,6 +41,8 @@ MENDED, FALLING = 0.1, 0.35
 """The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
 PULLED = 0.15
 """Seconds on either side over which planted feet pull the root."""
+LOST = 2e-4, 1e-3
+"""Metres that those above a level may lose by its easing for it to be left for them, beginning and wholly."""
 SEEN = 0.8
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
 BESIDE = 0.1
@@ -170,16 +172,18 @@ class Easing:
             if len(self._levels) > 1:  # one alone is solved already
                 self._solve(number, level.solve.noting)
             if number >= held:
-                self._ease_level(number, kept, number > held)
+                self._ease_level(number, kept)
+            else:
+                self._eased = self._solved(number)
             kept = self._motion[2].copy(), self._motion[3].copy()
 
-    def _ease_level(self, number: int, kept: Pose, has_above: bool) -> None:
+    def _ease_level(self, number: int, kept: Pose) -> None:
         """``kept`` is what those above the level have become."""
         level, misses, solved = self._levels[number], self._misses.copy(), self._solved(number)
         room = self._room(level, solved)
         smooth = self._smoothed(level, solved, room)
         ways = [(smooth, True, MENDED, EASED), (smooth, False, FALLING, EASED), (smooth, False, FALLING, LEFT)]
-        if has_above:
+        if number > 0:
             ways += 2 * [(self._eased, False, FALLING, LEFT)]
         now, bump = solved, np.sign(self._touched)
         for goal, meets, around, parts in ways:
@@ -188,9 +192,11 @@ class Easing:
                 break
             level.solve.states[:] = _blend(now[0], goal[0], bump)
             turns = self._charts.turns(_blend(now[1], goal[1], bump))
+            level.solve.sharp[:] = 0.0
             self._pose(number, level.solve.easing(frames, turns, number, meets, misses, kept))
             now = self._solved(number, now[1])
-            bump = room * self._bump(level, now, around, parts)
+            lost = (level.solve.sharp[:, 0] - LOST[0]) / (LOST[1] - LOST[0])
+            bump = room * np.maximum(self._bump(level, now, around, parts), self._around(lost, level, FALLING))
         self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
         self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
 
@@ -225,9 +231,12 @@ class Easing:
         begin, end = parts
         allowed = np.maximum(level.allowed[:, None], self._jolts / begin)
         sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
-        share = np.clip((sharp - begin) / (end - begin), 0.0, 1.0)
-        near = max(round(around * level.solve.rate), 1)
-        return _mean(maximum_filter1d(share.max(axis=1), 2 * near + 1, mode="constant"), near)
+        return self._around(((sharp - begin) / (end - begin)).max(axis=1), level, around)
+
+    def _around(self, share: FloatArray, level: Level, seconds: float) -> FloatArray:
+        """(F,) the greatest ``share`` (F,) within some seconds, from 0 to 1, faded over as many."""
+        near = max(round(seconds * level.solve.rate), 1)
+        return _mean(maximum_filter1d(np.clip(share, 0.0, 1.0), 2 * near + 1, mode="constant"), near)
 
     def _room(self, level: Level, solved: Pose) -> FloatArray:
         """(F,) how far a level may be eased at all: near jolts, and where it acts."""
