@@ -102,3 +102,22 @@ def test_no_joint_jolts_and_no_foot_slides(captures: Path, stem: str, body: str)
         eased = hold(standing, wishes, *window, tracks, eased=True)
         assert _peak(eased) < 3.0 * allowed, name
         assert contact_quality(eased, contacts, Ground()).slide < 2e-4, name
+
+
+@pytest.mark.parametrize("body", ["adult_woman", "giant"])
+@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_D6_CartWheel"])
+def test_hands_and_knees_stand_no_worse_for_being_eased(captures: Path, stem: str, body: str) -> None:
+    capture, motion, _ = taken(named(stem))
+    contacts = contacts_of(capture)
+    standing = stand(motion, BODIES[body], contacts, Ground())
+    before, head = hold(standing, ()), BodyPoint(BodyPart.HEAD, at_end=True)
+    place = tuple(place_of(head, before)[before.frame_count // 2] + [0.0, 0.3, 0.2])
+    wrist = BodyPoint(WRISTS[0], at_end=True)
+    wishes = tuple(
+        PositionConstraint("motion", f"{priority}", point, WHOLE, priority, ALWAYS, target=place)
+        for priority, point in enumerate((head, wrist))
+    )
+    plain, eased = (hold(standing, wishes, eased=each) for each in (False, True))
+    slides = [contact_quality(each, contacts, Ground()).slide for each in (plain, eased)]
+    assert _peak(eased) < _peak(plain)
+    assert slides[1] < slides[0] + 2e-4

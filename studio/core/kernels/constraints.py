@@ -14,8 +14,8 @@ What goes through the functions here, for C constraints on a body of S segments 
   far all has moved since, whether the last will do, and how many rows there were in all then.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
-Every operation is continuous in its inputs and starts from the frame's own pose: nothing is tried and thrown away, so
-that neighbouring frames take neighbouring ways.
+Every frame starts from its own pose, and operations are meant to be continuous in their inputs, so that neighbouring
+frames take neighbouring ways; where a level is given up, or a limb changes sides, ``kernels.easing`` does the rest.
 """
 
 import math

@@ -1,9 +1,10 @@
 """Frames where what was solved jolts, posed again as they were eased in time (METHOD (36) to (38)).
 
 ``easing`` is the tuple (frames (n,) to be solved, states (F, N, 3) of their searches, turns (F, 16, 3, 3) of the limbs'
-joints, four a limb, as eased, none while nothing is, level (2,) that is eased and whether it is to be met again, misses
-(C, F) before the easing, kept (positions, rotations) what those above it have become, and of ``kernels.jolts`` limbs,
-carriers, source, rate (1,) and jolts, the first of which become the metres that those above have lost by the easing).
+joints, four a limb, as eased, none while nothing is, level (3,) that is eased, whether it is met again, how many are
+contacts', misses (C, F) before the easing, kept (positions, rotations) what those above it have become, and of
+``kernels.jolts`` limbs, carriers, source, rate (1,) and jolts, the first of which become the metres that those above
+have lost by the easing).
 """
 
 import math
@@ -34,7 +35,7 @@ def ease_frame(frame, asked, areas, chain, wishes, activations, body, work, star
         row = asked[c]
         row.blended = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
         if activations[c, frame] > 0.0 and row.rank < level[0]:
-            pin(c, asked, areas, body, work, start, above)
+            pin(c, row.rank < level[2], asked, areas, body, work, start, above)
         elif row.wanted == 1 and not level[1]:
             row.wanted = IN_PART
     pose_kept(frame, asked, areas, activations, chain, body, work, start, pose)
@@ -43,8 +44,8 @@ def ease_frame(frame, asked, areas, chain, wishes, activations, body, work, star
 
 
 @kernel
-def pin(c, asked, areas, body, work, start, above):
-    """Ask of a constraint what it has in the pose ``above``."""
+def pin(c, stands, asked, areas, body, work, start, above):
+    """Ask of a constraint, or of what ``stands``, what it has in the pose ``above``."""
     row, hung = asked[c], work[4]
     row.wanted, row.blended = 1, 0.0
     if row.kind == POSITION and row.ends[1, 0] < 0:
@@ -60,8 +61,9 @@ def pin(c, asked, areas, body, work, start, above):
         follow(row.rank, False, asked, areas, work, start, above)
         row.blended = miss_of(c, asked, areas, body, work, above)
     for end in range(2):
-        if row.kind != BALANCE and row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0:
-            hung[4 + row.ends[end, 2]] = 1
+        limb = row.ends[end, 2]
+        if row.kind != BALANCE and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):
+            hung[4 + limb] = 1  # legs that stand are placed on their ankles
 
 
 @kernel

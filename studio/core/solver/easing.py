@@ -77,21 +77,22 @@ class Solve:
     states: FloatArray
     source: FloatArray
     sharp: FloatArray
+    held: int
 
     @staticmethod
-    def of(layout: BodyLayout, rate: float, frames: int, joints: IntArray, limbs: IntArray) -> "Solve":
-        """``limbs`` (C, 2) of the constraints' ends, -1 none."""
+    def of(layout: BodyLayout, rate: float, frames: int, joints: IntArray, limbs: IntArray, held: int) -> "Solve":
+        """``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are contacts'."""
         named = set(limbs.ravel().tolist())
         wished = np.array([limb in named for limb in range(4)], dtype=np.int64)
         states = np.zeros((frames, len(joints), 3))
-        return Solve(layout, rate, joints, wished, states, np.array([QUIET]), np.zeros((frames, 2)))
+        return Solve(layout, rate, joints, wished, states, np.array([QUIET]), np.zeros((frames, 2)), held)
 
     def easing(
         self, frames: IntArray, turns: FloatArray, level: int, meets: bool, misses: FloatArray, kept: Pose
     ) -> EasingArrays:
         """As ``kernels.easing`` takes it."""
         noted = self.limbs, self.carriers, self.source, np.array([self.rate]), self.sharp
-        return frames, self.states, turns, np.array([level, meets]), misses, kept, *noted
+        return frames, self.states, turns, np.array([level, meets, self.held]), misses, kept, *noted
 
     @property
     def noting(self) -> EasingArrays:
@@ -165,13 +166,13 @@ class Easing:
         self._moved: Pose = np.zeros_like(self._eased[0]), np.zeros_like(unsolved)
         self._touched, self._jolts = np.zeros(len(unsolved)), np.zeros((len(unsolved), 3))
 
-    def ease(self, held: int) -> None:
-        """Ease all levels but the first ``held``, those of contacts."""
+    def ease(self) -> None:
+        """Ease all levels but those of contacts."""
         kept = self._motion[0].copy(), self._motion[1].copy()
         for number, level in enumerate(self._levels):
             if len(self._levels) > 1:  # one alone is solved already
                 self._solve(number, level.solve.noting)
-            if number >= held:
+            if number >= level.solve.held:
                 self._ease_level(number, kept)
             else:
                 self._eased = self._solved(number)

@@ -125,7 +125,7 @@ class Stretch:
         if level < self._levels - 1:
             ends = ends[self._rows.asked["rank"] <= level]
         motion, layout = self.standing.motion, self.standing.morphology.layout
-        return Solve.of(layout, motion.frame_rate, len(self._positions), self._joints, ends)
+        return Solve.of(layout, motion.frame_rate, len(self._positions), self._joints, ends, int(self._held > 0))
 
     @property
     def reach(self) -> float:
@@ -148,9 +148,7 @@ class Stretch:
             levels.append(Level(solve, acts, peak + brings[above].sum(axis=0)))
         motion = *self._unsolved, self._positions, self._rotations
         leash = RootLeash.of(standing.positions[self.window], *self._stance)
-        Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, leash).ease(
-            int(self._held > 0)
-        )
+        Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, leash).ease()
 
     def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some of its frames."""
