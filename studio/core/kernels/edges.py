@@ -10,6 +10,8 @@ the rotations of its limbs' segments in what carries each from ``KEPT_TURNS`` on
 ``blended`` in the records; and as the second four of ``grips`` which limbs are to stay as blended.
 """
 
+import math
+
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.constraints import KEPT, mend, note_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
@@ -17,11 +19,14 @@ from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH
 from studio.core.kernels.placing import KEPT_TURNS, carry_body, miss_of, place_limbs, turn_error
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
-from studio.core.kernels.rows import MISSED, TURN_ARM
-from studio.core.kernels.vectors import copy_matrix, copy_point
+from studio.core.kernels.rows import MISSED, TURN_ARM, aim_limb
+from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 IN_PART = 3
 """What ``wanted`` becomes where a constraint is on its edge, or was out of reach in what is blended."""
+
+STRAIGHT = 0.01
+"""Part of its length that a limb has to spare which takes half of what its place is nearer or farther once blended."""
 
 
 @kernel
@@ -163,4 +168,24 @@ def note_held(row, hung, work, pose):
             row.kept_places[end, axis] += part * (wish[axis] - row.kept_places[end, axis])
         if row.kind == POSITION and row.ends[end, 2] >= 0 and hung[4 + row.ends[end, 2]]:
             copy_point(row.kept_places[end], row.places[end])
-            row.comforts[end], row.reaches[end], row.easings[end] = 1.0, row.longest[end], 0.0
+            row.comforts[end], row.easings[end] = 1.0, 0.0
+            note_stretch(row, end, row.ends[end, 2] >= 2 or hung[row.ends[end, 2]] >= 0, work[5], pose)
+
+
+@kernel
+def note_stretch(row, end, holds_end, points, pose):
+    """How far a limb that was blended may stretch and fold for its place: the straighter it is, the less it does.
+
+    With d of its length to spare as it was blended, it takes d / (d + e) of what its place is nearer or farther, e the
+    ``STRAIGHT`` part of its length, and the rest is for the trunk (METHOD (31)).
+    """
+    root, longest = limb_parts(row.ends[end, 2], pose[0].shape[0] - 23)[2], row.longest[end]
+    x, y, z = aim_limb(row, end, False, holds_end, points, pose)
+    shoulder = pose[0][root]
+    span = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
+    spare, edge = max(longest - distance(points[0], shoulder), 0.0), STRAIGHT * longest
+    nearer = (longest - span - spare) / (spare + edge)
+    spare *= 1.0 + nearer if nearer > 0.0 else 1.0 / (1.0 - nearer)
+    room = spare * spare / edge
+    row.reaches[end] = min(longest - spare + room, longest)
+    row.folds[end] = max(longest - spare - room, row.folds[end])

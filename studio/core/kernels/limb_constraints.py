@@ -158,7 +158,8 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
             if free and solved == 0:
                 held_upper, swivels = segment == upper, segment != upper and not row.stiff
                 reached, ending = c, end
-                reach_with_limb(row, end, limb >= 2 or turning, limits, turns, points, pose)
+                kept = grips[4 + limb] == 1 and row.kind == POSITION
+                reach_with_limb(row, end, limb >= 2 or turning, kept, limits, turns, points, pose)
             elif free and solved == 1 and bound:
                 holds_end, row_helps = limb >= 2 or turning, asked[reached].helped == 1
                 keep_within(
@@ -275,10 +276,11 @@ def draw_back(limb, anew, noting, turns_lower, holds_end, limits, turns, points,
 
 
 @kernel
-def reach_with_limb(row, end, holds_end, limits, turns, points, pose):
+def reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
-    A foot, or a hand whose orientation is held, keeps its orientation in the world; else it goes with the limb.
+    ``kept``: as far as ``kernels.edges`` lets it stretch and fold. A foot, or a hand whose orientation is held, keeps
+    its orientation in the world; else it goes with the limb.
     ``points[3]`` is the point; it moves along.
     """
     positions, rotations = pose
@@ -295,7 +297,7 @@ def reach_with_limb(row, end, holds_end, limits, turns, points, pose):
             copy_point(positions[tip], point)
     if segment != upper:
         span = distance(goal, positions[root])
-        span = comfortable(row, end, span)
+        span = min(max(span, row.folds[end]), row.reaches[end]) if kept else comfortable(row, end, span)
         if limits.shape[0] > 0 and span < row.easings[end]:
             span = -soft(-span, -math.inf, -row.easings[end], -row.folds[end])
             limits[limb].acts = 1

@@ -165,6 +165,7 @@ class Easing:
         self._eased: Pose = np.zeros_like(levels[0].solve.states), unsolved
         self._moved: Pose = np.zeros_like(self._eased[0]), np.zeros_like(unsolved)
         self._touched, self._jolts = np.zeros(len(unsolved)), np.zeros((len(unsolved), 3))
+        self._room = np.zeros(len(unsolved))
 
     def ease(self) -> None:
         """Ease all levels but those of contacts."""
@@ -181,11 +182,12 @@ class Easing:
     def _ease_level(self, number: int, kept: Pose) -> None:
         """``kept`` is what those above the level have become."""
         level, misses, solved = self._levels[number], self._misses.copy(), self._solved(number)
-        room = self._room(level, solved)
+        room = self._room = np.maximum(self._room, self._room_of(level, solved))
         smooth = self._smoothed(level, solved, room)
         ways = [(smooth, True, MENDED, EASED), (smooth, False, FALLING, EASED), (smooth, False, FALLING, LEFT)]
         if number > 0:
-            ways += 2 * [(self._eased, False, FALLING, LEFT)]
+            left = _blend(solved[0], self._eased[0], room), _blend(solved[1], self._eased[1], room)
+            ways += 2 * [(left, False, FALLING, LEFT)]
         now, bump = solved, np.sign(self._touched)
         for goal, meets, around, parts in ways:
             frames = np.flatnonzero(bump > 0.0)
@@ -197,7 +199,8 @@ class Easing:
             self._pose(number, level.solve.easing(frames, turns, number, meets, misses, kept))
             now = self._solved(number, now[1])
             lost = (level.solve.sharp[:, 0] - LOST[0]) / (LOST[1] - LOST[0])
-            bump = room * np.maximum(self._bump(level, now, around, parts), self._around(lost, level, FALLING))
+            bump = np.maximum(self._bump(level, now, around, parts), self._around(lost, level, FALLING))
+            bump = bump * (room > 0.0)
         self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
         self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
 
@@ -239,7 +242,7 @@ class Easing:
         near = max(round(seconds * level.solve.rate), 1)
         return _mean(maximum_filter1d(np.clip(share, 0.0, 1.0), 2 * near + 1, mode="constant"), near)
 
-    def _room(self, level: Level, solved: Pose) -> FloatArray:
+    def _room_of(self, level: Level, solved: Pose) -> FloatArray:
         """(F,) how far a level may be eased at all: near jolts, and where it acts."""
         beside = max(round(BESIDE * level.solve.rate), 1)
         acts = minimum_filter1d(level.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
