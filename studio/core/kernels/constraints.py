@@ -41,6 +41,7 @@ from studio.core.kernels.priorities import find_step, go_on
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import frees_limbs, note_balances
 from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
+from studio.core.kernels.stance import free_part
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
@@ -98,7 +99,7 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
     idle = work[4][8:]
     note_idle(asked, chain[2], spine_count, idle)
     note_seconds(asked)
-    note_limits(asked, chain[2], body[4], start)
+    note_limits(asked, chain[2], body, start)
     before = -1
     for level in range(level_count):
         if not wants_level(level, asked):
@@ -118,14 +119,16 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
 
 
 @kernel
-def note_limits(asked, slots, limits, start):
+def note_limits(asked, slots, body, start):
     """What the unsolved pose has of every limb that a constraint is about, or a search turns."""
+    limits = body[4]
     for limb in range(limits.shape[0]):
         found = slots[limb_indices(limb, start[0].shape[0] - 23)[1]] >= 0
         for c in range(asked.shape[0]):
             found = found or (asked[c].wanted == 1 and (asked[c].ends[0, 2] == limb or asked[c].ends[1, 2] == limb))
         if found:
             note_own(limb, limits, start)
+            limits[limb].lets_go = free_part(limb - 2, body) if limb >= 2 else 1.0
 
 
 @kernel

@@ -9,9 +9,10 @@ radians. For one frame: what the unsolved pose has of all these, ``own_swings`` 
 limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``caps`` (2, 3) the parts of its limits that
 swing, twist and twist back may take, ``fresh`` whether they are not noted yet, and both as they were when the level
 began; ``sure``, less than 1 where a wish could
-be had by either way round; ``tip_turns`` whether wrist or ankle has turned; ``acts``, 1 + the constraint whose place a
-limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is as far as it
-goes.
+be had by either way round; ``tip_turns`` whether wrist or ankle has turned; ``lets_go`` the part of what hand or foot
+are beyond by which they are drawn back, 0 for a foot that stands, which no limit turns; ``acts``, 1 + the constraint
+whose place a limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is
+as far as it goes.
 """
 
 import math
@@ -44,6 +45,7 @@ LIMITED = np.dtype(
         ("kept_fresh", np.int64),
         ("sure", _REAL),
         ("tip_turns", np.int64),
+        ("lets_go", _REAL),
         ("fresh", np.int64),
         ("acts", np.int64),
     ],
@@ -352,14 +354,17 @@ def keep_root(limb, anew, noting, limits, pose):
     ``anew``: from where a wish has put it; ``noting`` how far it goes for that.
     """
     carrier, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
-    return keep_joint(limits[limb], 0, carrier, upper, pose[0][root], anew, noting, pose)
+    return keep_joint(limits[limb], 0, carrier, upper, pose[0][root], 1.0, anew, noting, pose)
 
 
 @kernel
 def keep_tip(limb, anew, noting, limits, pose):
-    """The same of wrist or ankle."""
+    """The same of wrist or ankle, as far as its end does not stand."""
     _, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
-    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose[0][root + 2], anew, noting, pose)
+    lets_go = limits[limb].lets_go
+    if lets_go == 0.0:
+        return False
+    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose[0][root + 2], lets_go, anew, noting, pose)
 
 
 @kernel
@@ -370,8 +375,8 @@ def keep_middle(limb, limits, pose):
 
 
 @kernel
-def keep_joint(row, joint, carrier, segment, pivot, anew, noting, pose):
-    """Draw one joint back within its limits; whether that was needed."""
+def keep_joint(row, joint, carrier, segment, pivot, part, anew, noting, pose):
+    """Draw one joint back within its limits, by ``part`` of what it is beyond; whether that was needed."""
     positions, rotations = pose
     swing = swing_of(row, joint, rotations[carrier], rotations[segment])
     wish = twisted_back(row, joint, swing) if anew else swing
@@ -383,7 +388,7 @@ def keep_joint(row, joint, carrier, segment, pivot, anew, noting, pose):
         return False
     axes = product(turn_in(rotations[carrier]), turn_in(row.axes[joint]))
     wanted = product(axes, product(turn_by(x, y, 0.0), turn_by(0.0, 0.0, twist)))
-    turn_to(segment, pivot, wanted, positions, rotations)
+    turn_to(segment, pivot, wanted, part, positions, rotations)
     row.acts = 1
     return True
 
@@ -413,14 +418,14 @@ def keep_bend(row, upper, pivot, pose):
     slant = row.aslant * (own_tilt + share * (kept_tilt - own_tilt))
     turn = row.turns[0] + row.turns[1] * (own_twist + twisted * (kept_twist - own_twist))
     bent = product(turn_by(bend, 0.0, 0.0), product(turn_by(0.0, slant, 0.0), turn_by(0.0, 0.0, turn)))
-    turn_to(upper + 1, pivot, product(turn_in(rotations[upper]), bent), positions, rotations)
+    turn_to(upper + 1, pivot, product(turn_in(rotations[upper]), bent), 1.0, positions, rotations)
     row.acts = 1
     return True
 
 
 @kernel
-def turn_to(segment, pivot, wanted, positions, rotations):
-    """Turn a segment, and what hangs on it, about ``pivot`` to the rotation ``wanted``.
+def turn_to(segment, pivot, wanted, part, positions, rotations):
+    """Turn a segment, and what hangs on it, about ``pivot`` by ``part`` of the way to the rotation ``wanted``.
 
     By a turn made exact: what a rotation lacks of one would be doubled every time.
     """
@@ -428,7 +433,7 @@ def turn_to(segment, pivot, wanted, positions, rotations):
     x, y, z = turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]
     size = math.sqrt(x * x + y * y + z * z)
     angle = math.atan2(size, turn[0] + turn[4] + turn[8] - 1.0)
-    scale = angle / size if size > 1e-12 else 0.5
+    scale = part * (angle / size if size > 1e-12 else 0.5)
     exact = turn_by(scale * x, scale * y, scale * z)
     turn_part(exact, segment, positions.shape[0] - 23, pivot, positions, rotations)
 

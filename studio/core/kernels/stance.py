@@ -8,6 +8,8 @@ from studio.core.kernels.vectors import distance
 
 SWEEPS = 6
 """Times both legs may pull the root back into their reach."""
+LEASH = 0.3
+"""Part of its length by which a limb's leash has run out when its contact is half free."""
 BRAKING = 0.03
 """Part of a leg's length over which the root is braked before the leg's leash ends."""
 
@@ -21,6 +23,13 @@ def leash_of(side, body, start):
     own = distance(hip, legs[2][side])
     leash = max(leashes[side] * length, own)
     return leash, min(leash - own, BRAKING * length)
+
+
+@kernel
+def free_part(side, body):
+    """1 for a foot that is free, 0 for one that stands, and between as its leash has run out."""
+    leash, comfort = body[2][side], body[3][1][side]
+    return 1.0 if leash == math.inf else (leash - comfort) / (LEASH + leash - comfort)
 
 
 @kernel

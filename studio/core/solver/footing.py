@@ -14,6 +14,7 @@ from studio.core.kernels import feet as kernel
 from studio.core.kernels import layout as at
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.legs import hip_heights, lower_smoothly
+from studio.core.kernels.stance import LEASH
 from studio.core.kernels.swing import keep_above
 from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
@@ -32,8 +33,6 @@ LET_GO = 0.2
 """Seconds in which a foot comes to rest on the ground, or starts from it."""
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
-LEASH = 0.3
-"""Part of its length by which a limb's leash has run out when its contact is half free."""
 FOLDED, FOLD_ROOM, FOLD_CORNER = 0.3, 0.12, 0.03
 """Part of its length by which a folded leg's ankle hangs below the hip, and parts by which it may come nearer; less
 the farther it is from below the hip, nothing at a leg's length. The corner where the motion's own leg folds that much
