@@ -51,6 +51,8 @@ would take many more to come to rest, for little.
 """
 THOROUGH = 6
 """Steps of a level that recruits limbs, which end where they get, and of one whose every joint is looked at."""
+LESS = 0.25
+"""Part of its damping that every step of a level leaves the next: ways that hardly bring anything go free last."""
 LITTLE, MUCH = 0.15, 0.35
 """Part of what was missed that the last step gained, up to which no late step follows, and from which a whole one."""
 NEARLY, FAR_OFF = 0.004, 0.012
@@ -173,7 +175,8 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
     tries = THOROUGH if frees or whole else TRIES
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
-        if not step(level, False, refines, is_late, stays, asked, chain, body, work, start, pose) > 0.0:
+        less = LESS**attempt
+        if not step(level, False, refines, is_late, stays, less, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
         if past[3] > 0.0:
@@ -245,7 +248,7 @@ def mend(level, most, asked, areas, chain, body, work, start, pose):
             if fails > 1:
                 break
         least, joints = min(least, disturbs), chain[1].shape[0]
-        if joints == 0 or not step(level, True, False, False, False, asked, chain, body, work, start, pose) > 0.0:
+        if joints == 0 or not step(level, True, False, False, False, 1.0, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)
     return False
@@ -289,10 +292,10 @@ def note_carried(carried):
 
 
 @kernel
-def step(level, mending, whole, is_late, stays, asked, chain, body, work, start, pose):
+def step(level, mending, whole, is_late, stays, damping, asked, chain, body, work, start, pose):
     """One step of all joints for this level with those above held, or, ``mending``, of those alone.
 
-    How far it moves, in metres. ``stays``: the root does, so that feet need no holding.
+    How far it moves, in metres. ``stays``: the root does, so that feet need no holding; ``damping`` the part of it.
     """
     ask = work[0]
     set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
@@ -331,7 +334,7 @@ def step(level, mending, whole, is_late, stays, asked, chain, body, work, start,
         and (mending or (left < (SURE if count == own + 1 else SURER) and past[4] == count))
     )
     if not (again and is_kept(own, ask, work[1]) and step_again(own, count, ask, chain, work[1]) < NEAR):
-        slope = find_step(own, count, ask, chain, work[1], pose[0])
+        slope = find_step(own, count, damping, ask, chain, work[1], pose[0])
         if whole:
             slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
         promised = slope / (2.0 * math.sqrt(squared) + 1e-9)

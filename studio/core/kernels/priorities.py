@@ -42,13 +42,13 @@ CLOSER, CLOSEST = 0.3, 3e-5
 
 
 @kernel
-def find_step(held, count, ask, chain, solving, positions):
+def find_step(held, count, damping, ask, chain, solving, positions):
     """How all joints are to turn and the root to move: the way (N, 3) that keeps what is held, and that which is asked.
 
     They are the last but one and the last of the ways in ``solving``. The slope of half the sum of squared errors along
     that which is asked.
 
-    ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
+    ``damping`` the part of what damps ways that hardly bring anything; ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
     (R, 9), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
     slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
     newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3), levers (R, R + 12), long (rows (R, 3 N), weighted
@@ -62,7 +62,7 @@ def find_step(held, count, ask, chain, solving, positions):
         active[i] = roles[i] != BOUND
     slope = 0.0
     for attempt in range(ATTEMPTS):
-        slope = solve_rows(held, count, ask, chain, solving, positions)
+        slope = solve_rows(held, count, damping, ask, chain, solving, positions)
         if attempt == ATTEMPTS - 1:  # the active rows stay those that were eliminated: the next step goes by them
             break
         if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
@@ -101,7 +101,7 @@ def stiffen_rows(count, rows, brakes):
 
 
 @kernel
-def solve_rows(held, count, ask, chain, solving, positions):
+def solve_rows(held, count, damping, ask, chain, solving, positions):
     """``find_step`` with the active rows."""
     errors, brakes = ask[1], ask[4]
     system, active, answer, ways = solving[1], solving[3], solving[4], solving[5]
@@ -111,7 +111,7 @@ def solve_rows(held, count, ask, chain, solving, positions):
     for j in range(held, count):
         way_of(held, j, kept, system, active, weighted, long)
         brake_way(brakes, ways[j])
-    slope = solve_own(held, count, kept, ask, chain, solving, positions)
+    slope = solve_own(held, count, kept, damping, ask, chain, solving, positions)
     for number in range(long.shape[1]):
         long[last, number] = long[last - 1, number] = 0.0
     for j in range(held, count):
@@ -216,7 +216,7 @@ def way_of(held, j, kept, system, active, weighted, long):
 
 
 @kernel
-def solve_own(held, count, kept, ask, chain, solving, positions):
+def solve_own(held, count, kept, damping, ask, chain, solving, positions):
     """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23)); the slope along it."""
     errors, joints, limits = ask[1], chain[1], chain[3]
     matrix, system, newton, active, answer, _, levers, _ = solving
@@ -247,7 +247,7 @@ def solve_own(held, count, kept, ask, chain, solving, positions):
     add_curvature(held, count, kept, ask, joints, solving, positions)
     far_off = worst / (worst + EASED)
     press_on_limits(far_off, held, count, ask, limits, solving[5], newton)
-    return solve_positive(newton, own, matrix, far_off, answer, held)
+    return solve_positive(newton, own, matrix, damping * far_off, answer, held)
 
 
 @kernel
