@@ -231,7 +231,8 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
     """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6, (18)).
 
     Held, it is a bound: the root may go wherever the limb still reaches; if the limb falls short, it stays. A limb
-    that its ``limits`` keep from its goal is carried there, as it lies, along what it misses (29).
+    that its ``limits`` keep from its goal is carried there, as it lies, along what it misses (29); a thigh that stands
+    on its knee has to be as far from there as it is long as well.
     """
     positions = pose[0]
     limb = row.ends[end, 2]
@@ -248,7 +249,7 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
         count = add_limited_row(row, end, owner, is_held, count, ask, chain, (ax, ay, az), points, pose)
         if not is_held:
             return count
-        if count > before and row.kept_miss <= CLOSE_ENOUGH:
+        if count > before and row.kept_miss <= CLOSE_ENOUGH and reach - fold > CLOSE_ENOUGH:
             return count
     if row.stiff:
         fold = max(fold, row.own[end] - row.most[end, 1])
