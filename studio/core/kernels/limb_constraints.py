@@ -160,26 +160,16 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
                 reached, ending = c, end
                 kept = grips[4 + limb] == 1 and row.kind == POSITION
                 reach_with_limb(row, end, limb >= 2 or turning, kept, limits, turns, points, pose)
-            elif free and solved == 1 and bound:
-                holds_end, row_helps = limb >= 2 or turning, asked[reached].helped == 1
-                keep_within(
-                    limb, swivels, row_helps, False, holds_end, asked[reached], ending, limits, turns, points, pose
-                )
-                end_place(asked[reached], ending, pose, first)
-                end_place(row, end, pose, point)
-                swivel_within_to(limb, target, point, first, limits, pose)
-                if held_upper:
-                    end_place(row, end, pose, point)
-                    aim_at(target, point, upper + 1, spine_count, positions[root + 1], positions, rotations)
-                    turns_lower = True
-            elif free and solved == 1 and held_upper:
-                aim_at(target, point, upper + 1, spine_count, positions[root + 1], positions, rotations)
             elif free and solved == 1:
-                swivel_to(target, point, first, upper, spine_count, positions[root], positions, rotations)
-            if free and solved == 1 and row.stiff:
-                joint = 1 if held_upper else 0
-                part = row.parts[end, joint]
-                turn_back(part, math.inf, upper + joint, root + joint, turns[5], turns[0], points[0], pose)
+                holds_end = limb >= 2 or turning
+                if bound:
+                    helped = asked[reached].helped == 1
+                    keep_within(
+                        limb, swivels, helped, False, holds_end, asked[reached], ending, limits, turns, points, pose
+                    )
+                    end_place(asked[reached], ending, pose, first)
+                swivel_with_limb(row, end, bound, held_upper, holds_end, limits, turns, points, pose)
+                turns_lower = turns_lower or (bound and held_upper)
             end_place(row, end, pose, point)
             if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not turning:
                 aim_end(row.freedoms[end, 1], target, point, root + 2, upper + 2, points[4], pose)
@@ -193,6 +183,45 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
         keep_within(limb, swivels, helped, turns_lower, holds_end, asked[reached], ending, limits, turns, points, pose)
         limits[limb].acts *= (reached + 1) * (swivels or held_upper)
         limits[limb].fresh = 0
+
+
+@kernel
+def swivel_with_limb(row, end, bound, held_upper, holds_end, limits, turns, points, pose):
+    """A limb's second wish, by what its first, whose point is ``points[2]``, leaves: a swivel about that, within limits
+    where it is ``bound``, and the lower segment where the first holds but the upper one.
+
+    What keeps its orientation in the world keeps it here as well.
+    """
+    positions, rotations = pose
+    limb, segment = row.ends[end, 2], row.ends[end, 1]
+    spine_count = positions.shape[0] - 23
+    root, upper = limb_indices(limb, spine_count)
+    tip, first, point, goal = root + 2, points[2], points[3], points[4]
+    by_tip = holds_end and segment >= upper + 2
+    end_place(row, end, pose, point)
+    copy_point(row.places[end], goal)
+    if by_tip:
+        for axis in range(3):
+            goal[axis] -= point[axis] - positions[tip, axis]
+        copy_point(positions[tip], point)
+    if holds_end:
+        lift_end(limb, tip, upper + 2, turns, points, pose)
+    if bound:
+        swivel_within_to(limb, goal, point, first, limits, pose)
+    elif not held_upper:
+        swivel_to(goal, point, first, upper, spine_count, positions[root], positions, rotations)
+    if held_upper:
+        if by_tip:
+            copy_point(positions[tip], point)
+        else:
+            end_place(row, end, pose, point)
+        aim_at(goal, point, upper + 1, spine_count, positions[root + 1], positions, rotations)
+    if row.stiff:
+        joint = 1 if held_upper else 0
+        part = row.parts[end, joint]
+        turn_back(part, math.inf, upper + joint, root + joint, turns[5], turns[0], points[0], pose)
+    if holds_end:
+        put_end(limb, tip, upper + 2, turns, points, pose)
 
 
 @kernel

@@ -48,7 +48,8 @@ def find_step(held, count, damping, ask, chain, solving, positions):
     They are the last but one and the last of the ways in ``solving``. The slope of half the sum of squared errors along
     that which is asked.
 
-    ``damping`` the part of what damps ways that hardly bring anything; ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
+    ``damping`` the part of what damps ways that hardly bring anything.
+    ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
     (R, 9), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
     slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
     newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3), levers (R, R + 12), long (rows (R, 3 N), weighted

@@ -244,7 +244,7 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     x, y, z = x / span, y / span, z / span
     reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
-    if limits.shape[0] > 0 and limits[limb].acts == c + 1:
+    if limits.shape[0] > 0 and (limits[limb].acts == c + 1 or (row.second and limits[limb].acts > 0)):
         before = count
         count = add_limited_row(row, end, owner, is_held, count, ask, chain, (ax, ay, az), points, pose)
         if not is_held:

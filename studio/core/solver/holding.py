@@ -17,7 +17,7 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.carrying import place_arms
 from studio.core.morphology import AnyMorphology, at_frames
 from studio.core.solver.carrying import Hold, track_of
-from studio.core.solver.footing import freedom
+from studio.core.solver.footing import Footing, freedom
 from studio.core.solver.packing import Rows
 from studio.core.solver.settling import Arms
 
@@ -38,8 +38,13 @@ class Held:
     turns: FloatArray
 
 
-def held_points(holds: Sequence[Hold], body: AnyMorphology, positions: FloatArray, rotations: FloatArray) -> list[Held]:
-    """What keeps all that stands where a body on the ground has it, ``positions`` (F, P, 3), ``rotations``."""
+def held_points(
+    holds: Sequence[Hold], footing: Footing, body: AnyMorphology, positions: FloatArray, rotations: FloatArray
+) -> list[Held]:
+    """What keeps all that stands where a body on the ground has it, ``positions`` (F, P, 3), ``rotations``.
+
+    A leg that stands on its knee and its foot keeps both: a hip at its limits would turn the one about the other.
+    """
     found = []
     for hold in holds:
         place = track_of(hold.point, body, positions)
@@ -51,6 +56,11 @@ def held_points(holds: Sequence[Hold], body: AnyMorphology, positions: FloatArra
         if turn is not None:
             hand = BodyPoint(_part(hold.point, "hand"))
             found.append(Held(OrientationConstraint("", name, hand, TURNED, 0, ALWAYS), standing, place, turns))
+        both = standing & (footing.states[hold.point.side] != 0)
+        if hold.point.member == "knee" and both.any():
+            ankle = BodyPoint(_part(hold.point, "shank"), at_end=True)
+            place = positions[:, body.layout.ankle(hold.point.side)]
+            found.append(Held(PositionConstraint("", name, ankle, FREE, 0, ALWAYS), both, place, turns))
     return found
 
 

@@ -46,7 +46,11 @@ class Stretch:
         motion, body = standing.motion, standing.morphology
         self.standing, self.window = standing, window
         self._positions, self._rotations = standing.positions[window].copy(), standing.rotations[window].copy()
-        held = held_points(standing.holds, body, standing.positions, standing.rotations) if bound.by_contacts else []
+        held = (
+            held_points(standing.holds, standing.footing, body, standing.positions, standing.rotations)
+            if bound.by_contacts
+            else []
+        )
         self._clear = lowest_first(constraints)
         self._order = [c for c in in_order(constraints) if c not in self._clear]
         everything = [*(each.constraint for each in held), *(constraints[c] for c in self._order)]
