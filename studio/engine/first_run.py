@@ -2,7 +2,7 @@
 
 from studio.core.morphology import Morphology
 from studio.core.skin import skin_vertices
-from studio.core.solver.warm_up import warm_up, warm_up_constraints, warm_up_standing
+from studio.core.solver.warm_up import warm_up, warm_up_constraints, warm_up_easing, warm_up_standing
 from studio.io.character_file import bundled_characters
 
 
@@ -14,8 +14,9 @@ def run() -> None:
 
 
 def run_standing() -> None:
-    """The part of ``run`` before the constraints."""
+    """The part of ``run`` before the constraints, and what eases what they make jolt."""
     warm_up_standing(_body())
+    warm_up_easing(_body())
 
 
 def run_constraints() -> None:

@@ -14,20 +14,21 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.ground import Ground
 from studio.core.joint_limits import limits_of
-from studio.core.kernels.jolts import LEVER
+from studio.core.kernels.jolts import LEVER, WHOLE
 from studio.core.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.rest_pose import rest_pose
 from studio.core.rotations import angle_between, from_matrix
-from studio.core.solver.adapt import Standing, hold, place_of, stand
+from studio.core.solver.adapt import Bound, Standing, hold, place_of, stand
 from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.packing import pack
 from studio.core.solver.report import EASED, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stretch import Stretch
 from studio.core.solver.tracks import Targets, Track
 from studio.core.solver.wished import brought
 from studio.io.character_file import bundled_characters
 from tests.core.motions import local_rotations, random_rotations, target, walk
-from tests.core.test_smooth_law import BEFORE, CONTACTS, STANDING, Wishes
+from tests.core.test_smooth_law import BEFORE, BODIES, CONTACTS, STANDING, Wishes
 
 WOMAN = bundled_characters()["adult_woman"].morphology
 LONG, LONG_CONTACTS = walk(600)
@@ -89,6 +90,20 @@ def test_any_window_is_as_the_whole_clip() -> None:
         window = hold(standing, (wish,), first, last, eased=True)
         assert window.rotations == pytest.approx(whole.rotations[first : last + 1], abs=1e-12)
         assert window.residuals == pytest.approx(whole.residuals[:, first : last + 1], abs=1e-12, nan_ok=True)
+
+
+def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> None:
+    wishes = Wishes(BEFORE[4], 24, 3)
+    stretch = Stretch(STANDING[4], wishes.constraints, slice(0, 90), wishes.tracks, Bound())
+    assert stretch.solve()
+    solve, layout = stretch.whole, BEFORE[4].morphology.layout
+    turns = LimbCharts(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(stretch.answer(slice(0, 90))[1])
+    measured = solve.jolts_of(solve.states, turns)
+    looked = solve.sharp[:, 2] > 0.0  # others turn so little that nobody looked
+    assert 3 < looked.sum() < 88
+    assert solve.sharp[:, :2] == pytest.approx(measured[:, :2])
+    assert solve.sharp[looked, 2] == pytest.approx(measured[looked, 2])
+    assert measured[~looked, 2].max() < WHOLE * STANDING[4].peaks.max()
 
 
 def test_nothing_is_eased_where_nothing_acts() -> None:

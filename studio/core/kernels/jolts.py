@@ -1,8 +1,9 @@
 """How sharply what was solved changes its way from frame to frame, beside what the motion itself does (METHOD (36)).
 
-Of joints that a search turns it is the angular acceleration of their turns away from the motion; of limbs that
-constraints are about that of their own joints. ``jolts`` (F, 2) has the greatest of either at each frame, in radians
-a second squared; ``source`` (1,) the greatest of the unsolved motion that anybody needed to know so far.
+Of joints that a search turns it is the angular acceleration of their turns away from the motion, of its root that which
+a bone would have that follows; of limbs that constraints are about that of their own joints. ``jolts`` (F, 3) has the
+greatest of each at each frame, in radians a second squared; ``source`` (1,) the greatest of the unsolved motion that
+anybody needed to know so far.
 """
 
 import math
@@ -25,11 +26,8 @@ _STRAIGHT = 0.9
 
 
 @small_kernel
-def pace(parent, child, next_parent, next_child):
-    """Rotation vector (3 numbers, radians) of a joint from one frame to the next; its segments' matrices (3, 3)."""
-    now = product(inverse(turn_in(parent)), turn_in(child))
-    then = product(inverse(turn_in(next_parent)), turn_in(next_child))
-    turn = product(inverse(now), then)
+def small_vector(turn):
+    """Rotation vector (3 numbers, radians) of a turn that is well below half a turn."""
     x, y, z = 0.5 * (turn[7] - turn[5]), 0.5 * (turn[2] - turn[6]), 0.5 * (turn[3] - turn[1])
     cosine = 0.5 * (turn[0] + turn[4] + turn[8] - 1.0)
     squared = x * x + y * y + z * z
@@ -51,22 +49,43 @@ def note_jolts(frame, joints, motion, easing):
     if frame < 2:
         return
     _, states, _, _, _, _, limbs, carriers, source, rate, out_jolts = easing
-    middle, per_second = frame - 1, rate[0] * rate[0]
-    searched = turned = 0.0
-    for joint in range(joints.shape[0]):
-        squared = 0.0
-        for axis in range(3):
-            way = states[frame, joint, axis] - 2.0 * states[middle, joint, axis] + states[frame - 2, joint, axis]
-            squared += way * way
-        scale = 1.0 / LEVER if joints[joint, 0] == ROOT else 2.0
-        searched = max(searched, scale * scale * squared)
+    middle, per_second, turned = frame - 1, rate[0] * rate[0], 0.0
+    note_searched(middle, joints, states, per_second, out_jolts)
     calm = CALM * source[0] / per_second
     for limb in range(4):
         if limbs[limb] and not is_calm(limb, middle, calm * calm, motion[2], motion[3]):
             turned = max(turned, limb_jolt(limb, middle, motion[3]))
-    out_jolts[middle, 0], out_jolts[middle, 1] = per_second * math.sqrt(searched), per_second * turned
-    if out_jolts[middle, 0] > ADDED * source[0] or out_jolts[middle, 1] > WHOLE * source[0]:
+    jolt = out_jolts[middle]
+    jolt[2] = per_second * turned
+    if max(jolt[0], jolt[1]) > ADDED * source[0] or jolt[2] > WHOLE * source[0]:
         source[0] = max(source[0], per_second * peak_at(middle, carriers, motion[1]))
+
+
+@kernel
+def note_eased_jolts(joints, states, limbs, turns, rate, out_jolts):
+    """The same of all frames by their states and the ``turns`` (F, 16, 3, 3) of their limbs' joints, four a limb."""
+    for middle in range(1, turns.shape[0] - 1):
+        note_searched(middle, joints, states, rate * rate, out_jolts)
+        most = 0.0
+        for limb in range(4):
+            for joint in range(4 * limb, 4 * limb + 3):
+                if limbs[limb]:
+                    before, now = turn_in(turns[middle - 1, joint]), turn_in(turns[middle, joint])
+                    most = max(most, change_of_pace(before, now, turn_in(turns[middle + 1, joint])))
+        out_jolts[middle, 2] = rate * rate * most
+
+
+@kernel
+def note_searched(middle, joints, states, per_second, out_jolts):
+    """Note one frame's jolts of the root and of the other joints of a search."""
+    out_jolts[middle, 0] = out_jolts[middle, 1] = 0.0
+    for joint in range(joints.shape[0]):
+        squared = 0.0
+        for axis in range(3):
+            way = states[middle + 1, joint, axis] - 2.0 * states[middle, joint, axis] + states[middle - 1, joint, axis]
+            squared += way * way
+        column, scale = (0, 1.0 / LEVER) if joints[joint, 0] == ROOT else (1, 2.0)
+        out_jolts[middle, column] = max(out_jolts[middle, column], per_second * scale * math.sqrt(squared))
 
 
 @kernel
@@ -99,26 +118,32 @@ def limb_jolt(limb, middle, rotations):
     before, upper, _ = limb_parts(limb, rotations.shape[1] - 18)
     most = 0.0
     for bone in range(3):
-        most = max(most, change_of_pace(middle, before, upper + bone, rotations))
+        most = max(most, joint_jolt(middle, before, upper + bone, rotations))
         before = upper + bone
     return most
 
 
 @kernel
-def change_of_pace(middle, carrier, segment, rotations):
-    """By how much a joint's pace changes at one frame, in radians a frame squared."""
-    first = pace(
-        rotations[middle - 1, carrier],
-        rotations[middle - 1, segment],
-        rotations[middle, carrier],
-        rotations[middle, segment],
+def joint_jolt(middle, carrier, segment, rotations):
+    """``change_of_pace`` of a segment in what carries it."""
+    return change_of_pace(
+        between(rotations[middle - 1, carrier], rotations[middle - 1, segment]),
+        between(rotations[middle, carrier], rotations[middle, segment]),
+        between(rotations[middle + 1, carrier], rotations[middle + 1, segment]),
     )
-    then = pace(
-        rotations[middle, carrier],
-        rotations[middle, segment],
-        rotations[middle + 1, carrier],
-        rotations[middle + 1, segment],
-    )
+
+
+@small_kernel
+def between(carrier, segment):
+    """Turn of a segment in the axes of what carries it, of their matrices (3, 3)."""
+    return product(inverse(turn_in(carrier)), turn_in(segment))
+
+
+@small_kernel
+def change_of_pace(before, now, after):
+    """By how much the pace of a joint changes over three frames of its turn, in radians a frame squared."""
+    first = small_vector(product(inverse(before), now))
+    then = small_vector(product(inverse(now), after))
     return math.sqrt((then[0] - first[0]) ** 2 + (then[1] - first[1]) ** 2 + (then[2] - first[2]) ** 2)
 
 
@@ -128,5 +153,5 @@ def peak_at(middle, carriers, rotations):
     most = 0.0
     for segment in range(carriers.shape[0]):
         if carriers[segment] >= 0:
-            most = max(most, change_of_pace(middle, carriers[segment], segment, rotations))
+            most = max(most, joint_jolt(middle, carriers[segment], segment, rotations))
     return most

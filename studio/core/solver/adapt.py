@@ -19,7 +19,7 @@ from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.carrying import Hold, find_carrying
-from studio.core.solver.easing import SEEN
+from studio.core.solver.easing import LOOKED
 from studio.core.solver.footing import Footing, find_footing
 from studio.core.solver.packing import point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -140,14 +140,14 @@ def hold(
     if not constraints:
         unsolved = standing.positions[window], standing.rotations[window]
         return _answer(standing, first, *unsolved, np.empty((0, len(unsolved[0]))))
-    seen = standing.around(window, 2.1 * SEEN if eased else 0.0)
+    seen = standing.around(window, LOOKED if eased else 0.0)
     stretch = Stretch(standing, constraints, seen, tracks, bound)
-    if stretch.solve() and eased:
+    if stretch.solve() and eased and stretch.eases(window):
         wide = standing.around(window, stretch.reach)
         if wide != stretch.window:
             stretch = Stretch(standing, constraints, wide, tracks, bound)
             stretch.solve()
-        stretch.ease()
+        stretch.ease(window)
     return _answer(standing, first, *stretch.answer(window))
 
 

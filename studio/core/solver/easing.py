@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from studio.core.canonical import BodyLayout
-from studio.core.kernels import jolts
 from studio.core.kernels.joints import ROOT
-from studio.core.metrics import QUIET, angular_acceleration
+from studio.core.kernels.jolts import ADDED, WHOLE, note_eased_jolts
+from studio.core.metrics import QUIET
 from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.root_leash import RootLeash
 
@@ -28,7 +28,7 @@ Pose = tuple[FloatArray, FloatArray]
 EasingArrays = tuple[object, ...]
 Run = Callable[[int, EasingArrays], None]
 
-EASED = np.array([[1.2, 1.2, 2.0], [1.8, 1.8, 2.6]])
+EASED = np.array([[ADDED, ADDED, WHOLE], [1.8, 1.8, 2.6]])
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, begins to be eased, and
 is."""
 LEFT = np.array([[5.0, 1.6, 2.4], [6.0, 2.2, 2.9]])
@@ -45,6 +45,8 @@ LOST = 2e-4, 1e-3
 """Metres that those above a level may lose by its easing for it to be left for them, beginning and wholly."""
 SEEN = 0.8
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
+LOOKED = 2.0 * SEEN + 0.25
+"""Seconds beside a frame that have to do with whether it is eased."""
 BESIDE = 0.1
 """Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
 
@@ -67,7 +69,7 @@ class Solve:
     """What ``kernels.adapt.solve_frames`` notes of a stretch of F frames, and is given to pose some of them anew.
 
     ``joints`` (N, 5) of the search, ``limbs`` (4,) that constraints are about, ``states`` (F, N, 3) of the search, and
-    as in ``kernels.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 2).
+    as in ``kernels.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
     """
 
     layout: BodyLayout
@@ -85,7 +87,7 @@ class Solve:
         named = set(limbs.ravel().tolist())
         wished = np.array([limb in named for limb in range(4)], dtype=np.int64)
         states = np.zeros((frames, len(joints), 3))
-        return Solve(layout, rate, joints, wished, states, np.array([QUIET]), np.zeros((frames, 2)), held)
+        return Solve(layout, rate, joints, wished, states, np.array([QUIET]), np.zeros((frames, 3)), held)
 
     def easing(
         self, frames: IntArray, turns: FloatArray, level: int, meets: bool, misses: FloatArray, kept: Pose
@@ -107,20 +109,15 @@ class Solve:
     @property
     def jolts(self) -> bool:
         """Whether any frame has to be looked at closer."""
-        return bool((self.sharp > np.array([jolts.ADDED, jolts.WHOLE]) * self.source).any())
+        return bool((self.sharp > EASED[0] * self.source).any())
 
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
 
         As ``kernels.jolts`` has them, radians a second squared.
         """
-        sharp, roots = np.zeros((len(turns), 3)), self.joints[:, 0] == ROOT
-        ways = np.linalg.norm(np.diff(states, 2, axis=0), axis=2) * self.rate**2
-        sharp[1:-1, 0] = ways[:, roots].max(axis=1, initial=0.0) / jolts.LEVER
-        sharp[1:-1, 1] = 2.0 * ways[:, ~roots].max(axis=1, initial=0.0)
-        limbs = np.flatnonzero(np.repeat(self.limbs, 4))
-        if len(limbs):
-            sharp[1:-1, 2] = angular_acceleration(turns[:, limbs], self.rate).max(axis=1)
+        sharp = np.zeros((len(turns), 3))
+        note_eased_jolts(self.joints, states, self.limbs, turns, self.rate, sharp)
         return sharp
 
 
@@ -140,6 +137,14 @@ class Level:
     acts: NDArray[np.bool_]
     allowed: FloatArray
 
+    @property
+    def room(self) -> FloatArray:
+        """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, and where it acts."""
+        rate, sharp = self.solve.rate, self.solve.sharp / self.allowed[:, None]
+        beside = max(round(BESIDE * rate), 1)
+        acting = minimum_filter1d(self.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
+        return _mean(acting, beside) * _around(_excess(sharp, EASED), rate, SEEN)
+
 
 class Easing:
     """Eases level after level, each with what those above it have become."""
@@ -153,26 +158,33 @@ class Easing:
         misses: FloatArray,
         limits: NDArray[np.void],
         leash: RootLeash,
+        room: FloatArray,
     ) -> None:
         """``solve`` all frames of ``motion`` (unsolved and solved positions and rotations) with the constraints down to
-        a level, and ``pose`` some anew; both note their ``misses`` (C, F). ``limits`` of ``kernels.joint_limits``.
+        a level, and ``pose`` some anew; both note their ``misses`` (C, F). Down to the last all is solved already.
+        ``limits`` of ``kernels.joint_limits``; ``room`` (F,) of the last level, which some of the clip may have.
         """
         self._levels, self._solve, self._pose, self._motion, self._misses = levels, solve, pose, motion, misses
-        self._leash = leash
-        limbs = np.flatnonzero(levels[-1].solve.limbs).tolist()
-        self._charts = LimbCharts(levels[0].solve.layout, motion[1], limits, limbs)
+        self._leash, self._room, self._last = leash, np.zeros(len(room)), room
+        self._charts = LimbCharts(levels[0].solve.layout, motion[1], limits, levels[-1].solve.limbs)
         unsolved = self._charts.values(self._charts.turns_of(motion[1]))
         self._eased: Pose = np.zeros_like(levels[0].solve.states), unsolved
         self._moved: Pose = np.zeros_like(self._eased[0]), np.zeros_like(unsolved)
         self._touched, self._jolts = np.zeros(len(unsolved)), np.zeros((len(unsolved), 3))
-        self._room = np.zeros(len(unsolved))
 
     def ease(self) -> None:
         """Ease all levels but those of contacts."""
         kept = self._motion[0].copy(), self._motion[1].copy()
+        noted = *self._motion[2:], self._misses
+        whole = [each.copy() for each in noted]
         for number, level in enumerate(self._levels):
-            if len(self._levels) > 1:  # one alone is solved already
+            if number < len(self._levels) - 1:
                 self._solve(number, level.solve.noting)
+                self._room = np.maximum(self._room, level.room)
+            else:
+                self._room = self._last
+                for each, before in zip(noted, whole, strict=True):
+                    each[:] = before
             if number >= level.solve.held:
                 self._ease_level(number, kept)
             else:
@@ -182,13 +194,13 @@ class Easing:
     def _ease_level(self, number: int, kept: Pose) -> None:
         """``kept`` is what those above the level have become."""
         level, misses, solved = self._levels[number], self._misses.copy(), self._solved(number)
-        room = self._room = np.maximum(self._room, self._room_of(level, solved))
-        smooth = self._smoothed(level, solved, room)
+        room, rate = self._room, level.solve.rate
+        smooth = self._smoothed(level, solved)
         ways = [(smooth, True, MENDED, EASED), (smooth, False, FALLING, EASED), (smooth, False, FALLING, LEFT)]
         if number > 0:
             left = _blend(solved[0], self._eased[0], room), _blend(solved[1], self._eased[1], room)
             ways += 2 * [(left, False, FALLING, LEFT)]
-        now, bump = solved, np.sign(self._touched)
+        now, bump = solved, np.sign(self._touched * room)
         for goal, meets, around, parts in ways:
             frames = np.flatnonzero(bump > 0.0)
             if not len(frames):
@@ -199,8 +211,7 @@ class Easing:
             self._pose(number, level.solve.easing(frames, turns, number, meets, misses, kept))
             now = self._solved(number, now[1])
             lost = (level.solve.sharp[:, 0] - LOST[0]) / (LOST[1] - LOST[0])
-            bump = np.maximum(self._bump(level, now, around, parts), self._around(lost, level, FALLING))
-            bump = bump * (room > 0.0)
+            bump = np.maximum(self._bump(level, now, around, parts), _around(lost, rate, FALLING)) * (room > 0.0)
         self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
         self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
 
@@ -209,19 +220,19 @@ class Easing:
         turns = self._charts.turns_of(self._motion[3])
         return self._levels[number].solve.states.copy(), self._charts.values(turns, beside)
 
-    def _smoothed(self, level: Level, solved: Pose, room: FloatArray) -> Pose:
+    def _smoothed(self, level: Level, solved: Pose) -> Pose:
         """What a level has changed, averaged in time where it jolts."""
-        states, values = solved[0] + self._moved[0], solved[1] + self._moved[1]
+        states, values = (now + (self._room * moved.T).T for now, moved in zip(solved, self._moved, strict=True))
         for seconds in WIDTHS:
             width = max(round(seconds * level.solve.rate), 1)
-            bump = room * self._bump(level, (states, values), min(seconds, AROUND))
+            bump = self._room * self._bump(level, (states, values), min(seconds, AROUND))
             if not bump.any():
                 break
             self._touched = np.maximum(self._touched, bump)
             states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
             values = self._charts.values(self._charts.turns(values), values)  # within limits before the next
         joints = level.solve.joints
-        back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (room > 0.0)[:, None]
+        back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (self._room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))
         states[:, joints[:, 0] == ROOT] += back[:, None]
         return states, values
@@ -232,21 +243,20 @@ class Easing:
         ``around`` seconds on either side of a jolt are eased wholly, and as many again fade; ``parts`` of what is
         allowed (2, 3), where that begins and where it is whole. What those above have become is no fault of a level.
         """
-        begin, end = parts
-        allowed = np.maximum(level.allowed[:, None], self._jolts / begin)
+        allowed = np.maximum(level.allowed[:, None], self._jolts / parts[0])
         sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
-        return self._around(((sharp - begin) / (end - begin)).max(axis=1), level, around)
+        return _around(_excess(sharp, parts), level.solve.rate, around)
 
-    def _around(self, share: FloatArray, level: Level, seconds: float) -> FloatArray:
-        """(F,) the greatest ``share`` (F,) within some seconds, from 0 to 1, faded over as many."""
-        near = max(round(seconds * level.solve.rate), 1)
-        return _mean(maximum_filter1d(np.clip(share, 0.0, 1.0), 2 * near + 1, mode="constant"), near)
 
-    def _room_of(self, level: Level, solved: Pose) -> FloatArray:
-        """(F,) how far a level may be eased at all: near jolts, and where it acts."""
-        beside = max(round(BESIDE * level.solve.rate), 1)
-        acts = minimum_filter1d(level.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
-        return _mean(acts, beside) * self._bump(level, solved, SEEN)
+def _excess(sharp: FloatArray, parts: FloatArray) -> FloatArray:
+    """(F,) where jolts (F, 3), in parts of what is allowed, are between both ``parts`` (2, 3): from 0 on, to 1."""
+    return np.asarray(((sharp - parts[0]) / (parts[1] - parts[0])).max(axis=1))
+
+
+def _around(share: FloatArray, rate: float, seconds: float) -> FloatArray:
+    """(F,) the greatest ``share`` (F,) within some seconds, from 0 to 1, faded over as many."""
+    near = max(round(seconds * rate), 1)
+    return _mean(maximum_filter1d(np.clip(share, 0.0, 1.0), 2 * near + 1, mode="constant"), near)
 
 
 def _blend(first: FloatArray, second: FloatArray, share: FloatArray) -> FloatArray:

@@ -1,6 +1,7 @@
 """A stretch of a standing motion with its constraints: packed for the kernels, solved, and eased where that jolts."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.chains import carrying_chain, free_joints, segment_masses
 from studio.core.solver.clearance import lowest_first, pack_clearance
-from studio.core.solver.easing import Easing, EasingArrays, Level, Solve, reach_of
+from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
 from studio.core.solver.footing import Footing, leashes
 from studio.core.solver.holding import held_points, place_above, release_hands
 from studio.core.solver.packing import in_order, limb_of, pack, share_by_weight
@@ -44,7 +45,7 @@ class Stretch:
     ) -> None:
         """``tracks`` over the whole motion; StudioError where something is followed that they do not have."""
         motion, body = standing.motion, standing.morphology
-        self.standing, self.window = standing, window
+        self.standing, self.window, self._asked = standing, window, (constraints, tracks, bound)
         self._positions, self._rotations = standing.positions[window].copy(), standing.rotations[window].copy()
         held = (
             held_points(standing.holds, standing.footing, body, standing.positions, standing.rotations)
@@ -105,9 +106,9 @@ class Stretch:
 
     def solve(self) -> bool:
         """Solve every frame from its own pose; whether anything jolts."""
-        self._whole = self._solve_of(self._levels - 1)
-        self._pose(self._levels - 1, self._whole.noting)
-        return self._whole.jolts
+        self.whole = self._solve_of(self._levels - 1)
+        self._pose(self._levels - 1, self.whole.noting)
+        return self.whole.jolts
 
     def _solve_anew(self, level: int, easing: EasingArrays) -> None:
         """Solve with the constraints down to ``level``, from the unsolved poses."""
@@ -136,23 +137,56 @@ class Stretch:
         """Seconds on either side of a frame that may have to do with how it is eased."""
         return reach_of(self._levels)
 
-    def ease(self) -> None:
-        """Ease what jolts."""
-        standing, asked = self.standing, self._rows.asked
-        brings = brought(
-            self._rows, self._held, self._activations, *self._unsolved, standing.morphology.still,
-            standing.motion.frame_rate,
+    def ease(self, window: slice) -> None:
+        """Ease what jolts in ``window``: each run of frames that have to do with each other by itself."""
+        room, first = self._room, self.window.start
+        edges = np.flatnonzero(np.diff(room > 0.0, prepend=False, append=False))
+        beyond = round(WIDTHS[-1] * self.standing.motion.frame_rate)
+        for begin, end in edges.reshape(-1, 2).tolist():
+            if begin < window.stop - first and end > window.start - first:
+                wide = slice(max(begin - beyond, 0), min(end + beyond, len(room)))
+                frames = slice(first + wide.start, first + wide.stop)
+                if frames == self.window:
+                    self._ease(room)
+                    return
+                run = Stretch(self.standing, self._asked[0], frames, *self._asked[1:])
+                run.solve()
+                run._ease(room[wide])
+                self._take(run, slice(begin, end), slice(begin - wide.start, end - wide.start))
+
+    def eases(self, window: slice) -> bool:
+        """Whether anything in ``window`` is to be eased."""
+        return bool(self._room[window.start - self.window.start : window.stop - self.window.start].any())
+
+    @cached_property
+    def _room(self) -> FloatArray:
+        return self._level(self._levels - 1).room
+
+    @cached_property
+    def _brings(self) -> FloatArray:
+        return brought(
+            self._rows, self._held, self._activations, *self._unsolved, self.standing.morphology.still,
+            self.standing.motion.frame_rate,
         )  # fmt: skip
-        levels = []
-        for number in range(self._levels):
-            solve = self._solve_of(number) if number < self._levels - 1 else self._whole
-            above = asked["rank"] <= number
-            peak = max(QUIET, standing.peaks[: len(solve.carriers)].max())
-            acts = np.asarray((self._activations[above] > 0.0).any(axis=0))
-            levels.append(Level(solve, acts, peak + brings[above].sum(axis=0)))
+
+    def _level(self, number: int) -> Level:
+        solve = self._solve_of(number) if number < self._levels - 1 else self.whole
+        peak, above = max(QUIET, self.standing.peaks[: len(solve.carriers)].max()), self._rows.asked["rank"] <= number
+        acts = np.asarray((self._activations[above] > 0.0).any(axis=0))
+        return Level(solve, acts, peak + self._brings[above].sum(axis=0))
+
+    def _ease(self, room: FloatArray) -> None:
         motion = *self._unsolved, self._positions, self._rotations
-        leash = RootLeash.of(standing.positions[self.window], *self._stance)
-        Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, leash).ease()
+        leash = RootLeash.of(self.standing.positions[self.window], *self._stance)
+        levels = [self._level(number) for number in range(self._levels)]
+        Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, leash, room).ease()
+
+    def _take(self, run: "Stretch", rows: slice, theirs: slice) -> None:
+        """What a run of frames has become."""
+        self._positions[rows], self._rotations[rows] = run._positions[theirs], run._rotations[theirs]
+        self._misses[:, rows] = run._misses[:, theirs]
+        if self._clear:
+            self._clearance[7][:, rows] = run._clearance[7][:, theirs]
 
     def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some of its frames."""

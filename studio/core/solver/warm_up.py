@@ -8,12 +8,15 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
+from studio.core.joint_limits import limits_of
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rest_pose import rest_pose
 from studio.core.solver.adapt import Standing, adapt, hold, standing_of
+from studio.core.solver.easing import Solve
 from studio.core.solver.footing import Footing
+from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 FRAMES = 4
@@ -22,12 +25,21 @@ FRAMES = 4
 def warm_up(morphology: Morphology) -> AdaptedMotion:
     """Adapt four still frames to ``morphology`` with a contact and a constraint: every kernel runs once."""
     contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, FRAMES - 1)
+    warm_up_easing(morphology)
     return adapt(AdaptRequest(_still_motion(), morphology, (contact,), (_reach(),)))
 
 
 def warm_up_standing(morphology: Morphology) -> Standing:
     """The third of ``warm_up`` that comes before the constraints."""
     return standing_of(AdaptRequest(_still_motion(), morphology))
+
+
+def warm_up_easing(morphology: Morphology) -> None:
+    """What only frames that jolt are given to."""
+    charts = LimbCharts(morphology.layout, np.stack([rest_pose(morphology)[1]] * FRAMES), limits_of(morphology))
+    turns = charts.turns(np.zeros((FRAMES, 16, 3)))
+    joints, states = np.zeros((1, 5), np.int64), np.zeros((FRAMES, 1, 3))
+    Solve.of(morphology.layout, 30.0, FRAMES, joints, np.zeros((1, 2), np.int64), 0).jolts_of(states, turns)
 
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
