@@ -1,0 +1,82 @@
+"""Turns of limbs' joints as angles about the middles of their limits, and back (METHOD (25) to (28) and (37)).
+
+``turns`` (F, 16, 3, 3) of joints in what carries them and ``angles`` (F, 16, 3), four a limb: shoulder or hip and wrist
+or ankle by swing and twist, elbow or knee by bend, slant and turn, toes by a rotation vector; ``limits`` (4,) as in
+``kernels.joint_limits``; ``limbs`` (4,) which of them are meant.
+"""
+
+import math
+
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.joint_limits import half_turns_off, part_of_swing, swing_and_twist
+from studio.core.kernels.rotation import matrix_to_rotation_vector
+from studio.core.kernels.turns import inverse, product, put_turn, turn_by, turn_in
+
+
+@kernel
+def note_angles(limbs, turns, limits, out_angles):
+    """Angles of turns."""
+    for frame in range(turns.shape[0]):
+        for limb in range(4):
+            for joint in range(4 * limb, 4 * limb + 4):
+                if limbs[limb]:
+                    note_joint(joint % 4, turns[frame, joint], limits[limb], out_angles[frame, joint])
+
+
+@kernel
+def note_joint(joint, turn, row, out_angles):
+    """The angles (3,) of one joint."""
+    if joint == 3:
+        matrix_to_rotation_vector(turn, out_angles)
+    else:
+        out_angles[0], out_angles[1], out_angles[2] = limited_angles(joint, turn_in(turn), row)
+
+
+@kernel
+def limited_angles(joint, turn, row):
+    """The three angles of a joint that has limits."""
+    if joint == 1:
+        bend, slant = math.atan2(-turn[5], turn[8]), math.asin(min(max(turn[2], -1.0), 1.0))
+        bend -= 0.5 * (row.bends[0] + row.bends[1])
+        return half_turns_off(bend), slant, half_turns_off(math.atan2(-turn[1], turn[0]) - row.turns[0])
+    turn = product(inverse(turn_in(row.axes[joint // 2])), turn)
+    x, y, twist = swing_and_twist((turn[0], turn[3], turn[6]), (turn[2], turn[5], turn[8]))
+    return x, y, half_turns_off(twist - row.twists[joint // 2, 0])
+
+
+@kernel
+def note_turns(limbs, own, added, limits, out_turns):
+    """Turns of the angles ``own`` with something ``added``, no further than limits go or the motion's ``own``."""
+    for frame in range(out_turns.shape[0]):
+        for limb in range(4):
+            for joint in range(4 * limb, 4 * limb + 4):
+                if limbs[limb]:
+                    put_joint(joint % 4, own[frame, joint], added[frame, joint], limits[limb], out_turns[frame, joint])
+
+
+@kernel
+def put_joint(joint, own, added, row, out_turn):
+    """Write the turn of one joint (3, 3)."""
+    x, y, z = own[0] + added[0], own[1] + added[1], own[2] + added[2]
+    if joint == 3:
+        put_turn(turn_by(x, y, z), out_turn)
+        return
+    if joint == 1:
+        bend = within(x, own[0], 0.5 * (row.bends[1] - row.bends[0])) + 0.5 * (row.bends[0] + row.bends[1])
+        turn = within(z, own[2], row.turns[1]) + row.turns[0]
+        last = product(turn_by(0.0, within(y, own[1], row.aslant), 0.0), turn_by(0.0, 0.0, turn))
+        put_turn(product(turn_by(bend, 0.0, 0.0), last), out_turn)
+        return
+    radii, twists = row.radii[joint // 2], row.twists[joint // 2]
+    most = max(1.0, part_of_swing(radii, own[0], own[1]))
+    share = min(most / max(part_of_swing(radii, x, y), 1e-9), 1.0)
+    last = turn_by(0.0, 0.0, within(z, own[2], twists[1]) + twists[0])
+    turn = product(turn_by(share * x, share * y, 0.0), last)
+    put_turn(product(turn_in(row.axes[joint // 2]), turn), out_turn)
+
+
+@kernel
+def within(angle, own, half):
+    """An angle no further from nought than ``half`` a range, or than the motion's ``own``."""
+    most = max(half, abs(own))
+    return min(max(angle, -most), most)
