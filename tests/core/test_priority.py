@@ -1,4 +1,4 @@
-"""Priorities are strict: what stands lower takes nothing from what stands higher."""
+"""Priorities are strict: what stands lower changes nothing of what stands higher, for better or worse."""
 
 from dataclasses import replace
 
@@ -10,7 +10,6 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.ground import Ground
-from studio.core.kernels.rows import TURN_ARM
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt, hold, place_of, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -24,6 +23,7 @@ WALK, CONTACTS = walk()
 LIMB, ARM, BACK, ALL = Chain(clavicle=0.0), Chain(), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
 WRIST = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
 LEAK = 2e-4
+"""Metres or radians by which a miss may change."""
 
 
 def _solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
@@ -40,7 +40,7 @@ def _higher(body: Morphology, chain: Chain, random: np.random.Generator) -> Posi
 @pytest.mark.parametrize("chain", [LIMB, ARM, BACK, ALL], ids=["limb", "arm", "back", "all"])
 @pytest.mark.parametrize("lower", ["left_upper_arm", "right_forearm", "head", "thorax"])
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
-def test_a_lower_constraint_does_not_worsen_a_higher(body: Morphology, lower: str, chain: Chain) -> None:
+def test_a_lower_constraint_does_not_change_what_a_higher_misses(body: Morphology, lower: str, chain: Chain) -> None:
     random = np.random.default_rng(3)
     part = BodyPart(lower)
     own = Chain(0.0, 0.0, 0.0, 1.0, chain.root) if part is BodyPart.THORAX else chain
@@ -49,7 +49,7 @@ def test_a_lower_constraint_does_not_worsen_a_higher(body: Morphology, lower: st
         before = place_of(BodyPoint(part, at_end=True), _solved(body))[0]
         wish = target(part, before + random.normal(size=3) * random.choice([0.05, 0.4]), own, 1)
         alone, both = _solved(body, higher), _solved(body, higher, wish)
-        assert both.residuals[0, 0] <= alone.residuals[0, 0] + LEAK
+        assert abs(both.residuals[0, 0] - alone.residuals[0, 0]) <= LEAK
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
@@ -109,7 +109,7 @@ def _random_set(body: Morphology, away: float, random: np.random.Generator) -> l
 
 @pytest.mark.parametrize("away", [0.02, 0.05, 0.1, 0.2, 0.4])
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
-def test_whatever_is_added_below_takes_nothing_from_sets_of_wishes_in_any_order(body: Morphology, away: float) -> None:
+def test_whatever_is_added_below_changes_nothing_of_sets_of_wishes_in_any_order(body: Morphology, away: float) -> None:
     standing = stand(WALK, body, CONTACTS, Ground())
     for seed in range(40):
         random = np.random.default_rng(seed)
@@ -119,12 +119,12 @@ def test_whatever_is_added_below_takes_nothing_from_sets_of_wishes_in_any_order(
             order = random.permutation(count)
             after = np.empty(count)
             after[order] = hold(standing, [wishes[place] for place in order], 30, 30).residuals[:, 0]
-            assert (after[:-1] <= before + LEAK).all(), (seed, count)
+            assert (abs(after[:-1] - before) <= LEAK).all(), (seed, count)
             before = after
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
-def test_whatever_is_added_below_takes_nothing_from_wishes_of_any_kind(body: Morphology) -> None:
+def test_whatever_is_added_below_changes_nothing_of_wishes_of_any_kind(body: Morphology) -> None:
     motion, contacts = walk(60)
     standing = stand(motion, body, contacts, Ground())
     before, kinds = hold(standing, ()), [kind for kind in KINDS if kind != "clear"]
@@ -133,12 +133,10 @@ def test_whatever_is_added_below_takes_nothing_from_wishes_of_any_kind(body: Mor
         scene = Scene(before, seed, random.choice([*kinds, "position"], size=random.integers(2, 9)).tolist())
         levels = np.cumsum(random.random(len(scene.constraints)) < 0.7)
         wishes = [replace(each, priority=int(level)) for each, level in zip(scene.constraints, levels, strict=True)]
-        arms = np.array([TURN_ARM if each.unit == "rad" else 1.0 for each in wishes])
         above = np.zeros(0)
         for level in np.unique(levels):
             order = random.permutation(np.sum(levels <= level))
             after = np.empty(len(order))
             after[order] = hold(standing, [wishes[place] for place in order], 40, 40, scene.tracks).residuals[:, 0]
-            after *= arms[: len(order)]
-            assert (after[: len(above)] <= above + LEAK).all(), (seed, level)
+            assert (abs(after[: len(above)] - above) <= LEAK).all(), (seed, level)
             above = after

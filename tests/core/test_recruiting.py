@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint, Support
-from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.ground import Ground
@@ -149,14 +151,11 @@ def test_a_recruited_leg_does_not_enter_the_ground(name: str) -> None:
             assert next(lowest) < next(lowest) + 2e-3
 
 
-@pytest.mark.parametrize("priority", [0, 1], ids=["arm above", "arm below"])
 @pytest.mark.parametrize("name", BODIES)
-def test_an_arm_with_a_wish_of_its_own_is_left_to_it_and_the_other_helps(name: str, priority: int) -> None:
+def test_an_arm_with_a_wish_above_is_left_to_it_and_the_other_helps(name: str) -> None:
     standing, layout = STANDING[name], BODIES[name].layout
     for frame in (10, MIDDLE, 70):
-        wrist = standing.positions[frame, layout.wrist(0)]
-        reach = target("left_forearm", wrist + np.array([0.05, 0.0, 0.04]), Chain(clavicle=0.0), 2 * priority)
-        balance = _balance(standing, frame, ARMS, np.array([0.003, -0.002]), 1)
+        reach, balance = _reach(standing, frame, 0), _balance(standing, frame, ARMS, np.array([0.003, -0.002]), 1)
         both, alone = (hold(standing, wishes, frame, frame) for wishes in ((reach, balance), (reach,)))
         assert both.residuals[0, 0] < KEPT
         arm = slice(layout.collar(0), layout.collar(0) + 5)
@@ -164,12 +163,30 @@ def test_an_arm_with_a_wish_of_its_own_is_left_to_it_and_the_other_helps(name: s
         assert _turned(both, standing)[0, layout.segment(BodyPart.RIGHT_UPPER_ARM)] > 0.05
 
 
-def test_an_arm_is_back_in_the_motion_before_its_wish_begins_and_helps_again_after() -> None:
+@pytest.mark.parametrize("name", BODIES)
+def test_an_arm_with_a_wish_below_costs_the_balance_nothing(name: str) -> None:
+    standing = STANDING[name]
+    for frame in (10, MIDDLE, 70):
+        for shift in (0.003, 0.005, 0.02):  # the last is out of reach
+            balance = _balance(standing, frame, ARMS, shift * np.array([1.0, -0.7]), 0)
+            alone = hold(standing, (balance,), frame, frame)
+            both = hold(standing, (_reach(standing, frame, 1), balance), frame, frame)
+            assert both.residuals[1, 0] == pytest.approx(alone.residuals[0, 0], abs=KEPT)
+            assert both.residuals[0, 0] < KEPT or shift > 0.005
+
+
+def _reach(standing: Standing, frame: int, priority: int) -> PositionConstraint:
+    """The left wrist a little forward and up."""
+    wrist = standing.positions[frame, standing.morphology.layout.wrist(0)]
+    return target("left_forearm", wrist + np.array([0.05, 0.0, 0.04]), Chain(clavicle=0.0), priority)
+
+
+def test_an_arm_is_back_in_the_motion_before_a_wish_above_begins_and_helps_again_after() -> None:
     standing, body = STANDING["adult_woman"], BODIES["adult_woman"]
-    balance = _balance(standing, MIDDLE, ARMS, np.array([0.004, 0.004]))
+    balance = _balance(standing, MIDDLE, ARMS, np.array([0.004, 0.004]), 1)
     wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
     times = ActivationCurve(0.6, 0.8, 0.9, 1.1)
-    asked = PositionConstraint("motion", "Wrist", wrist, Chain(clavicle=0.0), 1, times, target=(1.0, 0.4, 1.2))
+    asked = PositionConstraint("motion", "Wrist", wrist, Chain(clavicle=0.0), 0, times, target=(1.0, 0.4, 1.2))
     solved = hold(standing, (balance, asked))
     turned = _turned(solved, standing)[:, body.layout.segment(BodyPart.LEFT_UPPER_ARM)]
     begin, end = round(times.start * RATE), round(times.end * RATE)
@@ -180,11 +197,31 @@ def test_an_arm_is_back_in_the_motion_before_its_wish_begins_and_helps_again_aft
     assert peak[np.r_[0 : begin - 2, end + 1 : len(peak)]].max() < 250.0  # half of what a walking leg has
 
 
+@pytest.mark.parametrize("kind", ["position", "orientation", "distance"])
+@pytest.mark.parametrize("name", BODIES)
+def test_a_wish_below_takes_an_arm_from_a_balance_that_does_without_and_nothing_pops(name: str, kind: str) -> None:
+    standing, layout = STANDING[name], BODIES[name].layout
+    balance = _balance(standing, MIDDLE, WHOLE, np.array([0.01, 0.01]))
+    common = "motion", kind, BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), Chain(clavicle=0.0), 1
+    times = ActivationCurve(0.4, 0.6, 0.9, 1.1)
+    place = standing.positions[MIDDLE, layout.wrist(0)] + np.array([0.1, 0.05, 0.1])
+    asked: Constraint = PositionConstraint(*common, times, target=tuple(place))
+    if kind == "orientation":
+        asked = OrientationConstraint(*common, times, target=(0.0, 0.6, 0.0, 0.8))
+    elif kind == "distance":
+        asked = DistanceConstraint(*common, times, other=BodyPoint(BodyPart.HEAD), distance=0.3 * BODIES[name].stature)
+    alone, both = hold(standing, (balance,)), hold(standing, (balance, asked))
+    assert both.residuals[0] == pytest.approx(alone.residuals[0], abs=KEPT)
+    assert both.residuals[1, MIDDLE - 5 : MIDDLE + 5].max() < KEPT
+    assert angular_acceleration(local_rotations(both), RATE).max() < 300.0  # 150 for a radian in 0.2 s by (6)
+
+
 def test_freedom_is_nought_in_contact_and_while_asked_and_all_of_it_soon_after() -> None:
     limbs, activations = np.array([[0, -1], [-1, 3]]), np.zeros((2, 90))
     activations[0, 30:40], activations[1] = 1e-9, 0.0
-    free = limb_freedoms(limbs, activations, CONTACTS, RATE)
+    above, free = limb_freedoms(limbs, np.array([1, 1]), activations, CONTACTS, RATE)
     assert free.shape == (4, 90)
+    assert (above[:2] == 1.0).all()  # what is asked with less priority takes no limb
     assert (free[0, 30:40] == 0.0).all()
     assert (free[0, [0, 20, 49, 89]] == 1.0).all()
     assert (np.diff(free[0, 20:31]) <= 0.0).all()

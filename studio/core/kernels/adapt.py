@@ -70,12 +70,12 @@ def solve_frames(
     """Constraints of every frame, in place (METHOD 5 and 6).
 
     ``asked``, ``areas`` and ``chain`` as in ``kernels.constraints``; ``recruits`` the tuple (joints (n,), usual
-    (C + L + 1, n), free (n, F)) of the limbs that a balance may turn: their joints, mobilities with limits last, how
-    free each is; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3), distances (C, F or 1)) where
-    things are to be at full activation; ``activations`` (C, F);
-    ``leashes`` (2, F) of the legs; ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body``
-    the tuple (measures, masses (S, 2), limits of ``kernels.joint_limits``); ``clearance`` as in ``kernels.clearance``,
-    which works on the unsolved poses, in place, and again after the constraints; ``easing`` as in ``kernels.easing``.
+    (C + L + 1, n), free (L, n, F)) of the limbs that a balance may turn: their joints, mobilities with limits last, how
+    free each is for each level; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3), distances
+    (C, F or 1)) where things are to be at full activation; ``activations`` (C, F); ``leashes`` (2, F) of the legs;
+    ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body`` the tuple (measures, masses
+    (S, 2), limits of ``kernels.joint_limits``); ``clearance`` as in ``kernels.clearance``, which works on the unsolved
+    poses, in place, and again after the constraints; ``easing`` as in ``kernels.easing``.
     ``positions`` and ``rotations`` begin as copies of the unsolved ones.
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
@@ -185,7 +185,7 @@ def solve_one(
         more = next_edge(least, frame, asked, activations)
         acts = set_goals(more, frame, asked, areas, wishes, activations, frame_body, work, pose)
         if acts:
-            free_limbs(frame, recruits, chain)
+            free_limbs(frame, asked, recruits, chain)
             solve_frame(chain[0].shape[0] - asked.shape[0], asked, areas, chain, frame_body, work, start, pose)
         any_acts = any_acts or acts
         if least > 0.0:

@@ -3,8 +3,8 @@
 For all frames: ``kind`` (``kernels.goals``); ``rank``, its priority level; ``ends`` (2, 3) point, segment and limb (-1
 none) of each of its points, point -1 for one that is not; ``offsets`` (2, 3) from those points; ``freedoms`` (2, 2) of
 limb and end segment; the second end of all but a distance is what it follows on its own body, ``relative`` (3, 3) its
-turn in that segment's axes; ``weight`` among its equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when
-balance counts heights too.
+turn in that segment's axes; ``blends`` whether its edges blend what is solved (``kernels.edges``); ``weight`` among its
+equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when balance counts heights too.
 For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it has been given up; ``second`` whether
 another wish stands before it on its limb; ``engaged`` whether an area is entered; ``pinned`` whether a look is held
 to the turn it has (``kernels.easing``);
@@ -32,6 +32,7 @@ ASKED = np.dtype(
         ("offsets", _REAL, (2, 3)),
         ("freedoms", _REAL, (2, 2)),
         ("relative", _REAL, (3, 3)),
+        ("blends", _FLAG),
         ("weight", _REAL),
         ("shares", _REAL, (2,)),
         ("axes", _FLAG),

@@ -40,7 +40,7 @@ from studio.core.kernels.placing import OUTLINED, carry_body, miss_of, note_idle
 from studio.core.kernels.priorities import find_step, go_on
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.recruiting import frees_limbs, note_balances
-from studio.core.kernels.rows import TURN_ARM, add_feet_rows, add_rows, aim_limb
+from studio.core.kernels.rows import add_feet_rows, add_rows, aim_limb
 from studio.core.kernels.stance import free_part
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
@@ -80,7 +80,7 @@ BACKS, BACK = 2, 0.7
 it may disturb that it is to be left with.
 """
 KEPT = 1e-4
-"""Metres by which a level may disturb those above it."""
+"""Metres or radians by which a level may change what those above it miss."""
 GAINS = 0.7
 """Part of the least disturbance so far that a mend may leave; where two leave more, no other follows."""
 SURE, SURER = 5e-5, 1e-5
@@ -225,7 +225,7 @@ def yields(level, asked, areas, body, work, pose):
         if row.kind != ORIENTATION or row.ends[0, 2] < 0 or row.wanted != 1 or row.rank >= level:
             continue
         limb = row.ends[0, 2]
-        if metres_missed(c, asked, areas, body, work, pose) - row.kept_miss < KEPT:
+        if miss_of(c, asked, areas, body, work, pose) - row.kept_miss < KEPT:
             continue
         for other in range(asked.shape[0]):
             named = asked[other].ends[0, 2] == limb or asked[other].ends[1, 2] == limb
@@ -352,43 +352,36 @@ def is_met(level, asked, areas, body, work, pose):
     """Whether this level has what it wants as limbs were placed, and those above it have lost nothing."""
     for c in range(asked.shape[0]):
         row = asked[c]
-        if row.wanted == 1 and row.rank == level and metres_missed(c, asked, areas, body, work, pose) >= MET:
+        if row.wanted == 1 and row.rank == level and miss_of(c, asked, areas, body, work, pose) >= MET:
             return False
     return disturbance(level, asked, areas, body, work, pose) < KEPT
 
 
 @kernel
 def disturbance(level, asked, areas, body, work, pose):
-    """By how much more than before those above this level are missed, in metres."""
+    """By how much more or less than before those above this level are missed, in metres or radians."""
     worst = 0.0
     for c in range(asked.shape[0]):
         row = asked[c]
         if counts(row) and row.rank < level:
-            worst = max(worst, metres_missed(c, asked, areas, body, work, pose) - row.kept_miss)
+            worst = max(worst, abs(miss_of(c, asked, areas, body, work, pose) - row.kept_miss))
     return worst
-
-
-@kernel
-def metres_missed(c, asked, areas, body, work, pose):
-    """``miss_of``, turns in metres."""
-    turns = asked[c].kind == ORIENTATION or asked[c].kind == LOOK_AT
-    return miss_of(c, asked, areas, body, work, pose) * (TURN_ARM if turns else 1.0)
 
 
 @kernel
 def note_kept(first, level, asked, areas, body, work, pose):
     """Note what the constraints above this level have got: it is theirs to keep.
 
-    Those above ``first``, the level that was solved last, keep the least that they have missed: what levels may cost
-    them does not add up.
+    Those above ``first``, the level that was solved last, keep what they missed when it began: changes do not add up.
     """
     spine_count = pose[0].shape[0] - 23
     for c in range(asked.shape[0]):
         row = asked[c]
         if not counts(row) or row.rank >= level:
             continue
-        miss = metres_missed(c, asked, areas, body, work, pose)
-        row.kept_miss = miss if row.rank >= first else min(miss, row.kept_miss)
+        miss = miss_of(c, asked, areas, body, work, pose)
+        if row.rank >= first:
+            row.kept_miss = miss
         if row.kind == ORIENTATION or row.kind == LOOK_AT:
             copy_matrix(pose[1][row.ends[0, 1]], row.kept_turn)
         elif row.kind == BALANCE:

@@ -14,6 +14,7 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.constraints import disturbance
 from studio.core.kernels.edges import IN_PART, pose_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, end_place
+from studio.core.kernels.limb_constraints import HUNG
 from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import KEPT_TURNS, carry_body, follow, miss_of
 from studio.core.kernels.stance import keep_feet_in_reach
@@ -63,7 +64,7 @@ def pin(c, stands, asked, areas, body, work, start, above):
     for end in range(2):
         limb = row.ends[end, 2]
         if row.kind != BALANCE and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):
-            hung[4 + limb] = 1  # legs that stand are placed on their ankles
+            hung[4 + limb] = HUNG  # legs that stand are placed on their ankles
 
 
 @kernel

@@ -16,7 +16,7 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.constraints import KEPT, mend, note_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
 from studio.core.kernels.joint_limits import limb_parts
-from studio.core.kernels.limb_constraints import CLOSE_ENOUGH
+from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG
 from studio.core.kernels.placing import KEPT_TURNS, carry_body, miss_of, place_limbs, turn_error
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.rows import MISSED, TURN_ARM, aim_limb
@@ -24,15 +24,11 @@ from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 IN_PART = 3
 """What ``wanted`` becomes where a constraint is on its edge, or was out of reach in what is blended."""
+GIVEN_UP_THERE = 2
+"""What a limb is whose constraint was given up in what is kept, while the next is solved."""
 
 STRAIGHT = 0.01
 """Part of its length that a limb has to spare which takes half of what its place is nearer or farther once blended."""
-
-
-@kernel
-def blends(row):
-    """Whether a constraint (a record of ``kernels.asked``) is blended on its edges; others ease what they ask."""
-    return (row.kind == POSITION or row.kind == BALANCE) and row.ends[1, 0] < 0
 
 
 @kernel
@@ -40,7 +36,7 @@ def next_edge(least, frame, asked, activations):
     """The smallest activation above ``least`` of what is on its edge; 1 where there is none."""
     found = 1.0
     for c in range(asked.shape[0]):
-        if least < activations[c, frame] < found and blends(asked[c]):
+        if least < activations[c, frame] < found and asked[c].blends:
             found = activations[c, frame]
     return found
 
@@ -69,16 +65,16 @@ def keep_solution(asked, areas, body, work, pose):
         row = asked[c]
         if row.wanted != IN_PART:
             row.blended = miss_of(c, asked, areas, body, work, pose) if row.wanted else 0.0
-        note_hung(row, hung)
+        note_hung(row, GIVEN_UP_THERE, hung)
 
 
 @kernel
-def note_hung(row, hung):
+def note_hung(row, how, hung):
     """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
     if row.wanted > 1 and row.kind != BALANCE:
         for end in range(2):
             if row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0:
-                hung[4 + row.ends[end, 2]] = 1
+                hung[4 + row.ends[end, 2]] = how
 
 
 @kernel
@@ -132,7 +128,9 @@ def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
         turns = row.kind == ORIENTATION or row.kind == LOOK_AT
         if on_edge or (row.wanted == 1 and row.blended * (TURN_ARM if turns else 1.0) > MISSED):
             row.wanted = IN_PART
-        note_hung(row, hung)
+        note_hung(row, HUNG, hung)
+    for limb in range(4):
+        hung[4 + limb] = HUNG if hung[4 + limb] else 0
     carry_body(chain, body, work, start, pose)
     note_kept(0, level, asked, areas, body, work, pose)
     for c in range(asked.shape[0]):

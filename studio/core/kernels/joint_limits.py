@@ -7,12 +7,12 @@ half of the range of its turn about itself, ``well`` (2, 4) cosines of three qua
 the range, cosine and sine of its middle; and of elbow or knee ``bends`` (2,), ``aslant`` and ``turns`` (2,), in
 radians. For one frame: what the unsolved pose has of all these, ``own_swings`` (2, 2), ``own_parts`` (2,) of the
 limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``caps`` (2, 3) the parts of its limits that
-swing, twist and twist back may take, ``fresh`` whether they are not noted yet, and both as they were when the level
-began; ``sure``, less than 1 where a wish could
-be had by either way round; ``tip_turns`` whether wrist or ankle has turned; ``lets_go`` the part of what hand or foot
-are beyond by which they are drawn back, 0 for a foot that stands, which no limit turns; ``acts``, 1 + the constraint
-whose place a limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is
-as far as it goes.
+swing, twist and twist back may take now, ``agreed`` (2, 3) those that stay for all of a search, ``fresh`` whether these
+are not noted yet, and both as they were when the level began; ``sure``, less than 1 where a wish could be had by either
+way round; ``tip_turns`` whether wrist or ankle has turned; ``lets_go`` the part of what hand or foot are beyond by
+which they are drawn back, 0 for a foot that stands, which no limit turns; ``acts``, 1 + the constraint whose place a
+limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is as far as it
+goes.
 """
 
 import math
@@ -41,6 +41,7 @@ LIMITED = np.dtype(
         ("own_slant", _REAL),
         ("own_turn", _REAL),
         ("caps", _REAL, (2, 3)),
+        ("agreed", _REAL, (2, 3)),
         ("kept_caps", _REAL, (2, 3)),
         ("kept_fresh", np.int64),
         ("sure", _REAL),
@@ -165,6 +166,7 @@ def note_own(limb, limits, pose):
         row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_twists[joint] = x, y, twist
         row.own_parts[joint] = part_of_swing(row.radii[joint], x, y)
         note_caps(row, joint, (x, y, twist))
+        copy_point(row.caps[joint], row.agreed[joint])
     row.own_bend, row.own_slant, row.own_turn = bend_of(rotations[upper], rotations[upper + 1])
     row.acts, row.fresh = 0, 1
 
@@ -176,7 +178,7 @@ def keep_caps(limits):
         row = limits[limb]
         row.kept_fresh = row.fresh
         for joint in range(2):
-            copy_point(row.caps[joint], row.kept_caps[joint])
+            copy_point(row.agreed[joint], row.kept_caps[joint])
 
 
 @kernel
@@ -186,7 +188,7 @@ def restore_caps(limits):
         row = limits[limb]
         row.fresh = row.kept_fresh
         for joint in range(2):
-            copy_point(row.kept_caps[joint], row.caps[joint])
+            copy_point(row.kept_caps[joint], row.agreed[joint])
 
 
 @kernel

@@ -37,6 +37,8 @@ missed: whole up to ``NEAR``, none from ``FAR_WITHIN`` metres on.
 FAR_WITHIN = 0.008
 STILL_WITHIN = 1e-4
 """Radians of such a step after which no other follows."""
+HUNG = 1
+"""What a limb is in the second four of ``grips`` that stays as ``kernels.edges`` keeps it."""
 LIMB_COMFORT = 0.985
 """Part of its reach from which on a limb that nothing helps stretches ever less (``soft_reach``)."""
 
@@ -119,7 +121,7 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
     One that ``kernels.edges`` keeps has come within them already, and only bends and aims from where it is.
     """
     positions, rotations = pose
-    bound = limits.shape[0] > 0 and not grips[4 + limb]
+    bound = limits.shape[0] > 0 and grips[4 + limb] != HUNG
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
     turning = grips[limb] >= 0 and asked[grips[limb]].wanted == 1
@@ -158,7 +160,7 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
             if free and solved == 0:
                 held_upper, swivels = segment == upper, segment != upper and not row.stiff
                 reached, ending = c, end
-                kept = grips[4 + limb] == 1 and row.kind == POSITION
+                kept = grips[4 + limb] == HUNG and row.kind == POSITION
                 reach_with_limb(row, end, limb >= 2 or turning, kept, limits, turns, points, pose)
             elif free and solved == 1:
                 holds_end = limb >= 2 or turning
@@ -251,7 +253,13 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits,
         return
     parts = limb_parts(limb, pose[0].shape[0] - 23)
     upper, root, limit.sure = parts[1], parts[2], 1.0
+    for joint in range(2):
+        copy_point(limit.agreed[joint], limit.caps[joint])
     drawn = draw_back(limb, True, limit.fresh or not helped, turns_lower, holds_end, limits, turns, points, pose)
+    if helped and limit.fresh:  # whatever comes after goes by them, and so does the next placing
+        for joint in range(2):
+            copy_point(limit.caps[joint], limit.agreed[joint])
+        limit.fresh = 0
     if not drawn or not swivels:
         return
     point, goal, tip = points[3], row.places[end], pose[0][root + 2]

@@ -26,7 +26,7 @@ from studio.core.kernels.goals import (
 from studio.core.kernels.joint_limits import is_well_within, keep_root, limb_parts
 from studio.core.kernels.joints import carry_arm, carry_point, carry_trunk, gibbs_matrix, hang_limb
 from studio.core.kernels.legs import place_leg, place_leg_points
-from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, solve_limb
+from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG, solve_limb
 from studio.core.kernels.rotation import (
     matrix_to_rotation_vector,
     multiply,
@@ -63,13 +63,13 @@ def put_back(limb, chain, body, work, start, pose):
         work[4][8 + limb] = OUTLINED
         put_outline(limb, body, work[2], start, pose)
         return
-    if work[4][4 + limb]:
+    if work[4][4 + limb] == HUNG:
         carrier, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
         hang_limb(carrier, upper, root, KEPT_TURNS + 4 * limb, work[7], start, pose)
         return
     if limb < 2:
         carry_arm(limb, turned, slots, start, turn, work[2], pose)
-        keep_recruited(limb, slots, body[4], pose)
+        keep_recruited(limb, turned, slots, body[4], pose)
         return
     positions, rotations = pose
     channels, comforts, ankles, feet, toes = body[3]
@@ -87,7 +87,7 @@ def put_back(limb, chain, body, work, start, pose):
     if x != 0.0 or y != 0.0 or z != 0.0:
         gibbs_matrix(x, y, z, turn)
         turn_part(turn_in(turn), thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
-        keep_recruited(limb, slots, body[4], pose)
+    keep_recruited(limb, turned, slots, body[4], pose)
 
 
 @kernel
@@ -122,11 +122,13 @@ def note_idle(asked, slots, spine_count, out_idle):
 
 
 @kernel
-def keep_recruited(limb, slots, limits, pose):
-    """A limb that a search turns stays within its limits."""
-    if limits.shape[0] == 0 or slots[limb_parts(limb, pose[0].shape[0] - 23)[1]] < 0:
+def keep_recruited(limb, turned, slots, limits, pose):
+    """A limb that a search has turned stays within its limits."""
+    joint = slots[limb_parts(limb, pose[0].shape[0] - 23)[1]]
+    if limits.shape[0] == 0 or joint < 0:
         return
-    if not is_well_within(limb, 0, limits, pose[1]):
+    moves = turned[joint, 0] != 0.0 or turned[joint, 1] != 0.0 or turned[joint, 2] != 0.0
+    if moves and not is_well_within(limb, 0, limits, pose[1]):
         keep_root(limb, True, True, limits, pose)
 
 

@@ -20,17 +20,22 @@ they can do.
 
 
 @kernel
-def free_limbs(frame, recruits, chain):
-    """Shoulders and hips as free as their limbs are at this frame, in mobility and in how far they may turn.
+def free_limbs(frame, asked, recruits, chain):
+    """Shoulders and hips as free as their limbs are at this frame for each level, in mobility and, for the highest that
+    turns them, in how far they may turn.
 
     ``recruits`` as ``kernels.adapt.solve_frames`` takes them.
     """
     joints, usual, free = recruits
-    mobilities, limits = chain[0], chain[3]
+    mobilities, limits, count = chain[0], chain[3], asked.shape[0]
     for n in range(joints.shape[0]):
+        joint, most = joints[n], 0.0
         for row in range(mobilities.shape[0]):
-            mobilities[row, joints[n]] = free[n, frame] * usual[row, n]
-        limits[joints[n]] = free[n, frame] * usual[mobilities.shape[0], n]
+            part = free[asked[row].rank if row < count else row - count, n, frame]
+            mobilities[row, joint] = part * usual[row, n]
+            if usual[row, n] > 0.0:
+                most = max(most, part)
+        limits[joint] = most * usual[mobilities.shape[0], n]
 
 
 @kernel

@@ -5,7 +5,6 @@ import math
 from studio.core.kernels.areas import put_area
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.edges import blends
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.placing import follow_body, turn_error
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
@@ -22,7 +21,7 @@ def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose)
     acts, point, other, turn = False, work[5][0], work[5][1], work[7][0]
     for c in range(asked.shape[0]):
         row, share = asked[c], activations[c, frame]
-        if share < 1.0 and blends(row):
+        if share < 1.0 and row.blends:
             share = 1.0 if share >= least else 0.0
         row.share = share
         row.wanted, row.pinned = 1 if share > 0.0 else 0, 0

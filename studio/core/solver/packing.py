@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
-from studio.core.constraints.base import CLAVICLES, TRUNK, BodyPoint, Chain, Constraint, limb_bones
+from studio.core.constraints.base import (
+    CLAVICLES,
+    THIGHS,
+    TRUNK,
+    UPPER_ARMS,
+    BodyPoint,
+    Chain,
+    Constraint,
+    limb_bones,
+)
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
@@ -111,7 +120,17 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
         if write is None:
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
         write(rows, c, constraint)
+    for c, constraint in enumerate(constraints):
+        if constraint.chain.free_arms or constraint.chain.free_legs:
+            _blend_what_takes_limbs(rows, c, constraint.chain)
     return rows
+
+
+def _blend_what_takes_limbs(rows: Rows, c: int, chain: Chain) -> None:
+    """Blend whatever is asked below a balance of a limb that it turns: that is not in the motion's own pose."""
+    recruited = [limb for limb, part in enumerate((*UPPER_ARMS, *THIGHS)) if chain.recruited(part) > 0.0]
+    below = rows.asked["rank"] > rows.asked["rank"][c]
+    rows.asked["blends"] |= below & np.isin(rows.asked["ends"][:, :, 2], recruited).any(axis=1)
 
 
 def share_by_weight(rows: Rows) -> None:
@@ -135,7 +154,7 @@ def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
         return
     rows.asked["kind"][c] = goals.POSITION
     if not rows.put_followed(c, target):
-        rows.places[c] = rows.targets.places(target)
+        rows.asked["blends"][c], rows.places[c] = 1, rows.targets.places(target)
 
 
 def _is_pair(constraint: Constraint) -> bool:
@@ -183,9 +202,10 @@ def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
     """A place of NaN is the motion's own."""
     rows.asked["kind"][c], rows.asked["axes"][c] = goals.BALANCE, 3 if constraint.vertical else 2
     place = constraint.place
+    rows.asked["blends"][c] = not rows.put_followed(c, place)
     if isinstance(place, tuple) and len(place) == 2:
         rows.places[c, :, :2], rows.places[c, :, 2] = place, rows.targets.masses()[: rows.places.shape[1], 2]
-    elif place is not None and not rows.put_followed(c, place):
+    elif place is not None and rows.asked["blends"][c]:
         rows.places[c] = rows.targets.places(place)
 
 

@@ -19,37 +19,41 @@ Recruits = tuple[NDArray[np.int64], FloatArray, FloatArray]
 def find_recruits(joints: FreeJoints, spine_count: int, freedoms: Callable[[], FloatArray]) -> Recruits:
     """The n of N ``joints`` that are shoulders and hips, as ``kernels.adapt`` takes them.
 
-    (n,) which they are; (C + L + 1, n) their mobilities and, last, their limits; (n, F) the part of both that each has
-    at every frame, of the ``freedoms`` (4, F) of all limbs, which are asked for only where there are any.
+    (n,) which they are; (C + L + 1, n) their mobilities and, last, their limits; (L, n, F) the part of both that each
+    has at every frame for every level, of the ``freedoms`` (L, 4, F) of all limbs, which are asked for only where there
+    are any.
     """
     k = spine_count
     limb_of = {k + 3: 0, k + 7: 1, k + 10: 2, k + 14: 3}
     segments = joints.joints[:, 0].tolist()
     found = np.array([joint for joint, segment in enumerate(segments) if segment in limb_of], dtype=np.int64)
     if not len(found):
-        return found, np.zeros((0, 0)), np.zeros((0, 1))
+        return found, np.zeros((0, 0)), np.zeros((0, 0, 1))
     usual = np.ascontiguousarray(np.vstack([joints.mobilities, np.nan_to_num(joints.limits)])[:, found])
     limbs = [limb_of[segments[joint]] for joint in found]
-    return found, usual, np.ascontiguousarray(freedoms()[limbs])
+    return found, usual, np.ascontiguousarray(freedoms()[:, limbs])
 
 
 def limb_freedoms(
     limbs: NDArray[np.int64],
+    ranks: NDArray[np.int64],
     activations: FloatArray,
     contacts: Sequence[ContactInterval],
     frame_rate: float,
 ) -> FloatArray:
-    """(4, F) 0 while a limb stands or anything is asked of it, eased to 1 soon after and before.
+    """(L, 4, F) 0 while a limb stands or anything of a level's rank or above is asked of it, eased to 1 soon after and
+    before.
 
-    ``limbs`` (C, 2) those on which each constraint has a point, ``activations`` (C, F). However little is asked, it is
-    to be exactly there: so a limb is back in the motion's own pose when its wish begins.
+    ``limbs`` (C, 2) those on which each constraint has a point, ``ranks`` (C,), ``activations`` (C, F). However little
+    is asked, it is to be exactly there: so a limb is back in the motion's own pose when its wish begins.
     """
-    found = []
+    taken = np.zeros((int(ranks.max(initial=-1)) + 1, 4, activations.shape[1]), dtype=np.bool_)
     for limb in range(4):
         spans = [(each.first, each.last) for each in contacts if each.point.limb == limb]
-        asked = (activations[(limbs == limb).any(axis=1)] > 0.0).any(axis=0)
-        found.append(freedom(contact_mask(spans, activations.shape[1]) | asked, frame_rate))
-    return np.array(found)
+        taken[:, limb] = contact_mask(spans, activations.shape[1])
+        for c in np.flatnonzero((limbs == limb).any(axis=1)):
+            taken[ranks[c] :, limb] |= activations[c] > 0.0
+    return np.array([[freedom(each, frame_rate) for each in level] for level in taken])
 
 
 def leg_room(body: AnyMorphology, ground: Ground, positions: FloatArray, window: slice = slice(None)) -> FloatArray:

@@ -76,7 +76,7 @@ class Stretch:
         joints = joints if bound.by_limits else joints.without_limits
         recruits = find_recruits(
             joints, body.layout.spine_count,
-            lambda: _freedoms(standing, window, ends[len(held) :], everywhere[self._order], bound),
+            lambda: _freedoms(standing, window, ends[len(held) :], ranks[len(held) :], everywhere[self._order], bound),
         )  # fmt: skip
         self._clearance = pack_clearance(
             [constraints[c] for c in self._clear], everything, len(held), given[self._clear],
@@ -228,12 +228,19 @@ def _known_tracks(
 
 
 def _freedoms(
-    standing: "Standing", window: slice, limbs: NDArray[np.int64], activations: FloatArray, bound: "Bound"
+    standing: "Standing",
+    window: slice,
+    limbs: NDArray[np.int64],
+    ranks: NDArray[np.int64],
+    activations: FloatArray,
+    bound: "Bound",
 ) -> FloatArray:
-    """(4, F) how far each limb is a balance's to turn; ``limbs`` (C, 2) of the wishes, ``activations`` (C, all)."""
+    """(L, 4, F) how far each limb is a balance's of a level to turn; ``limbs`` (C, 2) of the wishes, ``ranks`` (C,),
+    ``activations`` (C, all).
+    """
     contacts = standing.contacts if bound.by_contacts else ()
-    free = limb_freedoms(limbs, activations, contacts, standing.motion.frame_rate)[:, window]
-    free[2:] *= leg_room(standing.morphology, standing.ground, standing.positions, window)
+    free = limb_freedoms(limbs, ranks, activations, contacts, standing.motion.frame_rate)[:, :, window]
+    free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, window)
     return free
 
 
