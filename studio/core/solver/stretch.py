@@ -173,7 +173,8 @@ class Stretch:
         solve = self._solve_of(number) if number < self._levels - 1 else self.whole
         peak, above = max(QUIET, self.standing.peaks[: len(solve.carriers)].max()), self._rows.asked["rank"] <= number
         acts = np.asarray((self._activations[above] > 0.0).any(axis=0))
-        return Level(solve, acts, peak + self._brings[above].sum(axis=0))
+        brings = self._brings[0, above].sum(axis=0) + self._brings[1, above].max(axis=0, initial=0.0)
+        return Level(solve, acts, peak + brings)
 
     def _ease(self, room: FloatArray) -> None:
         motion = *self._unsolved, self._positions, self._rotations

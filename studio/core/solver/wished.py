@@ -30,17 +30,18 @@ def brought(
     body: Morphology,
     rate: float,
 ) -> FloatArray:
-    """(C, F) radians a second squared that wishes, from row ``first`` on, bring: (a + v^2 / l) / l over l metres.
+    """(2, C, F) radians a second squared that wishes, from row ``first`` on, bring by what they ask and by their edges.
 
-    v and a are of what each asks beside where the unsolved poses have what it is for, and of ``TURN`` by its activation
-    (C, F), which comes and goes joint by joint.
+    (a + v^2 / l) / l over l metres, v and a of what each asks beside where the unsolved poses have what it is for; and
+    what ``TURN`` has by its activation (C, F), which comes and goes joint by joint.
     """
-    brings = np.zeros(activations.shape)
+    brings = np.zeros((2, *activations.shape))
     for c in (first + np.flatnonzero((activations[first:] > 0.0).any(axis=1))).tolist():
         path, lever = _path(c, rows, positions, rotations, body)
-        sharp = _sharp(path, lever, rate) + _sharp(TURN * activations[c][:, None], 1.0, rate)
+        edges = np.abs(np.diff(activations[c], 2)) * rate**2
+        sharp = np.stack([_sharp(path, lever, rate), TURN * np.pad(edges, 1, mode="edge")])
         acts = maximum_filter1d(activations[c] > 0.0, 3)
-        brings[c] = maximum_filter1d(np.where(acts, sharp, 0.0), 2 * round(NEAR * rate) + 1, mode="nearest")
+        brings[:, c] = maximum_filter1d(np.where(acts, sharp, 0.0), 2 * round(NEAR * rate) + 1, mode="nearest")
     return brings
 
 
