@@ -87,7 +87,7 @@ class _Search:
             )
         set_brakes(turned[0], self.free.joints, self.free.limits, carried, brakes)
         start = POSITIONS, ROTATIONS
-        find_step(self.held, self.count, ask, self.free.arrays, solving, self.pose[0])
+        find_step(self.held, self.count, 1.0, ask, self.free.arrays, solving, self.pose[0])
         moved = move_joints(0.0, self.free.arrays, carried, solving[5][-2] + solving[5][-1], turned[0])
         carry_trunk(turned[0], self.free.slots, start, np.empty((3, 3)), carried, self.pose)
         for side in range(2):

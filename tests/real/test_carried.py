@@ -1,5 +1,6 @@
 """Real cartwheels, crawls and falls: hands, knees and seat stay on the ground on the five characters, without pops."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.follow import FollowTracked
 from studio.core.contacts import BODY_POINTS, ContactPoint
 from studio.core.ground import Ground
 from studio.core.grounds import Bumps, Slope
@@ -16,6 +18,7 @@ from studio.core.morphology import AnimatedMorphology
 from studio.core.solver.adapt import adapt, hold, place_of, stand
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
+from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
 from tests.core.motions import target
 from tests.real.taken import HUMANS, contacts_of, named, taken
@@ -162,6 +165,36 @@ def test_constraints_yield_to_hands_and_knees_and_scrubbing_is_playing(captures:
     assert quality.penetration < 2e-3
     window = hold(standing, (lifted,), 250, 290)
     assert np.array_equal(window.positions, moved.positions[250:291])
+
+
+@pytest.mark.parametrize("name", ["adult_woman", "child", "giant"])
+@pytest.mark.parametrize("stem", ["accad_female1_A11_CrawlForward", "accad_female1_A08_CrouchToLie", "mass_cart"])
+def test_nothing_that_is_asked_elsewhere_moves_what_stands(captures: Path, stem: str, name: str) -> None:
+    capture, motion, _ = taken(named(stem))
+    contacts = contacts_of(capture)
+    standing = stand(motion, BODIES[name], contacts, Ground())
+    unsolved = hold(standing, ())
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        wishes = []
+        for priority in range(2):
+            part = (BodyPart.HEAD, BodyPart.PELVIS, BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)[random.integers(4)]
+            place = place_of(BodyPoint(part, at_end=True), unsolved)[random.integers(motion.frame_count)]
+            far = random.choice([0.05, 0.2, 0.6])
+            chain = Chain(trunk=1.0, root=float(random.integers(2)))
+            wishes.append(target(part.value, place + far * random.normal(size=3), chain, priority))
+        assert contact_quality(hold(standing, wishes), contacts, Ground()).slide < 2e-4, seed
+
+
+def test_the_head_of_who_crawls_goes_aside_beside_hands_knees_and_toes_that_stand(captures: Path) -> None:
+    capture, motion, _ = taken(named("accad_female1_A11_CrawlForward"))
+    standing = stand(motion, BODIES["adult_woman"], contacts_of(capture), Ground())
+    head, aside = BodyPoint(BodyPart.HEAD, at_end=True), FollowTracked("aside")
+    places = place_of(head, hold(standing, ())) + np.array([0.0, 0.05, 0.025])
+    for chain in (Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)):
+        wish = replace(target("head", places[0], chain), target=aside)
+        missed = hold(standing, (wish,), tracks={aside: Track(places, np.eye(3)[None])}).residuals[0]
+        assert np.quantile(missed, 0.95) < 1e-3
 
 
 def test_a_target_for_a_hand_waits_until_the_hand_has_left_the_ground(captures: Path) -> None:
