@@ -52,7 +52,9 @@ would take many more to come to rest, for little.
 THOROUGH = 6
 """Steps of a level that recruits limbs, which end where they get, and of one whose every joint is looked at."""
 LESS = 0.25
-"""Part of its damping that every step of a level leaves the next: ways that hardly bring anything go free last."""
+"""Part of its damping that every step of a level leaves the next: ways that hardly bring anything go free last. Not of
+one with a balance, for which that would be to sink to the ground, or to fling about limbs.
+"""
 LITTLE, MUCH = 0.15, 0.35
 """Part of what was missed that the last step gained, up to which no late step follows, and from which a whole one."""
 NEARLY, FAR_OFF = 0.004, 0.012
@@ -166,7 +168,7 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
     """Steps until a level has what it wants, or as much of it as there is."""
     past = work[9]
     past[0], past[1] = 0.0, -1.0
-    note_balances(level, asked, chain, body, work, pose)
+    balances = note_balances(level, asked, chain, body, work, pose)
     if is_met(level, asked, areas, body, work, pose):
         return
     frees = frees_limbs(min(asked.shape[0] + level, chain[0].shape[0] - 1), chain)
@@ -175,7 +177,7 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
     tries = THOROUGH if frees or whole else TRIES
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
-        less = LESS**attempt
+        less = 1.0 if frees or balances else LESS**attempt
         if not step(level, False, refines, is_late, stays, less, asked, chain, body, work, start, pose) > 0.0:
             break
         place(level, False, asked, areas, chain, body, work, start, pose)

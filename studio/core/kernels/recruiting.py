@@ -42,11 +42,15 @@ def free_limbs(frame, asked, recruits, chain):
 def note_balances(level, asked, chain, body, work, pose):
     """Where a level's balances are to bring the centre of mass: where they want it, or (METHOD (33)) softly on the way
     there as far as the joints can, where limbs help: at their limits arms would whirl about for what is out of reach.
+
+    Whether there are any.
     """
+    found = False
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.kind != BALANCE or row.wanted != 1 or row.rank != level:
             continue
+        found = True
         copy_point(row.places[0], row.places[1])
         if not frees_limbs(c, chain):
             continue
@@ -62,6 +66,7 @@ def note_balances(level, asked, chain, body, work, pose):
         part = reach * soft_reach(way / reach, MASS_COMFORT) / way if reach > 1e-9 else 0.0
         for axis in range(row.axes):
             row.places[1, axis] = point[axis] + part * (row.places[0, axis] - point[axis])
+    return found
 
 
 @kernel
