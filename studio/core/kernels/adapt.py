@@ -9,11 +9,11 @@ from studio.core.kernels.clearance import clear_after, clear_before, make_clear_
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.easing import ease_frame
-from studio.core.kernels.edges import IN_PART, clear_state, keep_solution, next_edge, pose_between
+from studio.core.kernels.edges import HERE, IN_PART, clear_state, keep_solution, next_edge, pose_between
 from studio.core.kernels.jolts import note_jolts
 from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.packed import pack
-from studio.core.kernels.placing import KEPT_TURNS, miss_of
+from studio.core.kernels.placing import miss_of
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.vectors import copy_matrix, copy_point
 from studio.core.kernels.wishes import set_goals
@@ -192,10 +192,13 @@ def solve_one(
             pose_between(least / more, frame, asked, areas, activations, chain, frame_body, work, start, pose)
         if more == 1.0:
             break
-        keep_solution(asked, areas, frame_body, work, pose)
+        keep_solution(least == 0.0, asked, areas, frame_body, work, pose)
         copy_pose(start, pose)
         clear_state(work)
         least = more
+    if least > 0.0:
+        for c in range(asked.shape[0]):
+            asked[c].wanted = IN_PART if asked[c].wanted else 0
     note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
     return any_acts
 
@@ -262,7 +265,7 @@ def make_work(constraint_count, joint_count, point_count):
         np.zeros(12, np.int64),
         np.empty((8, 3)),
         np.empty((segments + 1, 4)),
-        np.empty((KEPT_TURNS + 16, 3, 3)),
+        np.empty((HERE + 16, 3, 3)),
         full,
         np.empty(5),
     )

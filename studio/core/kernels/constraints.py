@@ -8,7 +8,7 @@ What goes through the functions here, for C constraints on a body of S segments 
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (12,),
-  points (8, 3), sums (S + 1, 4), turns (22, 3, 3), full, past (5,)): scratch, the first two as in
+  points (8, 3), sums (S + 1, 4), turns (54, 3, 3), full, past (5,)): scratch, the first two as in
   ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is idle; full
   ``newton``'s; past what the last step missed, how many rows held when one was last eliminated (-1 not yet) and how
   far all has moved since, whether the last will do, and how many rows there were in all then.
@@ -189,10 +189,10 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
 def give_back(level, asked, areas, chain, body, work, start, pose):
     """Mend what a level has cost those above it, or go back; in the end it is given up, and all is as it began."""
     turned = work[3]
-    if mend(level, KEPT, asked, areas, chain, body, work, start, pose):
+    if mend(level, KEPT, True, asked, areas, chain, body, work, start, pose):
         return
     for attempt in range(1 + BACKS):
-        disturbs = disturbance(level, asked, areas, body, work, pose)
+        disturbs = disturbance(level, True, asked, areas, body, work, pose)
         if disturbs < KEPT:
             return
         share = BACK * KEPT / disturbs if attempt < BACKS else 0.0
@@ -201,7 +201,7 @@ def give_back(level, asked, areas, chain, body, work, start, pose):
                 before = turned[1, joint, axis]
                 turned[0, joint, axis] = before + share * (turned[0, joint, axis] - before)
         place(level, False, asked, areas, chain, body, work, start, pose)
-    if not disturbance(level, asked, areas, body, work, pose) < KEPT:
+    if not disturbance(level, True, asked, areas, body, work, pose) < KEPT:
         give_up(level, asked)
         begin_again(level, asked, areas, chain, body, work, start, pose)
 
@@ -238,11 +238,13 @@ def yields(level, asked, areas, body, work, pose):
 
 
 @kernel
-def mend(level, most, asked, areas, chain, body, work, start, pose):
-    """Give those above this level back what it has cost them; whether that is less than ``most`` metres now."""
+def mend(level, most, both_ways, asked, areas, chain, body, work, start, pose):
+    """Give those above this level back what it has cost them, and, ``both_ways``, take back what it gave them; whether
+    that is less than ``most`` metres now.
+    """
     least, fails, past = math.inf, 0, work[9]
     for _ in range(MENDS):
-        disturbs = disturbance(level, asked, areas, body, work, pose)
+        disturbs = disturbance(level, both_ways, asked, areas, body, work, pose)
         if disturbs < most:
             return True
         if disturbs > GAINS * least:
@@ -356,17 +358,18 @@ def is_met(level, asked, areas, body, work, pose):
         row = asked[c]
         if row.wanted == 1 and row.rank == level and miss_of(c, asked, areas, body, work, pose) >= MET:
             return False
-    return disturbance(level, asked, areas, body, work, pose) < KEPT
+    return disturbance(level, True, asked, areas, body, work, pose) < KEPT
 
 
 @kernel
-def disturbance(level, asked, areas, body, work, pose):
-    """By how much more or less than before those above this level are missed, in metres or radians."""
+def disturbance(level, both_ways, asked, areas, body, work, pose):
+    """By how much more or, ``both_ways``, less than before those above this level are missed, in metres or radians."""
     worst = 0.0
     for c in range(asked.shape[0]):
         row = asked[c]
         if counts(row) and row.rank < level:
-            worst = max(worst, abs(miss_of(c, asked, areas, body, work, pose) - row.kept_miss))
+            change = miss_of(c, asked, areas, body, work, pose) - row.kept_miss
+            worst = max(worst, abs(change) if both_ways else change)
     return worst
 
 

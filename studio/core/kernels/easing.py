@@ -40,7 +40,7 @@ def ease_frame(frame, asked, areas, chain, wishes, activations, body, work, star
         elif row.wanted == 1 and not level[1]:
             row.wanted = IN_PART
     pose_kept(frame, asked, areas, activations, chain, body, work, start, pose)
-    out_lost[frame, 0] = disturbance(level[0], asked, areas, body, work, pose)
+    out_lost[frame, 0] = disturbance(level[0], False, asked, areas, body, work, pose)
     note_goals(frame, asked, areas, wishes, activations, body, work, start, pose)
 
 

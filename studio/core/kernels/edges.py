@@ -6,8 +6,9 @@ constraints, then without the one that acts least, and so on until what is wholl
 blended with the one before, joint by joint. Those that both have then get back what the blend has cost them.
 
 The pose before is kept in the ``work`` of ``kernels.constraints``: the state of its search as the last of ``turned``,
-the rotations of its limbs' segments in what carries each from ``KEPT_TURNS`` on in ``turns``, four a limb; misses as
-``blended`` in the records; and as the second four of ``grips`` which limbs are to stay as blended.
+the rotations of its limbs' segments in what carries each from ``THERE`` on in ``turns``, four a limb, those of the pose
+just solved from ``HERE`` on and of the blend from ``KEPT_TURNS`` on; misses as ``blended`` in the records; and as
+the second four of ``grips`` which limbs are to stay as blended.
 """
 
 import math
@@ -24,9 +25,13 @@ from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 IN_PART = 3
 """What ``wanted`` becomes where a constraint is on its edge, or was out of reach in what is blended."""
+LOST = 2e-4
+"""Metres or radians by which what is blended may be missed more than what it is blended of."""
 GIVEN_UP_THERE = 2
 """What a limb is whose constraint was given up in what is kept, while the next is solved."""
 
+THERE, HERE = KEPT_TURNS + 16, KEPT_TURNS + 32
+"""Where in the scratch ``turns`` the limbs of what is kept and of what was just solved begin."""
 STRAIGHT = 0.01
 """Part of its length that a limb has to spare which takes half of what its place is nearer or farther once blended."""
 
@@ -50,22 +55,29 @@ def clear_state(work):
 
 
 @kernel
-def keep_solution(asked, areas, body, work, pose):
-    """Note a pose, to be blended with the next."""
-    turned, turns, hung = work[3], work[7], work[4]
+def keep_solution(first, asked, areas, body, work, pose):
+    """Note a pose, to be blended with the next; what is missed by the ``first``."""
+    turned, hung = work[3], work[4]
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[2, joint])
+    note_turns(THERE, work[7], pose)
     for limb in range(4):
         hung[4 + limb] = 0
-        before, upper, _ = limb_parts(limb, pose[0].shape[0] - 23)
-        for bone in range(3 if limb < 2 else 4):
-            turn_between(pose[1][before], pose[1][upper + bone], turns[KEPT_TURNS + 4 * limb + bone])
-            before = upper + bone
     for c in range(asked.shape[0]):
         row = asked[c]
-        if row.wanted != IN_PART:
+        if first:
             row.blended = miss_of(c, asked, areas, body, work, pose) if row.wanted else 0.0
         note_hung(row, GIVEN_UP_THERE, hung)
+
+
+@kernel
+def note_turns(first, turns, pose):
+    """Note the rotations of all limbs' segments in what carries each, as ``turns`` from the ``first`` on."""
+    for limb in range(4):
+        before, upper, _ = limb_parts(limb, pose[0].shape[0] - 23)
+        for bone in range(3 if limb < 2 else 4):
+            turn_between(pose[1][before], pose[1][upper + bone], turns[first + 4 * limb + bone])
+            before = upper + bone
 
 
 @kernel
@@ -78,24 +90,29 @@ def note_hung(row, how, hung):
 
 
 @kernel
-def blend_kept(part, asked, areas, body, work, pose):
-    """Blend the pose that was kept, which counts ``part``, into the one just solved: state, limbs and misses."""
-    turned, turns, turn, new, vector = work[3], work[7], work[7][0], work[7][1], work[5][7]
+def note_blended(part, asked, areas, body, work, pose):
+    """Note the pose just solved, and what is missed where that which is kept counts ``part``."""
+    turned = work[3]
     for joint in range(turned.shape[1]):
-        for axis in range(3):
-            turned[0, joint, axis] += part * (turned[2, joint, axis] - turned[0, joint, axis])
-    for limb in range(4):
-        before, upper, _ = limb_parts(limb, pose[0].shape[0] - 23)
-        for bone in range(3 if limb < 2 else 4):
-            turn_between(pose[1][before], pose[1][upper + bone], new)
-            before = upper + bone
-            kept = turns[KEPT_TURNS + 4 * limb + bone]
-            turn_error(kept, new, turn, vector)
-            rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
-            multiply(turn, new, kept)
+        copy_point(turned[0, joint], turned[1, joint])
+    note_turns(HERE, work[7], pose)
     for c in range(asked.shape[0]):
         now = miss_of(c, asked, areas, body, work, pose) if asked[c].wanted else 0.0
         asked[c].blended = part * asked[c].blended + (1.0 - part) * now
+
+
+@kernel
+def blend_kept(part, work):
+    """Blend state and limbs of what is kept, which counts ``part``, into those of what was just solved."""
+    turned, turns, turn, vector = work[3], work[7], work[7][0], work[5][7]
+    for joint in range(turned.shape[1]):
+        for axis in range(3):
+            turned[0, joint, axis] = turned[1, joint, axis] + part * (turned[2, joint, axis] - turned[1, joint, axis])
+    for limb in range(4):
+        for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
+            turn_error(turns[THERE + bone], turns[HERE + bone], turn, vector)
+            rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
+            multiply(turn, turns[HERE + bone], turns[KEPT_TURNS + bone])
 
 
 @kernel
@@ -112,9 +129,30 @@ def turn_between(carrier, segment, out_turn):
 
 @kernel
 def pose_between(part, frame, asked, areas, activations, chain, body, work, start, pose):
-    """Pose the body ``part`` of the way from what was just solved to what was kept; what both have is held."""
-    blend_kept(part, asked, areas, body, work, pose)
+    """Pose the body ``part`` of the way from what was just solved to what was kept; what both have is held.
+
+    Where that cannot be held in between, the body is as the nearer of both has it.
+    """
+    note_blended(part, asked, areas, body, work, pose)
+    blend_kept(part, work)
     pose_kept(frame, asked, areas, activations, chain, body, work, start, pose)
+    if loses(asked, areas, body, work, pose):
+        blend_kept(1.0 if part >= 0.5 else 0.0, work)
+        for limb in range(4):
+            work[4][4 + limb] = HUNG
+        carry_body(chain, body, work, start, pose)
+        for limb in range(4):
+            work[4][4 + limb] = 0
+
+
+@kernel
+def loses(asked, areas, body, work, pose):
+    """Whether anything that was to be held is missed by more than what is blended."""
+    lost = False
+    for c in range(asked.shape[0]):
+        row = asked[c]
+        lost = lost or (row.wanted == 1 and miss_of(c, asked, areas, body, work, pose) > row.blended + LOST)
+    return lost
 
 
 @kernel
@@ -138,7 +176,7 @@ def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
             note_held(asked[c], hung, work, pose)
     place_limbs(level, asked, areas, chain, body, work, start, pose)
     work[9][1] = -1.0
-    mend(level, CLOSE_ENOUGH, asked, areas, chain, body, work, start, pose)
+    mend(level, CLOSE_ENOUGH, False, asked, areas, chain, body, work, start, pose)
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted == 1 and row.blended > KEPT and row.ends[0, 2] >= 0 and hung[4 + row.ends[0, 2]]:
