@@ -33,7 +33,7 @@ GIVEN_UP_THERE = 2
 THERE, HERE = KEPT_TURNS + 16, KEPT_TURNS + 32
 """Where in the scratch ``turns`` the limbs of what is kept and of what was just solved begin."""
 STRAIGHT = 0.01
-"""Part of its length that a limb has to spare which takes half of what its place is nearer or farther once blended."""
+"""Part of its length that a limb has to spare from which on it bends as its place wants, rather than the trunk."""
 
 
 @kernel
@@ -210,18 +210,21 @@ def note_held(row, hung, work, pose):
 
 @kernel
 def note_stretch(row, end, holds_end, points, pose):
-    """How far a limb that was blended may stretch and fold for its place: the straighter it is, the less it does.
+    """How far a limb that was blended is to stretch for its place: the straighter it is, the less it does.
 
-    With d of its length to spare as it was blended, it takes d / (d + e) of what its place is nearer or farther, e the
-    ``STRAIGHT`` part of its length, and the rest is for the trunk (METHOD (31)).
+    With d of its length to spare as it was blended, and w for its place, it keeps d s(w) / s(d) (``softly``); what that
+    is beside w is for the trunk (METHOD (31)).
     """
     root, longest = limb_parts(row.ends[end, 2], pose[0].shape[0] - 23)[2], row.longest[end]
     x, y, z = aim_limb(row, end, False, holds_end, points, pose)
-    shoulder = pose[0][root]
+    shoulder, edge = pose[0][root], STRAIGHT * longest
     span = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
-    spare, edge = max(longest - distance(points[0], shoulder), 0.0), STRAIGHT * longest
-    nearer = (longest - span - spare) / (spare + edge)
-    spare *= 1.0 + nearer if nearer > 0.0 else 1.0 / (1.0 - nearer)
-    room = spare * spare / edge
-    row.reaches[end] = min(longest - spare + room, longest)
-    row.folds[end] = max(longest - spare - room, row.folds[end])
+    spare = max(longest - distance(points[0], shoulder), 0.0)
+    row.reaches[end] = longest - spare * softly(longest - span, edge) / softly(spare, edge)
+    row.folds[end] = row.reaches[end]
+
+
+@kernel
+def softly(value, edge):
+    """``value`` where it is well above ``edge``, and ever less but never 0 below."""
+    return 0.5 * (value + math.sqrt(value * value + 4.0 * edge * edge))

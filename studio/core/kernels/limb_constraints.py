@@ -316,7 +316,7 @@ def draw_back(limb, anew, noting, turns_lower, holds_end, limits, turns, points,
 def reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
-    ``kept``: as far as ``kernels.edges`` lets it stretch and fold. A foot, or a hand whose orientation is held, keeps
+    ``kept``: as far as ``kernels.edges`` lets it stretch. A foot, or a hand whose orientation is held, keeps
     its orientation in the world; else it goes with the limb.
     ``points[3]`` is the point; it moves along.
     """
@@ -334,7 +334,7 @@ def reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose):
             copy_point(positions[tip], point)
     if segment != upper:
         span = distance(goal, positions[root])
-        span = min(max(span, row.folds[end]), row.reaches[end]) if kept else comfortable(row, end, span)
+        span = row.reaches[end] if kept else comfortable(row, end, span)
         if limits.shape[0] > 0 and span < row.easings[end]:
             span = -soft(-span, -math.inf, -row.easings[end], -row.folds[end])
             limits[limb].acts = 1
