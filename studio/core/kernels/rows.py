@@ -23,7 +23,10 @@ HARDLY_MISSED = 5e-4
 """Metres of miss up to which a limb is held to what it wants, and beyond which its root is held where it is."""
 MISSED = 2e-3
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
-
+SWIVELS = 0.01
+"""Metres that a radian of swivel has to bring a limb's second wish for it to be held by that."""
+STEEP = 2.0
+"""By how much more than what carries the limb it swivels: as (17) fades half turns, between 0 and some 3."""
 
 LIMITED_ROUND, ASIDE = 0.3, 0.03
 """Radius of the edge of what a limb at its limits reaches, in parts of its length, and the squared sine of the angle
@@ -74,6 +77,8 @@ def add_rows(c, level, owner, is_held, count, asked, chain, body, work, pose):
                 continue
             aims = not row.stiff or row.parts[end, 0] == 1.0
             if free and aims:
+                if row.second and row.kept_miss > HARDLY_MISSED:
+                    count = add_swivel_row(c, end, owner, count, asked, ask, chain, points, pose)
                 count = add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, body[4], points, pose)
             elif free or (row.kind != DISTANCE and end == 0):
                 count = add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose)
@@ -244,7 +249,8 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     x, y, z = x / span, y / span, z / span
     reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
-    if limits.shape[0] > 0 and (limits[limb].acts == c + 1 or (row.second and limits[limb].acts > 0)):
+    second = row.second and row.kept_miss <= HARDLY_MISSED
+    if limits.shape[0] > 0 and (limits[limb].acts == c + 1 or (second and limits[limb].acts > 0)):
         before = count
         count = add_limited_row(row, end, owner, is_held, count, ask, chain, (ax, ay, az), points, pose)
         if not is_held:
@@ -284,6 +290,39 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
     ask[3][count] = BOUND if reach - fold > CLOSE_ENOUGH else HOLD
     note_pull(ask[5][count], side * x, side * y, side * z, side * span, shoulder, carrier)
     add_point_row(shoulder, side * x, side * y, side * z, carrier, chain[1], positions, ask[0][count])
+    return count + 1
+
+
+@kernel
+def add_swivel_row(c, end, owner, count, asked, ask, chain, points, pose):
+    """Hold what a limb's second wish misses, where the swivel that its first leaves was not to be had.
+
+    It begins at the motion's own and ends at limits: it goes with what carries the limb about the axis from its root to
+    its first point.
+    """
+    row, point, held = asked[c], points[0], points[1]
+    limb, goal = row.ends[end, 2], row.places[end]
+    for before in range(c):
+        first = asked[before]
+        if first.kind == POSITION and first.wanted == 1 and first.ends[0, 2] == limb and first.freedoms[0, 0] > 0.0:
+            end_place(first, 0, pose, held)
+            break
+    root, upper = limb_indices(limb, pose[0].shape[0] - 23)
+    origin = pose[0][root]
+    end_place(row, end, pose, point)
+    ax, ay, az = held[0] - origin[0], held[1] - origin[1], held[2] - origin[2]
+    x, y, z = goal[0] - point[0], goal[1] - point[1], goal[2] - point[2]
+    px, py, pz = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
+    size = math.sqrt(x * x + y * y + z * z)
+    scale = STEEP / max((ax * ax + ay * ay + az * az) * size, 1e-12)
+    arm = scale * (ax * (py * z - pz * y) + ay * (pz * x - px * z) + az * (px * y - py * x))
+    if arm * arm * (ax * ax + ay * ay + az * az) < SWIVELS**2:
+        return count
+    begin_row(ask, count, owner, size - row.kept_miss)
+    carrier = 0 if limb >= 2 else upper - 1
+    add_turn_row(0, arm * ax, carrier, chain[1], ask[0][count])
+    add_turn_row(1, arm * ay, carrier, chain[1], ask[0][count])
+    add_turn_row(2, arm * az, carrier, chain[1], ask[0][count])
     return count + 1
 
 
