@@ -150,9 +150,10 @@ def shortest_arc(start: FloatArray, end: FloatArray) -> FloatArray:
     """
     start, end = np.broadcast_arrays(start, end)
     cosine = np.sum(start * end, axis=-1)
-    opposite = cosine < -1.0 + 1e-12
+    more = 0.5 * np.sum((start + end) ** 2, axis=-1)  # 1 + c, with all its digits where the two are nearly opposite
+    opposite = more < 1e-12
     v = np.cross(start, end)
-    scale = 1.0 / np.where(opposite, 1.0, 1.0 + cosine)
+    scale = 1.0 / np.where(opposite, 1.0, more)
     arc = scale[..., None, None] * v[..., :, None] * v[..., None, :] + _cross_matrix(v)
     arc += cosine[..., None, None] * np.eye(3)
     least = np.eye(3)[np.argmin(np.abs(start), axis=-1)]

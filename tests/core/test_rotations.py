@@ -84,6 +84,7 @@ def test_continuous_signs_keep_the_rotation_and_never_jump(raw: np.ndarray) -> N
 
 
 @given(vectors, vectors)
+@example(np.array([1.0, 1e-5, 1e-5]), np.array([-1.0, 0.0, 0.0]))
 def test_the_shortest_arc_reaches_the_end_without_detour(start: np.ndarray, end: np.ndarray) -> None:
     start, end = rotations.normalized(start), rotations.normalized(end)
     arc = rotations.shortest_arc(start, end)

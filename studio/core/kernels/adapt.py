@@ -261,7 +261,7 @@ def make_work(constraint_count, joint_count, point_count):
         ask,
         solving,
         carried,
-        np.zeros((3, joint_count, 3)),
+        np.zeros((4, joint_count, 3)),
         np.zeros(12, np.int64),
         np.empty((8, 3)),
         np.empty((segments + 1, 4)),

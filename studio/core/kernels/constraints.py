@@ -7,11 +7,11 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``body`` (measures, masses (S, 2), leashes (2,), legs, limits): leashes are the parts of their lengths to which the
   root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
   limits those of ``kernels.joint_limits``.
-``work`` (ask, solving, carried (S + 1, 3, 3), turned (3, N, 3) state, the one before and ``edges``', grips (12,),
-  points (8, 3), sums (S + 1, 4), turns (54, 3, 3), full, past (5,)): scratch, the first two as in
-  ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is idle; full
-  ``newton``'s; past what the last step missed, how many rows held when one was last eliminated (-1 not yet) and how
-  far all has moved since, whether the last will do, and how many rows there were in all then.
+``work`` (ask, solving, carried (S + 1, 3, 3), turned (4, N, 3) state, the one before, ``edges``' and one that costs
+  those above too much, grips (12,), points (8, 3), sums (S + 1, 4), turns (54, 3, 3), full, past (5,)): scratch, the
+  first two as in ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is
+  idle; full ``newton``'s; past what the last step missed, how many rows held when one was last eliminated (-1 not
+  yet) and how far all has moved since, whether the last will do, and how many rows there were in all then.
 ``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
 
 Every frame starts from its own pose, and operations are meant to be continuous in their inputs, so that neighbouring
@@ -77,9 +77,9 @@ STILL = 2e-5
 """Metres by which a step must move something for another to be worth while."""
 MENDS = 8
 """Steps that may be taken to give those above back what a level has cost them."""
-BACKS, BACK = 2, 0.7
-"""Times that a level goes back by as much as it still disturbs those above, before it is given up, and the part of what
-it may disturb that it is to be left with.
+HALVES, BACK = 4, 0.7
+"""Times that the way of a level which disturbs those above is halved to find how far it can go, before it is given up,
+and the part of what it may disturb that it is to be left with.
 """
 KEPT = 1e-4
 """Metres or radians by which a level may change what those above it miss."""
@@ -188,22 +188,45 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
 @kernel
 def give_back(level, asked, areas, chain, body, work, start, pose):
     """Mend what a level has cost those above it, or go back; in the end it is given up, and all is as it began."""
-    turned = work[3]
     if mend(level, KEPT, True, asked, areas, chain, body, work, start, pose):
         return
-    for attempt in range(1 + BACKS):
+    disturbs = disturbance(level, True, asked, areas, body, work, pose)
+    if disturbs < KEPT:
+        return
+    turned, least, most, costs, cost = work[3], 0.0, 1.0, disturbs, 0.0
+    for joint in range(turned.shape[1]):
+        copy_point(turned[0, joint], turned[3, joint])
+    for attempt in range(HALVES + 2):
+        share = least  # where even what lies between does not do
+        if attempt < HALVES:
+            share = 0.5 * (least + most)
+        elif attempt == HALVES:
+            share += (most - least) * (BACK * KEPT - cost) / (costs - cost)
+        go_back(share, level, asked, areas, chain, body, work, start, pose)
         disturbs = disturbance(level, True, asked, areas, body, work, pose)
-        if disturbs < KEPT:
+        if attempt >= HALVES and disturbs < KEPT:
             return
-        share = BACK * KEPT / disturbs if attempt < BACKS else 0.0
-        for joint in range(turned.shape[1]):
-            for axis in range(3):
-                before = turned[1, joint, axis]
-                turned[0, joint, axis] = before + share * (turned[0, joint, axis] - before)
-        place(level, False, asked, areas, chain, body, work, start, pose)
-    if not disturbance(level, True, asked, areas, body, work, pose) < KEPT:
-        give_up(level, asked)
-        begin_again(level, asked, areas, chain, body, work, start, pose)
+        if disturbs < BACK * KEPT:
+            least, cost = share, disturbs
+        else:
+            most, costs = share, disturbs
+    for joint in range(turned.shape[1]):
+        copy_point(turned[1, joint], turned[0, joint])
+    give_up(level, asked)
+    begin_again(level, asked, areas, chain, body, work, start, pose)
+
+
+@kernel
+def go_back(share, level, asked, areas, chain, body, work, start, pose):
+    """Leave but a ``share`` of the way that a level has gone, and mend that."""
+    turned = work[3]
+    for joint in range(turned.shape[1]):
+        for axis in range(3):
+            before = turned[1, joint, axis]
+            turned[0, joint, axis] = before + share * (turned[3, joint, axis] - before)
+    place(level, False, asked, areas, chain, body, work, start, pose)
+    work[9][1] = -1.0
+    mend(level, BACK * KEPT, True, asked, areas, chain, body, work, start, pose)
 
 
 @kernel
