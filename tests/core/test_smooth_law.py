@@ -34,8 +34,11 @@ FURTHEST = {"wrist": 0.35, "hand": 0.35, "elbow": 0.35, "head": 0.14, "pelvis": 
 LEVER, SLOWEST, FASTEST = 0.3, 0.1, 0.5
 """Metres; hertz at which targets sway."""
 
-HARD = (312, 1), (103, 3), (387, 3), (538, 3), (342, 4), (522, 4), (593, 4)
-"""Seeds and counts of sets in which levels nearly jolt, or arms that are held are all but straight."""
+HARD = (
+    *((312, 1), (323, 2), (1202, 2), (103, 3), (158, 3), (387, 3), (538, 3)),
+    *((219, 4), (342, 4), (522, 4), (593, 4), (1027, 4), (1303, 4)),
+)
+"""Seeds and counts of sets in which levels nearly jolt, arms that are held are all but straight, or are at limits."""
 
 
 class Wishes:
@@ -99,6 +102,6 @@ def _peak(seed: int, count: int) -> float:
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 def test_wishes_that_move_smoothly_move_no_joint_with_a_jerk(count: int) -> None:
-    """Of 2400 sets, 600 of each count, 2399 keep the law, and one comes to 3.5."""
+    """Of 5600 sets, 1400 of each count, all keep the law: 2.8 at most."""
     hard = [seed for seed, number in HARD if number == count]
     assert max(_peak(seed, count) for seed in (*range(40), *hard)) < 3.0

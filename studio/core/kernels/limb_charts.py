@@ -45,34 +45,52 @@ def limited_angles(joint, turn, row):
 
 
 @kernel
-def note_turns(limbs, own, added, limits, out_turns):
-    """Turns of the angles ``own`` with something ``added``, no further than limits go or the motion's ``own``."""
-    for frame in range(out_turns.shape[0]):
+def note_turns(limbs, angles, limits, out_turns):
+    """Turns of angles."""
+    for frame in range(angles.shape[0]):
         for limb in range(4):
             for joint in range(4 * limb, 4 * limb + 4):
                 if limbs[limb]:
-                    put_joint(joint % 4, own[frame, joint], added[frame, joint], limits[limb], out_turns[frame, joint])
+                    put_turn(turn_of_angles(joint % 4, angles[frame, joint], limits[limb]), out_turns[frame, joint])
 
 
 @kernel
-def put_joint(joint, own, added, row, out_turn):
-    """Write the turn of one joint (3, 3)."""
-    x, y, z = own[0] + added[0], own[1] + added[1], own[2] + added[2]
+def turn_of_angles(joint, angles, row):
+    """The turn of one joint."""
+    x, y, z = angles[0], angles[1], angles[2]
     if joint == 3:
-        put_turn(turn_by(x, y, z), out_turn)
-        return
+        return turn_by(x, y, z)
     if joint == 1:
-        bend = within(x, own[0], 0.5 * (row.bends[1] - row.bends[0])) + 0.5 * (row.bends[0] + row.bends[1])
-        turn = within(z, own[2], row.turns[1]) + row.turns[0]
-        last = product(turn_by(0.0, within(y, own[1], row.aslant), 0.0), turn_by(0.0, 0.0, turn))
-        put_turn(product(turn_by(bend, 0.0, 0.0), last), out_turn)
+        bend, turn = x + 0.5 * (row.bends[0] + row.bends[1]), z + row.turns[0]
+        return product(turn_by(bend, 0.0, 0.0), product(turn_by(0.0, y, 0.0), turn_by(0.0, 0.0, turn)))
+    twist = turn_by(0.0, 0.0, z + row.twists[joint // 2, 0])
+    return product(turn_in(row.axes[joint // 2]), product(turn_by(x, y, 0.0), twist))
+
+
+@kernel
+def keep_within(limbs, own, limits, angles):
+    """Bring angles back, in place, to where limits or the motion's ``own`` let them be."""
+    for frame in range(angles.shape[0]):
+        for limb in range(4):
+            row = limits[limb]
+            for joint in range(4 * limb, 4 * limb + 3):
+                if limbs[limb]:
+                    keep_joint_within(joint % 4, own[frame, joint], row, angles[frame, joint])
+
+
+@kernel
+def keep_joint_within(joint, own, row, angles):
+    """The same of one joint."""
+    if joint == 1:
+        angles[0] = within(angles[0], own[0], 0.5 * (row.bends[1] - row.bends[0]))
+        angles[1] = within(angles[1], own[1], row.aslant)
+        angles[2] = within(angles[2], own[2], row.turns[1])
         return
-    radii, twists = row.radii[joint // 2], row.twists[joint // 2]
+    radii = row.radii[joint // 2]
     most = max(1.0, part_of_swing(radii, own[0], own[1]))
-    share = min(most / max(part_of_swing(radii, x, y), 1e-9), 1.0)
-    last = turn_by(0.0, 0.0, within(z, own[2], twists[1]) + twists[0])
-    turn = product(turn_by(share * x, share * y, 0.0), last)
-    put_turn(product(turn_in(row.axes[joint // 2]), turn), out_turn)
+    share = min(most / max(part_of_swing(radii, angles[0], angles[1]), 1e-9), 1.0)
+    angles[0], angles[1] = share * angles[0], share * angles[1]
+    angles[2] = within(angles[2], own[2], row.twists[joint // 2, 1])
 
 
 @kernel

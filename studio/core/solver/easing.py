@@ -33,7 +33,7 @@ EASED = np.array([[ADDED, ADDED, WHOLE], [1.8, 1.8, 2.6]])
 is."""
 LEFT = np.array([[5.0, 1.6, 2.4], [6.0, 2.2, 2.9]])
 """The same at which a level is left altogether for those above it: a root that starts at once is the lesser evil."""
-WIDTHS = 0.06, 0.12, 0.2, 0.35
+WIDTHS = 0.06, 0.12, 0.2, 0.35, 0.12
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
 AROUND = 0.2
 """Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
@@ -61,7 +61,7 @@ _NO_TURNS, _NO_MISSES, _NO_POSE = (
 def reach_of(levels: int) -> float:
     """Seconds on either side of a frame that may have to do with how it is eased."""
     averaging = sum(width + 2.0 * min(width, AROUND) for width in WIDTHS)
-    return 2.0 * SEEN + levels * (averaging + 2.0 * (MENDED + 4.0 * FALLING))
+    return 2.0 * SEEN + levels * (averaging + 2.0 * 5.0 * FALLING)
 
 
 @dataclass(eq=False)
@@ -199,7 +199,7 @@ class Easing:
         ways = [(smooth, True, MENDED, EASED), (smooth, False, FALLING, EASED), (smooth, False, FALLING, LEFT)]
         if number > 0:
             left = _blend(solved[0], self._eased[0], room), _blend(solved[1], self._eased[1], room)
-            ways += 2 * [(left, False, FALLING, LEFT)]
+            ways += 3 * [(left, False, FALLING, LEFT)]
         now, bump = solved, np.sign(self._touched * room)
         for goal, meets, around, parts in ways:
             frames = np.flatnonzero(bump > 0.0)
@@ -230,7 +230,7 @@ class Easing:
                 break
             self._touched = np.maximum(self._touched, bump)
             states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
-            values = self._charts.values(self._charts.turns(values), values)  # within limits before the next
+            values = self._charts.within(values)
         joints = level.solve.joints
         back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (self._room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout
-from studio.core.kernels.limb_charts import note_angles, note_turns
+from studio.core.kernels.limb_charts import keep_within, note_angles, note_turns
 from studio.core.rotations import from_matrix, sign_continuous, to_matrix
 
 FloatArray = NDArray[np.float64]
@@ -52,13 +52,21 @@ class LimbCharts:
         return np.where((quaternions * beside).sum(axis=-1, keepdims=True) < 0.0, -quaternions, quaternions)
 
     def turns(self, values: FloatArray) -> FloatArray:
-        """``values`` backwards, as far as limits allow."""
+        """``values`` backwards."""
         if not len(self._limits):
             length = np.linalg.norm(values, axis=-1, keepdims=True)
             return np.ascontiguousarray(self._unsolved @ to_matrix(values / length))
         turns = self._unsolved.copy()
-        note_turns(self._limbs, self._own, values, self._limits, turns)
+        note_turns(self._limbs, self._own + values, self._limits, turns)
         return turns
+
+    def within(self, values: FloatArray) -> FloatArray:
+        """``values`` as far as limits, or the motion itself, let them be."""
+        if not len(self._limits):
+            return np.asarray(values / np.linalg.norm(values, axis=-1, keepdims=True))
+        angles = self._own + values
+        keep_within(self._limbs, self._own, self._limits, angles)
+        return angles - self._own
 
     def _angles(self, turns: FloatArray) -> FloatArray:
         """(F, 16, 3) radians beside the middles of limits, nought where there are none."""

@@ -141,7 +141,7 @@ class Stretch:
         """Ease what jolts in ``window``: each run of frames that have to do with each other by itself."""
         room, first = self._room, self.window.start
         edges = np.flatnonzero(np.diff(room > 0.0, prepend=False, append=False))
-        beyond = round(WIDTHS[-1] * self.standing.motion.frame_rate)
+        beyond = round(max(WIDTHS) * self.standing.motion.frame_rate)
         for begin, end in edges.reshape(-1, 2).tolist():
             if begin < window.stop - first and end > window.start - first:
                 wide = slice(max(begin - beyond, 0), min(end + beyond, len(room)))

@@ -37,7 +37,7 @@ def warm_up_standing(morphology: Morphology) -> Standing:
 def warm_up_easing(morphology: Morphology) -> None:
     """What only frames that jolt are given to."""
     charts = LimbCharts(morphology.layout, np.stack([rest_pose(morphology)[1]] * FRAMES), limits_of(morphology))
-    turns = charts.turns(np.zeros((FRAMES, 16, 3)))
+    turns = charts.turns(charts.within(np.zeros((FRAMES, 16, 3))))
     joints, states = np.zeros((1, 5), np.int64), np.zeros((FRAMES, 1, 3))
     Solve.of(morphology.layout, 30.0, FRAMES, joints, np.zeros((1, 2), np.int64), 0).jolts_of(states, turns)
 
