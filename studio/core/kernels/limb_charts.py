@@ -9,8 +9,18 @@ import math
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joint_limits import half_turns_off, part_of_swing, swing_and_twist
+from studio.core.kernels.jolts import between
 from studio.core.kernels.rotation import matrix_to_rotation_vector
 from studio.core.kernels.turns import inverse, product, put_turn, turn_by, turn_in
+
+
+@kernel
+def note_limb_turns(carriers, segments, rotations, out_turns):
+    """Turns of ``segments`` (16,) in what carries them, of poses' rotations (F, S, 3, 3)."""
+    for frame in range(rotations.shape[0]):
+        for joint in range(segments.shape[0]):
+            turn = between(rotations[frame, carriers[joint]], rotations[frame, segments[joint]])
+            put_turn(turn, out_turns[frame, joint])
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout
-from studio.core.kernels.limb_charts import keep_within, note_angles, note_turns
+from studio.core.kernels.limb_charts import keep_within, note_angles, note_limb_turns, note_turns
 from studio.core.rotations import from_matrix, sign_continuous, to_matrix
 
 FloatArray = NDArray[np.float64]
@@ -38,7 +38,9 @@ class LimbCharts:
 
     def turns_of(self, rotations: FloatArray) -> FloatArray:
         """(F, 16, 3, 3) turns of poses' joints."""
-        return np.asarray(np.swapaxes(rotations[:, self._carriers], 2, 3) @ rotations[:, self._segments])
+        turns = np.empty((len(rotations), 16, 3, 3))
+        note_limb_turns(self._carriers, self._segments, rotations, turns)
+        return turns
 
     def values(self, turns: FloatArray, beside: FloatArray | None = None) -> FloatArray:
         """(F, 16, n) what ``turns`` (F, 16, 3, 3) have beside the unsolved ones, with signs as those ``beside``."""

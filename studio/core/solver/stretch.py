@@ -150,9 +150,12 @@ class Stretch:
                     self._ease(room)
                     return
                 run = Stretch(self.standing, self._asked[0], frames, *self._asked[1:])
-                run.solve()
+                run.whole = run._solve_of(self._levels - 1)
+                for mine, theirs in zip(self._solved, run._solved, strict=True):
+                    theirs[:] = mine[wide]
                 run._ease(room[wide])
-                self._take(run, slice(begin, end), slice(begin - wide.start, end - wide.start))
+                for mine, theirs in zip(self._solved, run._solved, strict=True):
+                    mine[begin:end] = theirs[begin - wide.start : end - wide.start]
 
     def eases(self, window: slice) -> bool:
         """Whether anything in ``window`` is to be eased."""
@@ -182,12 +185,11 @@ class Stretch:
         levels = [self._level(number) for number in range(self._levels)]
         Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, leash, room).ease()
 
-    def _take(self, run: "Stretch", rows: slice, theirs: slice) -> None:
-        """What a run of frames has become."""
-        self._positions[rows], self._rotations[rows] = run._positions[theirs], run._rotations[theirs]
-        self._misses[:, rows] = run._misses[:, theirs]
-        if self._clear:
-            self._clearance[7][:, rows] = run._clearance[7][:, theirs]
+    @property
+    def _solved(self) -> tuple[FloatArray, ...]:
+        """All that a solve writes, frames first."""
+        cleared = (*self._unsolved, self._clearance[7].T) if self._clear else ()
+        return self._positions, self._rotations, self._misses.T, self.whole.states, *cleared
 
     def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some of its frames."""
