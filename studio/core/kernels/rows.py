@@ -75,6 +75,10 @@ def add_rows(c, level, owner, is_held, count, asked, chain, body, work, pose):
             if row.wanted == GIVEN_UP and row.ends[end, 2] >= 0:
                 count = add_idle_row(c, level, end, owner, count, asked, ask, chain, points[0], pose)
                 continue
+            if is_held and row.kind != AREA and row.ends[1, 0] >= 0 and row.kept_miss > HARDLY_MISSED:
+                if end == 0:
+                    count = add_apart_row(c, owner, count, asked, ask, chain, body[4], points, pose)
+                continue
             aims = not row.stiff or row.parts[end, 0] == 1.0
             if free and aims:
                 if row.second and row.kept_miss > HARDLY_MISSED:
@@ -109,10 +113,19 @@ def begin_row(ask, count, owner, error):
 
 @kernel
 def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
-    """Three rows that turn a segment of the trunk; a limb's own segments are turned in closed form."""
-    if row.ends[0, 2] >= 0:
-        return count
+    """Three rows that turn a segment of the trunk; a limb's own segments are turned in closed form, and, held, keep
+    what limits leave them to miss as if the limb were stiff.
+    """
     segment = row.ends[0, 1]
+    if row.ends[0, 2] >= 0:
+        if not is_held or row.kept_miss <= HARDLY_MISSED:
+            return count
+        turn_error(row.turn, pose[1][segment], turn, vector)
+        size = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+        begin_row(ask, count, owner, TURN_ARM * (size - row.kept_miss))
+        for axis in range(3):
+            add_turn_row(axis, TURN_ARM * vector[axis] / max(size, 1e-9), segment, chain[1], ask[0][count])
+        return count + 1
     turn_error(row.kept_turn if is_held else row.turn, pose[1][segment], turn, vector)
     for axis in range(3):
         begin_row(ask, count, owner, TURN_ARM * vector[axis])
@@ -173,16 +186,21 @@ def add_place_rows(row, end, owner, is_held, count, ask, chain, points, pose):
     end_place(row, end, pose, point)
     wanted = row.kept_places[end] if is_held else row.places[end]
     segment = row.ends[end, 1]
-    if is_held and holds_already(point, segment, count, ask):
+    first, follows = count, row.kind == POSITION and row.ends[1, 0] >= 0
+    if is_held and not follows and holds_already(point, segment, count, ask):
         return count
     if row.kind == POSITION and end == 0 and not is_held:
         wanted = points[1]
         within_means(row, wanted)
     x, y, z = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2]
-    first = count
+    if is_held and follows:
+        now, kept, share = points[1], row.kept_places[1], row.share
+        end_place(row, 1, pose, now)
+        x, y, z = x + share * (now[0] - kept[0]), y + share * (now[1] - kept[1]), z + share * (now[2] - kept[2])
     count = add_point_rows(point, segment, x, y, z, owner, count, ask, chain, pose[0])
-    note_pull(ask[5][first], x, y, z, 0.0, point, segment)
-    if row.kind == POSITION and row.ends[1, 0] >= 0 and not is_held:
+    if not (is_held and follows):
+        note_pull(ask[5][first], x, y, z, 0.0, point, segment)
+    if follows:
         end_place(row, 1, pose, point)
         for axis in range(3):
             x, y, z = (1.0 if axis == 0 else 0.0), (1.0 if axis == 1 else 0.0), (1.0 if axis == 2 else 0.0)
@@ -290,6 +308,31 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
     ask[3][count] = BOUND if reach - fold > CLOSE_ENOUGH else HOLD
     note_pull(ask[5][count], side * x, side * y, side * z, side * span, shoulder, carrier)
     add_point_row(shoulder, side * x, side * y, side * z, carrier, chain[1], positions, ask[0][count])
+    return count + 1
+
+
+@kernel
+def add_apart_row(c, owner, count, asked, ask, chain, limits, points, pose):
+    """Hold what is missed between two points of the body: limbs are links of their length from their roots, or, where
+    limits keep them from more, as if stiff.
+    """
+    row, first, second = asked[c], points[0], points[1]
+    end_place(row, 0, pose, first)
+    end_place(row, 1, pose, second)
+    goal = row.places[0] if row.kind == POSITION else second
+    x, y, z = goal[0] - first[0], goal[1] - first[1], goal[2] - first[2]
+    size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
+    more = size if row.kind == POSITION else size - row.distance
+    scale = math.copysign(1.0 / size, more)
+    x, y, z = scale * x, scale * y, scale * z
+    begin_row(ask, count, owner, abs(more) - row.kept_miss)
+    for end in range(2):
+        point, carrier, limb = points[end], row.ends[end, 1], row.ends[end, 2]
+        if limb >= 0 and row.freedoms[end, 0] > 0.0 and not (limits.shape[0] > 0 and limits[limb].acts == c + 1):
+            root, upper = limb_indices(limb, pose[0].shape[0] - 23)
+            point, carrier = pose[0][root], (0 if limb >= 2 else upper - 1)
+        part = 1.0 if end == 0 else -(row.share if row.kind == POSITION else 1.0)
+        add_point_row(point, part * x, part * y, part * z, carrier, chain[1], pose[0], ask[0][count])
     return count + 1
 
 
