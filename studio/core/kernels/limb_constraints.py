@@ -128,9 +128,8 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
     if limits.shape[0] > 0:
         limits[limb].acts, limits[limb].tip_turns = 0, 1 if limb >= 2 or turning else 0
     if turning:
-        turn = product(turn_in(asked[grips[limb]].turn), inverse(turn_in(rotations[upper + 2])))
-        turn_part(turn, upper + 2, spine_count, positions[root + 2], positions, rotations)
-    first, point = points[2], points[3]
+        turn_segment(asked[grips[limb]].turn, upper + 2, root + 2, pose)
+    first, point, holds_end = points[2], points[3], limb >= 2 or turning
     solved, held_upper, swivels, turns_lower, reached, ending = 0, False, False, False, 0, 0
     for c in range(asked.shape[0]):
         row = asked[c]
@@ -139,12 +138,7 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
         if row.kind == ORIENTATION:
             segment = row.ends[0, 1]
             if row.ends[0, 2] == limb and segment < upper + 2:
-                turn = product(turn_in(row.turn), inverse(turn_in(rotations[segment])))
-                turn_part(turn, segment, spine_count, positions[root + segment - upper], positions, rotations)
-                if bound and segment == upper + 1 and solved == 0:
-                    keep_middle(limb, limits, pose)
-                    turn = product(turn_in(row.turn), inverse(turn_in(rotations[segment])))
-                    turn_part(turn, upper, spine_count, positions[root], positions, rotations)
+                turn_limb(row, limb, bound and solved == 0, limits, pose)
                 solved += 2
                 swivels, turns_lower = False, turns_lower or (segment == upper + 1 and solved > 2)
             continue
@@ -161,15 +155,13 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
                 held_upper, swivels = segment == upper, segment != upper and not row.stiff
                 reached, ending = c, end
                 kept = grips[4 + limb] == HUNG and row.kind == POSITION
-                reach_with_limb(row, end, limb >= 2 or turning, kept, limits, turns, points, pose)
+                reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose)
             elif free and solved == 1:
-                holds_end = limb >= 2 or turning
+                before = asked[reached]
                 if bound:
-                    helped = asked[reached].helped == 1
-                    keep_within(
-                        limb, swivels, helped, False, holds_end, asked[reached], ending, limits, turns, points, pose
-                    )
-                    end_place(asked[reached], ending, pose, first)
+                    helped = before.helped == 1
+                    keep_within(limb, swivels, helped, False, holds_end, before, ending, limits, turns, points, pose)
+                    end_place(before, ending, pose, first)
                 swivel_with_limb(row, end, bound, held_upper, holds_end, limits, turns, points, pose)
                 turns_lower = turns_lower or (bound and held_upper)
             end_place(row, end, pose, point)
@@ -181,10 +173,29 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
                 end_place(row, end, pose, first)
             solved += 1
     if bound:
-        helped, holds_end = (swivels or held_upper) and asked[reached].helped == 1, limb >= 2 or turning
+        helped = (swivels or held_upper) and asked[reached].helped == 1
         keep_within(limb, swivels, helped, turns_lower, holds_end, asked[reached], ending, limits, turns, points, pose)
         limits[limb].acts *= (reached + 1) * (swivels or held_upper)
         limits[limb].fresh = 0
+
+
+@kernel
+def turn_limb(row, limb, first, limits, pose):
+    """Turn upper or lower segment of a limb as wanted; a lower one by both, within limits, where it comes ``first``."""
+    root, upper = limb_indices(limb, pose[0].shape[0] - 23)
+    segment = row.ends[0, 1]
+    turn_segment(row.turn, segment, root + segment - upper, pose)
+    if first and segment == upper + 1:
+        keep_middle(limb, limits, pose)
+        turn = product(turn_in(row.turn), inverse(turn_in(pose[1][segment])))
+        turn_part(turn, upper, pose[0].shape[0] - 23, pose[0][root], pose[0], pose[1])
+
+
+@kernel
+def turn_segment(wanted, segment, pivot, pose):
+    """Turn a segment of a limb about its point ``pivot`` to the rotation ``wanted`` (3, 3)."""
+    turn = product(turn_in(wanted), inverse(turn_in(pose[1][segment])))
+    turn_part(turn, segment, pose[0].shape[0] - 23, pose[0][pivot], pose[0], pose[1])
 
 
 @kernel
