@@ -68,16 +68,16 @@ def test_feet_that_stand_stay_where_they_are_and_joints_do_not_jolt(seed: int, c
     assert contact_quality(eased, CONTACTS, Ground()).slide < 2e-4
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(12))
 def test_what_is_eased_below_takes_nothing_from_what_stands_above(seed: int) -> None:
-    """Where what stands above holds to 0.2 mm, or 0.5 mrad of a look (on forty such sets: never more than 0.7)."""
+    """By more than 0.2 mm or mrad."""
     standing, before = STANDING[seed % 5], BEFORE[seed % 5]
     wishes = Wishes(before, seed, 3)
     ordered = tuple(replace(each, priority=k) for k, each in enumerate(wishes.constraints))
     residuals = [hold(standing, ordered[: 1 + k], tracks=wishes.tracks, eased=True).residuals for k in range(3)]
     for k in range(2):
         worse = residuals[k + 1][: k + 1] - residuals[k]
-        assert worse.max() < (5e-4 if "look" in {each.kind for each in ordered[: k + 1]} else 2.5e-4)
+        assert worse.max() < 2.5e-4
 
 
 def test_any_window_is_as_the_whole_clip() -> None:

@@ -41,7 +41,7 @@ MENDED, FALLING = 0.1, 0.35
 """The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
 PULLED = 0.15
 """Seconds on either side over which planted feet pull the root."""
-LOST = 2e-4, 1e-3
+LOST = 1e-4, 4e-4
 """Metres that those above a level may lose by its easing for it to be left for them, beginning and wholly."""
 SEEN = 0.8
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
@@ -180,7 +180,7 @@ class Easing:
         for number, level in enumerate(self._levels):
             if number < len(self._levels) - 1:
                 self._solve(number, level.solve.noting)
-                self._room = np.maximum(self._room, level.room)
+                self._room = level.room
             else:
                 self._room = self._last
                 for each, before in zip(noted, whole, strict=True):

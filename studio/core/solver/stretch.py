@@ -119,10 +119,13 @@ class Stretch:
         self._pose(level, easing)
 
     def _pose(self, level: int, easing: EasingArrays) -> None:
-        acts = self._activations
+        acts, (asked, areas, (mobilities, *joints), (turned, usual, free), wishes) = self._activations, self._given[0]
         if level < self._levels - 1:
-            acts = np.where(self._rows.asked["rank"][:, None] <= level, acts, 0.0)
-        solve_frames(*self._given[0], acts, *self._given[1], easing, self._misses, self._positions, self._rotations)
+            acts = np.where(asked["rank"][:, None] <= level, acts, 0.0)
+        rows = len(asked) + level + 1  # what only levels below may move stays where it is
+        recruits = turned, np.concatenate([usual[:rows], usual[-1:]]), free
+        given = asked, areas, (mobilities[:rows], *joints), recruits, wishes, acts, *self._given[1]
+        solve_frames(*given, easing, self._misses, self._positions, self._rotations)
 
     def _solve_of(self, level: int) -> Solve:
         """To note what is solved down to ``level``."""
