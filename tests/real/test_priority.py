@@ -9,6 +9,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import EYES, LookAtConstraint
@@ -118,3 +119,7 @@ def test_whatever_is_added_below_changes_nothing_of_what_stands_above(captures: 
             change = np.abs(now - missed)[levels < levels[added]]
             assert not (change > CHANGE).any(), (seed, frame, wishes[added])
             missed = now
+        pelvis = BodyPoint(BodyPart.PELVIS)
+        clear = ClearConstraint("motion", "clear", pelvis, Chain(), int(levels[-1]) + 1, ALWAYS)
+        cleared = hold(standing, [*wishes, clear], frame, frame).residuals[:-1, 0]
+        assert not (np.abs(cleared - missed) > CHANGE).any(), (seed, frame)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.body import move_all
-from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work
+from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work, waits
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.easing import ease_frame
@@ -131,7 +131,8 @@ def solve_each(
     for number in range(frames.shape[0]):
         frame = frames[number]
         start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
-        if clears:
+        waited = clears and waits(frame, clearance, activations)
+        if clears and not waited:
             clear_before(frame, clearance, clear_work, start)
         if clears or eases:
             copy_pose(start, pose)
@@ -158,7 +159,8 @@ def solve_each(
             for axis in range(3):
                 states[frame, joint, axis] = work[3][0, joint, axis] if acts or eases else 0.0
         if clears:
-            clear_after(frame, acts, asked, clearance, clear_work, pose)
+            frame_body = pack(body_at(frame, leashes, stance, body))
+            clear_after(frame, acts, waited, asked, areas, clearance, clear_work, frame_body, work, pose, out_residuals)
             note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
         if not eases:
             note_jolts(frame, chain[1], motion, easing)

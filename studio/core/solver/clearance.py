@@ -50,10 +50,11 @@ def pack_clearance(
         own, ways = (np.ascontiguousarray(each[window]) for each in _actor_rooms(motion, actor))
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
     wanted = np.empty((len(asked), *shape))
-    above = np.ones((len(asked), len(others)), dtype=np.bool_)
+    above = np.full((len(asked), len(others)), kernel.STANDS)
+    priorities = np.array([each.priority for each in others[standing:]], dtype=np.int64)
     for row, each in enumerate(asked):
         kernel.wanted_rooms(own, each.margin, wanted[row])
-        above[row, standing:] = [one.priority <= each.priority for one in others[standing:]]
+        above[row, standing:] = kernel.HIGHER * (priorities < each.priority) + (priorities == each.priority)
     return (
         _packed(volume or usual_volume(body)),
         np.array(body.layout.proximal_points()),
@@ -73,7 +74,7 @@ def _nothing(others: int) -> tuple[Any, ...]:
     """The tuple ``clearance`` where nothing is asked to be clear of anything."""
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
-    above = np.empty((0, others), np.bool_)
+    above = np.empty((0, others), np.int64)
     wanted, ways = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3))
     return _packed(volume), np.empty(0, np.int64), wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways
 
