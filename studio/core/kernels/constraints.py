@@ -55,6 +55,8 @@ LESS = 0.25
 """Part of its damping that every step of a level leaves the next: ways that hardly bring anything go free last. Not of
 one with a balance, for which that would be to sink to the ground, or to fling about limbs.
 """
+WITHIN = 0.1
+"""Metres of error at which half of that is left: far out of reach damping stays what it is."""
 LITTLE, MUCH = 0.15, 0.35
 """Part of what was missed that the last step gained, up to which no late step follows, and from which a whole one."""
 NEARLY, FAR_OFF = 0.004, 0.012
@@ -361,7 +363,8 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
         and (mending or (left < (SURE if count == own + 1 else SURER) and past[4] == count))
     )
     if not (again and is_kept(own, ask, work[1]) and step_again(own, count, ask, chain, work[1]) < NEAR):
-        slope = find_step(own, count, damping, ask, chain, work[1], pose[0])
+        eased = damping ** (1.0 / (1.0 + (missed / WITHIN) ** 2))
+        slope = find_step(own, count, eased, ask, chain, work[1], pose[0])
         if whole:
             slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
         promised = slope / (2.0 * math.sqrt(squared) + 1e-9)
