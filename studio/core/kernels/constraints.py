@@ -348,11 +348,13 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
             worst = max(worst, error)
         else:
             missed, squared = max(missed, error), squared + error * error
-    near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0 - missed / max(past[0], 1e-9)
+    near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0  # what was met is missed by what is held alone
+    if past[0] >= MET:
+        gained -= missed / past[0]
     near = min(near, 1.0) * min(max(gained / NOUGHT, 0.0), 1.0)
     ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
     left = missed * missed / max(past[0], 1e-9)
-    past[3] = 1.0 if left < SURE else 0.0
+    past[3] = 1.0 if left < SURE and worst < KEPT else 0.0
     past[0] = missed
     if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
         return 0.0
@@ -370,7 +372,7 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
         promised = slope / (2.0 * math.sqrt(squared) + 1e-9)
         worth = 1.0 if mending else min(max(promised / HARDLY - 1.0, 0.0), 1.0)
         part = worth * part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
-        past[3] = max(past[3], 1.0 if worth == 0.0 else 0.0)
+        past[3] = max(past[3], 1.0 if worth == 0.0 and worst < KEPT else 0.0)
         past[1], past[2], past[4] = own, 0.0, count
     moved = go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
     past[2] += moved
