@@ -126,14 +126,20 @@ def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
 
 @kernel
 def note_limits(asked, slots, body, start):
-    """What the unsolved pose has of every limb that a constraint is about, or a search turns."""
+    """What the unsolved pose has of every limb that a constraint is about, or a search turns; of wrists and ankles only
+    where hand or foot are named.
+    """
     limits = body[4]
     for limb in range(limits.shape[0]):
-        found = slots[limb_indices(limb, start[0].shape[0] - 23)[1]] >= 0
+        upper = limb_indices(limb, start[0].shape[0] - 23)[1]
+        found, tip = slots[upper] >= 0, limb >= 2
         for c in range(asked.shape[0]):
-            found = found or (asked[c].wanted == 1 and (asked[c].ends[0, 2] == limb or asked[c].ends[1, 2] == limb))
+            for end in range(2):
+                if asked[c].ends[end, 2] == limb:
+                    found = found or asked[c].wanted == 1
+                    tip = tip or asked[c].ends[end, 1] >= upper + 2
         if found:
-            note_own(limb, limits, start)
+            note_own(limb, 2 if tip else 1, limits, start)
             limits[limb].lets_go = free_part(limb - 2, body) if limb >= 2 else 1.0
 
 

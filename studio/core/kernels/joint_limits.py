@@ -156,11 +156,11 @@ def bend_of(upper, lower):
 
 
 @kernel
-def note_own(limb, limits, pose):
-    """Note what the unsolved ``pose`` has of one limb."""
+def note_own(limb, joints, limits, pose):
+    """Note what the unsolved ``pose`` has of one limb: of its root, and if ``joints`` is 2 of wrist or ankle."""
     row, rotations = limits[limb], pose[1]
     carrier, upper, _ = limb_parts(limb, rotations.shape[0] - 18)
-    for joint in range(2):
+    for joint in range(joints):
         parent = rotations[carrier if joint == 0 else upper + 1]
         x, y, twist = swing_of(row, joint, parent, rotations[upper + 2 * joint])
         row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_twists[joint] = x, y, twist
