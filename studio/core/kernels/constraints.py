@@ -45,7 +45,7 @@ from studio.core.kernels.stance import free_part
 from studio.core.kernels.stiffness import free_stiff, stiffen
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
-TRIES, LATE = 4, 4
+TRIES, LATE = 4, 5
 """Steps that a level takes, and those that it may add where it is nearly there or still gains: a body far out of reach
 would take many more to come to rest, for little.
 """
@@ -87,7 +87,7 @@ KEPT = 1e-4
 """Metres or radians by which a level may change what those above it miss."""
 GAINS = 0.7
 """Part of the least disturbance so far that a mend may leave; where two leave more, no other follows."""
-SURE, SURER = 5e-5, 1e-5
+SURE, SURER = 4e-5, 1e-5
 """Metres that a step is to leave, as the one before it gained, for no other to be looked at, and for it to be found by
 what was eliminated for the one before where several rows ask.
 """
