@@ -111,13 +111,14 @@ def find_carrying(
     rotations: FloatArray,
 ) -> Carrying | None:
     """Who carries a retargeted motion, ``positions`` (F, P, 3), and how its root follows; None on feet alone."""
+    carrying = [each for each in contacts if not each.point.is_foot and each.first < motion.frame_count]
+    if not carrying:
+        return None
     spans = {
-        point: [(each.first, min(each.last, motion.frame_count - 1)) for each in contacts if each.point is point]
+        point: sorted((each.first, min(each.last, motion.frame_count - 1)) for each in carrying if each.point is point)
         for point in BODY_POINTS
     }
-    bearers = [point for point in BODY_POINTS if any(first < motion.frame_count for first, _ in spans[point])]
-    if not bearers:
-        return None
+    bearers = [point for point in BODY_POINTS if spans[point]]
     standing = {point: contact_mask(spans[point], motion.frame_count) for point in bearers}
     shares = _shares(standing, foot_states(contacts, motion.frame_count), motion.frame_rate)
     pose, upright = (positions, rotations), positions
@@ -127,9 +128,7 @@ def find_carrying(
         leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
-    holds = tuple(
-        _hold(point, sorted(spans[point]), body, ground, track_of(point, body, positions)) for point in bearers
-    )
+    holds = tuple(_hold(point, spans[point], body, ground, track_of(point, body, positions)) for point in bearers)
     shift = np.zeros((motion.frame_count, 3))
     for hold, share in zip(holds, shares[1:], strict=True):
         away = np.where(hold.standing[:, None], hold.places - track_of(hold.point, body, positions), 0.0)

@@ -62,11 +62,13 @@ class Footing:
 
 def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.int64]:
     """(2, F) of bits: 1 where the heel stands, 2 where the toe does."""
-    stands = np.zeros((2, 2, frame_count), dtype=bool)
+    toes, heels = np.zeros((2, 2, frame_count), dtype=np.int64)
     for contact in contacts:
-        if contact.point.is_foot:
-            stands[1 - contact.point.is_heel, contact.point.side, contact.first : contact.last + 1] = True
-    return np.asarray(kernel.HEEL * stands[0] + kernel.TOE * stands[1])
+        point = contact.point
+        if point.is_foot:
+            bit, bits = (kernel.HEEL, heels) if point.is_heel else (kernel.TOE, toes)
+            bits[point.side, contact.first : contact.last + 1] = bit
+    return np.asarray(toes | heels)
 
 
 def find_footing(
@@ -86,7 +88,7 @@ def find_footing(
     carry, ``carried`` (F,); ``drops`` take that off.
     """
     states = foot_states(contacts, motion.frame_count)
-    free = np.array([freedom(foot != 0, motion.frame_rate) for foot in states])
+    free = np.array([freedom(planted, motion.frame_rate) for planted in states != 0])
     pose = (positions, rotations) if upright is None else upright
     count = motion.frame_count
     ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
@@ -94,9 +96,11 @@ def find_footing(
     for side, plan in enumerate(plans):
         _plan_foot(side, morphology, states[side], ground, motion.frame_rate, *pose, plan)
     if ground.is_level:
-        comforts = leg_comforts(motion, states, free)
-        drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
-        return Footing(states, free, comforts, ankles, feet, toes, smooth_drops(drops, motion.frame_rate))
+        comforts, drops = leg_comforts(motion, states, free), np.zeros(count)
+        if states.any():
+            drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
+            drops = smooth_drops(drops, motion.frame_rate)
+        return Footing(states, free, comforts, ankles, feet, toes, drops)
     draped = [
         _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, *pose)
         for side, plan in enumerate(plans)
@@ -158,8 +162,6 @@ def _drops(
     states: NDArray[np.int64],
 ) -> FloatArray:
     """(F,) metres by which the root must come down for standing legs to reach; ``ankles`` from the root."""
-    if not states.any():
-        return np.zeros(motion.frame_count)
     drops = np.empty(motion.frame_count)
     hip_heights(motion.channels, morphology.rows, rotations, ankles, comforts, states, drops)
     return drops
@@ -233,8 +235,8 @@ def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64], free: Floa
     """(2, F) part of its length to which each leg stretches freely: standing, as far as the motion's own leg does."""
     if not states.any():
         return np.full(states.shape, SWINGING_REACH)
-    own = 1.0 - motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T
-    standing = np.minimum(np.maximum(own, STANDING_REACH), 1.0 - 1e-9)
+    own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
+    standing = own.clip(STANDING_REACH, 1.0 - 1e-9)
     return standing + free * (SWINGING_REACH - standing)
 
 
