@@ -74,11 +74,11 @@ HINGED, UPRIGHT = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
 
 def limits_of(body: Morphology) -> NDArray[np.void]:
     """(4,) records of ``kernels.joint_limits``, a row a limb, to be written in."""
-    return _limits_of(body).view(np.uint8).copy().view(LIMITED)  # whole: records are copied field by field
+    return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMITED)  # whole: NumPy copies records field by field
 
 
 @lru_cache(maxsize=64)
-def _limits_of(body: Morphology) -> NDArray[np.void]:
+def _limits_of(body: Morphology) -> bytes:
     limits = np.zeros(4, dtype=LIMITED)
     for limb, row in enumerate(limits):
         side, is_arm = limb % 2, limb < 2
@@ -89,7 +89,7 @@ def _limits_of(body: Morphology) -> NDArray[np.void]:
             row["axes"][0] = frame_along(normalized(body.clavicle_rest[side]), FORWARD).T @ row["axes"][0]
         bends, slant, turn = (ELBOW, CARRYING, FOREARM) if is_arm else (KNEE, KNOCK, SHANK)
         row["bends"], row["aslant"], row["turns"] = np.radians(bends), np.radians(slant), _range(turn, side)
-    return limits
+    return limits.tobytes()
 
 
 def _write(row: np.void, joint: int, ball: BallLimit, side: int, carrier: FloatArray, own: FloatArray) -> None:

@@ -125,7 +125,7 @@ class Morphology:
         """Itself, as an animated one has its first frame's."""
         return self
 
-    @property
+    @cached_property
     def rows(self) -> FloatArray:
         """(1, 57 + 3 K) ``packed`` as a clip of measures that never change."""
         return self.packed[None]
@@ -145,7 +145,12 @@ class Morphology:
         return isinstance(other, Morphology) and np.array_equal(self.packed, other.packed)
 
     def __hash__(self) -> int:
-        return hash(self.packed.tobytes())
+        return hash(self._bytes)
+
+    @cached_property
+    def _bytes(self) -> bytes:
+        """What is hashed: not the hash, which differs from process to process."""
+        return self.packed.tobytes()
 
 
 @dataclass(frozen=True, eq=False)

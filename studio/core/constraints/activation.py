@@ -56,10 +56,12 @@ class ActivationCurve:
     def at(self, times: ArrayLike) -> NDArray[np.float64]:
         """Activation in [0, 1] at ``times`` (seconds), same shape."""
         t = np.asarray(times, dtype=np.float64)
-        if self.full <= t.min(initial=self.full) and t.max(initial=self.full_end) <= self.full_end:
-            return np.ones(t.shape)
         rise, fall = _progress(t, self.start, self.full), _progress(-t, -self.end, -self.full_end)
         return ease(np.minimum(rise, fall), self.shape)
+
+    def is_whole(self, first: float, last: float) -> bool:
+        """Whether it is 1 from ``first`` to ``last`` (seconds)."""
+        return self.full <= first and last <= self.full_end
 
     def moved(self, seconds: float) -> "ActivationCurve":
         """The same curve ``seconds`` later."""

@@ -1,6 +1,7 @@
 """The morphology-independent motion: numbers without any body's measures."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,11 @@ class NormalizedMotion:
     @property
     def frame_count(self) -> int:
         return len(self.channels)
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """(F,) seconds."""
+        return unwritten(np.arange(self.frame_count) / self.frame_rate)
 
     @property
     def duration(self) -> float:

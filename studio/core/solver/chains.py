@@ -1,7 +1,7 @@
 """How far each joint may help a constraint: its chain in the words of the solver."""
 
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,13 +35,21 @@ _USUAL = {
 class FreeJoints:
     """The joints that any of some chains frees, as ``kernels.joints`` takes them: ``mobilities`` (C + L, N) what each
     chain makes of them and each level any down to it, ``joints`` (N, 5), ``slots`` (S + 1,), ``limits`` (N,) the
-    tan of half the angle that each may turn in all.
+    tan of half the angle that each may turn in all. ``recruited`` (n,) of them are shoulders and hips, of ``limbs``
+    (n,).
     """
 
     mobilities: FloatArray
     joints: NDArray[np.int64]
     slots: NDArray[np.int64]
     limits: FloatArray
+    recruited: NDArray[np.int64]
+    limbs: NDArray[np.int64]
+
+    @cached_property
+    def usual(self) -> FloatArray:
+        """(C + L + 1, n) mobilities and, last, limits of those that are recruited, however free they are."""
+        return np.ascontiguousarray(np.vstack([self.mobilities, np.nan_to_num(self.limits)])[:, self.recruited])
 
     @property
     def arrays(self) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64], FloatArray]:
@@ -93,11 +101,14 @@ def free_joints(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyL
     levels = [weights[down_to].max(axis=0) for down_to in of_level]
     slots = np.full(layout.segment_count + 1, -1)
     slots[segments[free]] = np.arange(free.sum())
+    of_limbs = np.arange(4) + len(segments) - 5
     return FreeJoints(
         np.ascontiguousarray(np.reshape([*weights, *levels], (-1, len(segments)))[:, free]),
         joint_table(segments[free], k),
         slots,
         np.tan(0.5 * np.array(limits))[free],
+        np.flatnonzero(np.isin(np.flatnonzero(free), of_limbs)),
+        np.flatnonzero(free[of_limbs]),
     )
 
 

@@ -68,14 +68,16 @@ def reach_of(levels: int) -> float:
 class Solve:
     """What ``kernels.adapt.solve_frames`` notes of a stretch of F frames, and is given to pose some of them anew.
 
-    ``joints`` (N, 5) of the search, ``limbs`` (4,) that constraints are about, ``states`` (F, N, 3) of the search, and
-    as in ``kernels.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
+    ``joints`` (N, 5) of the search, ``limbs`` (4,) that constraints are about, ``carriers`` of every segment that
+    counts as source (legs only where constraints are about them), ``states`` (F, N, 3) of the search, and as in
+    ``kernels.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
     """
 
     layout: BodyLayout
     rate: float
     joints: IntArray
     limbs: IntArray
+    carriers: IntArray
     states: FloatArray
     source: FloatArray
     sharp: FloatArray
@@ -85,9 +87,9 @@ class Solve:
     def of(layout: BodyLayout, rate: float, frames: int, joints: IntArray, limbs: IntArray, held: int) -> "Solve":
         """``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are contacts'."""
         named = set(limbs.ravel().tolist())
-        wished = np.array([limb in named for limb in range(4)], dtype=np.int64)
-        states = np.zeros((frames, len(joints), 3))
-        return Solve(layout, rate, joints, wished, states, np.array([QUIET]), np.zeros((frames, 3)), held)
+        wished = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
+        carriers, states = _carriers(layout, 2 in named or 3 in named), np.empty((frames, len(joints), 3))
+        return Solve(layout, rate, joints, wished, carriers, states, np.array([QUIET]), np.zeros((frames, 3)), held)
 
     def easing(
         self, frames: IntArray, turns: FloatArray, level: int, meets: bool, misses: FloatArray, kept: Pose
@@ -100,11 +102,6 @@ class Solve:
     def noting(self) -> EasingArrays:
         """For a first run over all frames."""
         return self.easing(np.arange(len(self.states)), _NO_TURNS, 0, False, _NO_MISSES, _NO_POSE)
-
-    @property
-    def carriers(self) -> IntArray:
-        """The carrier of every segment that counts as source: legs only where wishes are about them."""
-        return _carriers(self.layout, bool(self.limbs[2:].any()))
 
     @property
     def jolts(self) -> bool:

@@ -75,17 +75,11 @@ def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
     return BodyPoint(_part(point, "forearm" if point.member == "hand" else "thigh"), at_end=True)
 
 
-def place_above(rows: Rows, held: Sequence[Held], window: slice) -> None:
-    """Put the first of packed constraints, those of ``held``, alone on the highest level, with a wish a frame.
+def place_held(rows: Rows, held: Sequence[Held], window: slice) -> None:
+    """Give the first of packed constraints, those of ``held``, their wish a frame.
 
     ``window`` are the frames of the answer.
     """
-    ranks, count = rows.asked["rank"], len(held)
-    levels = np.unique(ranks[count:])
-    rows.asked["rank"] = np.concatenate([np.zeros(count, ranks.dtype), 1 + np.searchsorted(levels, ranks[count:])])
-    frames = len(held[0].places[window])
-    rows.places = np.broadcast_to(rows.places, (len(ranks), frames, 3)).copy()
-    rows.turns = np.broadcast_to(rows.turns, (len(ranks), frames, 3, 3)).copy()
     for row, each in enumerate(held):
         rows.places[row], rows.turns[row] = each.places[window], each.turns[window]
 

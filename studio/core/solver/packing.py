@@ -26,7 +26,6 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.constraints.target import is_moving
 from studio.core.kernels import goals
 from studio.core.kernels.asked import ASKED
 from studio.core.rotations import to_matrix
@@ -39,35 +38,43 @@ LEAST_WEIGHT = 0.1
 """Part of the heaviest weight of a level that every constraint counts at least: a lighter one would be left off sooner
 than within 0.2 mm, for a search ends when its weighted errors are small.
 """
-_PARTS = tuple(BodyPart)
+_PLACES = {part: place for place, part in enumerate(BodyPart)}
+_BLANK = np.zeros(1, dtype=ASKED)
+"""What is asked where nothing is."""
+_BLANK["ends"], _BLANK["axes"] = -1, 2
+_NO_PLACE, _NO_TURN, _NO_DISTANCE = np.full((1, 3), np.nan), np.zeros((1, 3, 3)), np.zeros(1)
 
 
 @dataclass(eq=False)
 class Rows:
     """The arrays of C constraints while they are being written; ``kernels.asked`` says what each record holds.
 
-    ``places`` (C, F or 1, 3), ``turns`` (C, F or 1, 3, 3) and ``distances`` (C, F or 1) are where things are to be.
+    ``ranks`` (C,) are their levels, 0 the highest; ``places`` C of (F or 1, 3), ``turns`` of (F or 1, 3, 3) and
+    ``distances`` of (F or 1,) where things are to be.
     """
 
     layout: BodyLayout
     targets: Targets
+    ranks: tuple[int, ...]
     asked: NDArray[np.void]
     areas: FloatArray
-    places: FloatArray
-    turns: FloatArray
-    distances: FloatArray
+    places: list[FloatArray]
+    turns: list[FloatArray]
+    distances: list[FloatArray]
 
     def put_end(self, c: int, end: int, point: BodyPoint, constraint: Constraint) -> None:
         """One end of a constraint: a point of the body and the freedom of its limb."""
         row, limb = self.asked[c], limb_of(point.part)
         row["ends"][end] = *point_indices(point, self.layout), limb
         row["offsets"][end] = point.offset
-        helped, parts, freedom = _means_of(point.part, constraint.chain)
+        helped, stiff, parts, freedom = _means_of(point.part, constraint.chain)
         row["freedoms"][end] = freedom, constraint.chain.end_segment
         if limb >= 0:
-            row["helped"] |= helped
             row["parts"][end] = parts
-            row["stiff"] |= freedom > 0.0 and min(parts) < 1.0
+        if helped:
+            row["helped"] = 1
+        if stiff:
+            row["stiff"] = 1
 
     def put_followed(self, c: int, target: object) -> bool:
         """What a constraint follows on its own body; False where that is no such thing."""
@@ -81,7 +88,15 @@ class Rows:
     @property
     def wishes(self) -> tuple[FloatArray, ...]:
         """As ``kernels.adapt.solve_frames`` takes them."""
-        return self.places, self.turns, self.distances
+        return _stacked(self.places, 3), _stacked(self.turns, 3, 3), _stacked(self.distances)
+
+
+def _stacked(wishes: Sequence[FloatArray], *shape: int) -> FloatArray:
+    """(C, F or 1, ...) of C wishes (F or 1, ...)."""
+    stacked = np.empty((len(wishes), max(map(len, wishes), default=1), *shape))
+    for c, wish in enumerate(wishes):
+        stacked[c] = wish
+    return stacked
 
 
 def in_order(constraints: Sequence[Constraint]) -> list[int]:
@@ -92,29 +107,26 @@ def in_order(constraints: Sequence[Constraint]) -> list[int]:
 def _rank_among_equals(constraint: Constraint) -> tuple[object, ...]:
     """Hands before elbows, feet before knees."""
     point = constraint.point
-    return -_PARTS.index(point.part), not point.at_end, constraint.kind, point.offset, constraint.name
+    return -_PLACES[point.part], not point.at_end, constraint.kind, point.offset, constraint.name
 
 
-def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets) -> Rows:
-    """``constraints``, given in order of priority, as the kernels take them; a row a frame where anything moves.
+def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets, contacts: int = 0) -> Rows:
+    """``constraints``, given in order of priority, as the kernels take them.
 
-    Raises TypeError for a kind that the solver does not know.
+    The first ``contacts`` of them stand above all others. Raises TypeError for a kind that the solver does not know.
     """
     count = len(constraints)
-    frames = len(targets.times) if any(map(is_moving, constraints)) else 1
     rows = Rows(
         layout,
         targets,
-        asked=np.zeros(count, dtype=ASKED),
+        _ranks(constraints, contacts),
+        asked=np.frombuffer(bytearray(_BLANK.tobytes() * count), dtype=ASKED),  # whole: NumPy copies field by field
         areas=np.zeros((count, 10)),
-        places=np.full((count, frames, 3), np.nan),
-        turns=np.zeros((count, frames, 3, 3)),
-        distances=np.zeros((count, frames)),
+        places=[_NO_PLACE] * count,
+        turns=[_NO_TURN] * count,
+        distances=[_NO_DISTANCE] * count,
     )
-    rows.asked["ends"], rows.asked["axes"] = -1, 2
-    rows.asked["weight"] = [constraint.weight for constraint in constraints]
-    levels = sorted({constraint.priority for constraint in constraints})
-    rows.asked["rank"] = [levels.index(constraint.priority) for constraint in constraints]
+    rows.asked["rank"], rows.asked["weight"] = rows.ranks, _shared_weights(constraints, rows.ranks)
     for c, constraint in enumerate(constraints):
         write = _WRITERS.get(type(constraint))
         if write is None:
@@ -126,6 +138,21 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
     return rows
 
 
+def _ranks(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]:
+    """The level of each, 0 the highest."""
+    priorities = [-1] * contacts + [constraint.priority for constraint in constraints[contacts:]]
+    levels = sorted(set(priorities))
+    return tuple(levels.index(priority) for priority in priorities)
+
+
+def _shared_weights(constraints: Sequence[Constraint], ranks: Sequence[int]) -> list[float]:
+    """Weights as parts of the heaviest of their level, so that one alone is asked as without any weight."""
+    heaviest: dict[int, float] = {}
+    for constraint, rank in zip(constraints, ranks, strict=True):
+        heaviest[rank] = max(heaviest.get(rank, 0.0), constraint.weight)
+    return [max(each.weight / heaviest[rank], LEAST_WEIGHT) for each, rank in zip(constraints, ranks, strict=True)]
+
+
 def _blend_what_takes_limbs(rows: Rows, c: int, chain: Chain) -> None:
     """Blend whatever is asked below a balance of a limb that it turns: that is not in the motion's own pose."""
     recruited = [limb for limb, part in enumerate((*UPPER_ARMS, *THIGHS)) if chain.recruited(part) > 0.0]
@@ -133,22 +160,12 @@ def _blend_what_takes_limbs(rows: Rows, c: int, chain: Chain) -> None:
     rows.asked["blends"] |= below & np.isin(rows.asked["ends"][:, :, 2], recruited).any(axis=1)
 
 
-def share_by_weight(rows: Rows) -> None:
-    """Weights as parts of the heaviest of their level, so that one alone is asked as without any weight."""
-    weights, ranks = rows.asked["weight"].tolist(), rows.asked["rank"].tolist()
-    heaviest: dict[int, float] = {}
-    for rank, weight in zip(ranks, weights, strict=True):
-        heaviest[rank] = max(heaviest.get(rank, 0.0), weight)
-    parts = [weight / heaviest[rank] for rank, weight in zip(ranks, weights, strict=True)]
-    rows.asked["weight"] = [max(part, LEAST_WEIGHT) for part in parts]
-
-
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
     rows.put_end(c, 0, constraint.point, constraint)
     target = constraint.target
     if isinstance(target, FollowBody) and _is_pair(constraint):
         # Nought metres from where the other point comes to be, by moving this one alone.
-        rows.asked["kind"][c], rows.distances[c], rows.asked["shares"][c, 0] = goals.DISTANCE, 0.0, 1.0
+        rows.asked["kind"][c], rows.asked["shares"][c, 0] = goals.DISTANCE, 1.0
         rows.put_end(c, 1, target.point, constraint)
         rows.asked["freedoms"][c, 1] = 0.0
         return
@@ -204,7 +221,8 @@ def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
     place = constraint.place
     rows.asked["blends"][c] = not rows.put_followed(c, place)
     if isinstance(place, tuple) and len(place) == 2:
-        rows.places[c, :, :2], rows.places[c, :, 2] = place, rows.targets.masses()[: rows.places.shape[1], 2]
+        rows.places[c] = rows.targets.masses()
+        rows.places[c][:, :2] = place
     elif place is not None and rows.asked["blends"][c]:
         rows.places[c] = rows.targets.places(place)
 
@@ -235,15 +253,18 @@ _WRITERS: dict[type[Constraint], Callable[[Rows, int, Any], None]] = {
 
 
 @lru_cache(maxsize=1024)
-def _means_of(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
-    """Whether a chain helps the limb of a part by what carries it, the weights of its bones, and how free it is."""
+def _means_of(part: BodyPart, chain: Chain) -> tuple[bool, bool, tuple[float, ...], float]:
+    """Whether a chain helps the limb of a part by what carries it, whether some of its bones are stiffer than others,
+    the weights of these, and how free it is.
+    """
     limb = limb_of(part)
     if limb < 0:
-        return False, (), chain.limb
+        return False, False, (), chain.limb
     carriers, bones = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK, limb_bones(part)
     parts = tuple(chain.weight(bone) for bone in bones)
     helped = chain.root > 0.0 or any(chain.weight(carrier) > 0.0 for carrier in carriers)
-    return helped, parts, max(parts[:1] if part == bones[0] else parts)
+    freedom = max(parts[:1] if part == bones[0] else parts)
+    return helped, freedom > 0.0 and min(parts) < 1.0, parts, freedom
 
 
 @lru_cache(maxsize=1024)

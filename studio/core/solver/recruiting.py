@@ -1,6 +1,6 @@
 """Arms and legs that a balance may recruit: which are free, when, and how far they may turn then (METHOD 7)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,30 +8,10 @@ from numpy.typing import NDArray
 from studio.core.contacts import ContactInterval, contact_mask
 from studio.core.ground import Ground
 from studio.core.morphology import AnyMorphology, at_frames, sole_rows
-from studio.core.solver.chains import HIP_LIMIT, FreeJoints
+from studio.core.solver.chains import HIP_LIMIT
 from studio.core.solver.footing import freedom
 
 FloatArray = NDArray[np.float64]
-
-Recruits = tuple[NDArray[np.int64], FloatArray, FloatArray]
-
-
-def find_recruits(joints: FreeJoints, spine_count: int, freedoms: Callable[[], FloatArray]) -> Recruits:
-    """The n of N ``joints`` that are shoulders and hips, as ``kernels.adapt`` takes them.
-
-    (n,) which they are; (C + L + 1, n) their mobilities and, last, their limits; (L, n, F) the part of both that each
-    has at every frame for every level, of the ``freedoms`` (L, 4, F) of all limbs, which are asked for only where there
-    are any.
-    """
-    k = spine_count
-    limb_of = {k + 3: 0, k + 7: 1, k + 10: 2, k + 14: 3}
-    segments = joints.joints[:, 0].tolist()
-    found = np.array([joint for joint, segment in enumerate(segments) if segment in limb_of], dtype=np.int64)
-    if not len(found):
-        return found, np.zeros((0, 0)), np.zeros((0, 0, 1))
-    usual = np.ascontiguousarray(np.vstack([joints.mobilities, np.nan_to_num(joints.limits)])[:, found])
-    limbs = [limb_of[segments[joint]] for joint in found]
-    return found, usual, np.ascontiguousarray(freedoms()[:, limbs])
 
 
 def limb_freedoms(

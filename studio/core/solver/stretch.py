@@ -1,13 +1,13 @@
 """A stretch of a standing motion with its constraints: packed for the kernels, solved, and eased where that jolts."""
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.constraints.balance import Support
+from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody
 from studio.core.constraints.target import follows_of
@@ -23,9 +23,9 @@ from studio.core.solver.chains import carrying_chain, free_joints, segment_masse
 from studio.core.solver.clearance import lowest_first, pack_clearance
 from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
 from studio.core.solver.footing import Footing, leashes
-from studio.core.solver.holding import held_points, place_above, release_hands
-from studio.core.solver.packing import in_order, limb_of, pack, share_by_weight
-from studio.core.solver.recruiting import find_recruits, leg_room, limb_freedoms
+from studio.core.solver.holding import Held, held_points, place_held, release_hands
+from studio.core.solver.packing import in_order, limb_of, pack
+from studio.core.solver.recruiting import leg_room, limb_freedoms
 from studio.core.solver.root_leash import RootLeash
 from studio.core.solver.support import mass_path, standing_points, support_path
 from studio.core.solver.tracks import Targets, Track, Tracks
@@ -44,65 +44,60 @@ class Stretch:
         self, standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks, bound: "Bound"
     ) -> None:
         """``tracks`` over the whole motion; StudioError where something is followed that they do not have."""
-        motion, body = standing.motion, standing.morphology
+        body, footing = standing.morphology, standing.footing
         self.standing, self.window, self._asked = standing, window, (constraints, tracks, bound)
-        self._positions, self._rotations = standing.positions[window].copy(), standing.rotations[window].copy()
-        held = (
-            held_points(standing.holds, standing.footing, body, standing.positions, standing.rotations)
-            if bound.by_contacts
-            else []
-        )
-        self._clear = lowest_first(constraints)
-        self._order = [c for c in in_order(constraints) if c not in self._clear]
-        everything = [*(each.constraint for each in held), *(constraints[c] for c in self._order)]
-        everywhere = constraint_activations(constraints, standing.contacts, motion)
-        given = everywhere[:, window]
-        activations, self._held = given[self._order], len(held)
-        known = _known_tracks(standing, constraints, window, tracks)
-        times = np.arange(motion.frame_count)[window] / motion.frame_rate
-
-        def masses() -> FloatArray:  # a method would keep all arrays until somebody looks for rings
-            return mass_path(standing.positions[window], body.still)
-
-        self._rows = pack(everything, body.layout, Targets(times, known, masses))
-        if held:
-            place_above(self._rows, held, window)
-            stands = np.array([each.standing[window] for each in held])
-            activations = np.concatenate([stands & (given > 0.0).any(axis=0), activations])
-        share_by_weight(self._rows)
-        ranks, ends = self._rows.asked["rank"], self._rows.asked["ends"][:, :, 2]
-        self._levels = int(ranks.max(initial=-1)) + 1
-        joints = free_joints(tuple(map(carrying_chain, everything)), tuple(ranks.tolist()), body.layout)
-        joints = joints if bound.by_limits else joints.without_limits
-        recruits = find_recruits(
-            joints, body.layout.spine_count,
-            lambda: _freedoms(standing, window, ends[len(held) :], ranks[len(held) :], everywhere[self._order], bound),
-        )  # fmt: skip
-        self._clearance = pack_clearance(
-            [constraints[c] for c in self._clear], everything, len(held), given[self._clear],
-            motion, window, standing.actor, standing.volume, body.still,
-        )  # fmt: skip
-        self._activations = np.ascontiguousarray(activations, dtype=np.float64)
         self._unsolved = standing.positions[window], standing.rotations[window]
-        if self._clear:
-            self._unsolved = self._positions.copy(), self._rotations.copy()
-        leash = np.full((2, len(times)), np.inf)
+        self._positions, self._rotations = self._unsolved[0].copy(), self._unsolved[1].copy()
+        held: list[Held] = []
         if bound.by_contacts:
-            leash = np.ascontiguousarray(leashes(standing.footing)[:, window])
+            held = held_points(standing.holds, footing, body, standing.positions, standing.rotations)
+        self._held, self._clear = len(held), lowest_first(constraints)
+        self._order = [c for c in in_order(constraints) if c not in self._clear]
+        asked, cleared = [constraints[c] for c in self._order], [constraints[c] for c in self._clear]
+        everything = [*(each.constraint for each in held), *asked]
+        self._rows = pack(everything, body.layout, _targets(standing, constraints, window, tracks), self._held)
+        activations = constraint_activations([*asked, *cleared], standing.contacts, standing.motion)
+        acts = activations[: len(asked), window]
+        if held:
+            place_held(self._rows, held, window)
+            stands = np.array([each.standing[window] for each in held])
+            acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
+        self._activations = np.ascontiguousarray(acts)
+        self._levels = max(self._rows.ranks, default=-1) + 1
+        joints = free_joints(tuple(map(carrying_chain, everything)), self._rows.ranks, body.layout)
+        joints = joints if bound.by_limits else joints.without_limits
+        recruits = joints.recruited, joints.usual, self._freedoms(joints.limbs, activations[: len(asked)])
+        self._clearance = pack_clearance(
+            cleared, everything, self._held, activations[len(asked) :, window],
+            standing.motion, window, standing.actor, standing.volume, body.still,
+        )  # fmt: skip
+        if cleared:
+            self._unsolved = self._positions.copy(), self._rotations.copy()
+        leash = leashes(footing)[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
+        leash, legs = np.ascontiguousarray(leash), legs_of(footing, window)
         self._limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
-        self._joints = joints.joints
-        legs = legs_of(standing.footing, window)
-        measures = at_frames(body.rows, window)
+        self._joints, measures = joints.joints, at_frames(body.rows, window)
         self._stance = measures, body.layout, legs[1], leash
         self._given = (
             (self._rows.asked, self._rows.areas, joints.arrays, recruits, self._rows.wishes),
             (
-                leash, (motion.channels[window], *legs),
+                leash, (standing.motion.channels[window], *legs),
                 (measures, segment_masses(body.layout), self._limits),
                 self._clearance, *self._unsolved,
             ),
         )  # fmt: skip
-        self._misses = np.full((len(everything), len(times)), np.nan)
+        self._misses = np.empty(self._activations.shape)
+
+    def _freedoms(self, limbs: NDArray[np.int64], activations: FloatArray) -> FloatArray:
+        """(L, n, F) how far n ``limbs`` are a balance's of a level to turn, of what acts (C, all)."""
+        if not len(limbs):
+            return np.zeros((0, 0, 1))
+        standing, wishes, bound = self.standing, self._rows.asked[self._held :], self._asked[2]
+        contacts, named = standing.contacts if bound.by_contacts else (), wishes["ends"][:, :, 2]
+        free = limb_freedoms(named, wishes["rank"], activations, contacts, standing.motion.frame_rate)
+        free = free[:, :, self.window]
+        free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, self.window)
+        return np.ascontiguousarray(free[:, limbs])
 
     def solve(self) -> bool:
         """Solve every frame from its own pose; whether anything jolts."""
@@ -119,12 +114,16 @@ class Stretch:
         self._pose(level, easing)
 
     def _pose(self, level: int, easing: EasingArrays) -> None:
-        acts, (asked, areas, (mobilities, *joints), (turned, usual, free), wishes) = self._activations, self._given[0]
+        acts, (asked, areas, (mobilities, *joints), (recruited, usual, free), wishes) = (
+            self._activations,
+            self._given[0],
+        )
         if level < self._levels - 1:
             acts = np.where(asked["rank"][:, None] <= level, acts, 0.0)
-        rows = len(asked) + level + 1  # what only levels below may move stays where it is
-        recruits = turned, np.concatenate([usual[:rows], usual[-1:]]), free
-        given = asked, areas, (mobilities[:rows], *joints), recruits, wishes, acts, *self._given[1]
+            rows = len(asked) + level + 1  # what only levels below may move stays where it is
+            mobilities, usual = mobilities[:rows], np.concatenate([usual[:rows], usual[-1:]])
+        recruits = recruited, usual, free
+        given = asked, areas, (mobilities, *joints), recruits, wishes, acts, *self._given[1]
         solve_frames(*given, easing, self._misses, self._positions, self._rotations)
 
     def _solve_of(self, level: int) -> Solve:
@@ -203,7 +202,7 @@ class Stretch:
                 standing.arms, standing.holds, standing.morphology, channels, rate, self.window, self._positions,
                 self._rotations,
             )  # fmt: skip
-        residuals = np.full((len(self._order) + len(self._clear), len(self._positions)), np.nan)
+        residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order] = self._misses[self._held :]
         if self._clear:
             residuals[self._clear] = self._clearance[7]
@@ -211,43 +210,24 @@ class Stretch:
         return self._positions[rows], self._rotations[rows], residuals[:, rows]
 
 
-def _known_tracks(
-    standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks
-) -> dict[Follow | Support, Track]:
-    """What is followed and known before anything is solved, in the frames of ``window``."""
+def _targets(standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
+    """What gives the constraints' targets their numbers: all that is known before anything is solved."""
+    motion, body = standing.motion, standing.morphology.still
     known: dict[Follow | Support, Track] = {}
     for constraint in constraints:
         for follow in follows_of(constraint):
-            if follow in tracks:
-                known[follow] = tracks[follow].within(window)
+            track = tracks.get(follow)
+            if track is not None:
+                known[follow] = track.within(window)
             elif not isinstance(follow, FollowBody):
                 raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
-        place = getattr(constraint, "place", None)
-        if isinstance(place, Support):
+        if isinstance(constraint, BalanceConstraint) and isinstance(constraint.place, Support):
             path = support_path(
-                standing.positions, standing.rotations,
-                standing_points(standing.contacts, standing.motion.frame_count), standing.morphology.still,
-                standing.motion.frame_rate, place.margin, window,
+                standing.positions, standing.rotations, standing_points(standing.contacts, motion.frame_count), body,
+                motion.frame_rate, constraint.place.margin, window,
             )  # fmt: skip
-            known[place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))
-    return known
-
-
-def _freedoms(
-    standing: "Standing",
-    window: slice,
-    limbs: NDArray[np.int64],
-    ranks: NDArray[np.int64],
-    activations: FloatArray,
-    bound: "Bound",
-) -> FloatArray:
-    """(L, 4, F) how far each limb is a balance's of a level to turn; ``limbs`` (C, 2) of the wishes, ``ranks`` (C,),
-    ``activations`` (C, all).
-    """
-    contacts = standing.contacts if bound.by_contacts else ()
-    free = limb_freedoms(limbs, ranks, activations, contacts, standing.motion.frame_rate)[:, :, window]
-    free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, window)
-    return free
+            known[constraint.place] = Track(path, np.broadcast_to(np.eye(3), (1, 3, 3)))
+    return Targets(motion.times[window], known, partial(mass_path, standing.positions[window], body))
 
 
 def legs_of(footing: Footing, window: slice) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -264,10 +244,11 @@ def constraint_activations(
     constraints: Sequence[Constraint], contacts: Sequence[ContactInterval], motion: NormalizedMotion
 ) -> FloatArray:
     """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
-    times = np.arange(motion.frame_count) / motion.frame_rate
-    activations = np.array([constraint.activation.at(times) for constraint in constraints])
+    activations = np.ones((len(constraints), motion.frame_count))
     standing = {contact.point.limb for contact in contacts}
     for row, constraint in zip(activations, constraints, strict=True):
+        if not constraint.activation.is_whole(0.0, motion.duration):
+            row[:] = constraint.activation.at(motion.times)
         limb = limb_of(constraint.point.part)
         if limb >= 0 and limb in standing:
             row *= limb_freedom(contacts, limb, motion.frame_count, motion.frame_rate)
