@@ -2,8 +2,10 @@
 
 import math
 
-from studio.core.kernels.compiling import kernel
-from studio.core.kernels.joints import ROOT, pivot_point
+import numpy as np
+
+from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.joints import ROOT
 
 LEAST_BEND = 0.3
 """Part of a leg's length by which its knee is taken to lie off its line besides: straight, it would shoot forward."""
@@ -17,20 +19,31 @@ def centre_of_mass(masses, positions, out_sums, out_point):
 
     ``out_sums`` (S + 1, 4) becomes moment and share of all segments before each: those of a range are a difference.
     """
-    spine_count = positions.shape[0] - 23
-    x = y = z = whole = 0.0
+    count = masses.shape[0]
     out_sums[0, 0] = out_sums[0, 1] = out_sums[0, 2] = out_sums[0, 3] = 0.0
-    for segment in range(masses.shape[0]):
-        point = pivot_point(segment, spine_count)
-        far = masses[segment, 0] * masses[segment, 1]
-        near = masses[segment, 0] - far
-        x += near * positions[point, 0] + far * positions[point + 1, 0]
-        y += near * positions[point, 1] + far * positions[point + 1, 1]
-        z += near * positions[point, 2] + far * positions[point + 1, 2]
-        whole += masses[segment, 0]
-        out_sums[segment + 1, 0], out_sums[segment + 1, 1] = x, y
-        out_sums[segment + 1, 2], out_sums[segment + 1, 3] = z, whole
-    out_point[0], out_point[1], out_point[2] = x, y, z
+    add_masses(0, count - 16, 0, masses, positions, out_sums)
+    for limb in range(4):
+        first = count - 16 + 4 * limb
+        add_masses(first, first + 4, first + 1 + limb, masses, positions, out_sums)
+    out_point[0], out_point[1], out_point[2] = out_sums[count, 0], out_sums[count, 1], out_sums[count, 2]
+
+
+@small_kernel
+def add_masses(first, past, point, masses, positions, out_sums):
+    """Add moments and shares of a row of segments, the first of which begins at ``point``, to ``out_sums``."""
+    x, y, z, whole = out_sums[first, 0], out_sums[first, 1], out_sums[first, 2], out_sums[first, 3]
+    for place in range(past - first):
+        segment = np.uint64(first + place)
+        near, far = positions[np.uint64(point + place)], positions[np.uint64(point + place + 1)]
+        mass = masses[segment]
+        farther = mass[0] * mass[1]
+        nearer = mass[0] - farther
+        x += nearer * near[0] + farther * far[0]
+        y += nearer * near[1] + farther * far[1]
+        z += nearer * near[2] + farther * far[2]
+        whole += mass[0]
+        sums = out_sums[np.uint64(first + place + 1)]
+        sums[0], sums[1], sums[2], sums[3] = x, y, z, whole
 
 
 @kernel
@@ -120,18 +133,24 @@ def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
     moment = (mx * x + my * y + mz * z) / length
     across = -moment * min(length / span, 1.0)
     along = -moment * (1.0 - min(max(span - reach, 0.0) / MEETING, 1.0)) - across
-    for axis in range(axes):
-        ex, ey, ez = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
-        part = along * (ex * x + ey * y + ez * z)
-        vx, vy, vz = across * ex + part * x, across * ey + part * y, across * ez + part * z
-        tx, ty, tz = my * ez - mz * ey, mz * ex - mx * ez, mx * ey - my * ex
-        for joint in range(joints.shape[0]):
-            row = rows[axis, joint]
-            if joints[joint, 0] == ROOT:
-                row[0], row[1], row[2] = row[0] + vx, row[1] + vy, row[2] + vz
-            elif joints[joint, 2] <= upper < joints[joint, 3]:
-                origin = positions[joints[joint, 1]]
-                ox, oy, oz = shoulder[0] - origin[0], shoulder[1] - origin[1], shoulder[2] - origin[2]
-                row[0] += oy * vz - oz * vy - tx
-                row[1] += oz * vx - ox * vz - ty
-                row[2] += ox * vy - oy * vx - tz
+    xx, xy, xz = across + along * x * x, along * x * y, along * x * z
+    yy, yz, zz = across + along * y * y, along * y * z, across + along * z * z
+    for joint in range(joints.shape[0]):
+        if joints[joint, 0] == ROOT:
+            add_to(rows[0, joint], xx, xy, xz)
+            add_to(rows[1, joint], xy, yy, yz)
+            if axes > 2:
+                add_to(rows[2, joint], xz, yz, zz)
+        elif joints[joint, 2] <= upper < joints[joint, 3]:
+            origin = positions[joints[joint, 1]]
+            ox, oy, oz = shoulder[0] - origin[0], shoulder[1] - origin[1], shoulder[2] - origin[2]
+            add_to(rows[0, joint], oy * xz - oz * xy, oz * xx - ox * xz - mz, ox * xy - oy * xx + my)
+            add_to(rows[1, joint], oy * yz - oz * yy + mz, oz * xy - ox * yz, ox * yy - oy * xy - mx)
+            if axes > 2:
+                add_to(rows[2, joint], oy * zz - oz * yz - my, oz * xz - ox * zz + mx, ox * yz - oy * xz)
+
+
+@small_kernel
+def add_to(row, x, y, z):
+    """Add to the levers (3,) of one joint."""
+    row[0], row[1], row[2] = row[0] + x, row[1] + y, row[2] + z

@@ -6,8 +6,8 @@ segment -1 is the root's translation. ``slots`` (S + 1,) is the joint of each se
 
 The state of a search is ``turned`` (N, 3): for each joint the Gibbs vector (axis times tan(angle / 2)) of its turn away
 from the motion, in the axes of the segment that carries it; for the root metres. ``brakes`` (N, 4) is the world axis
-of each joint's turn and the part of its mobility that is left about it: 1 until ``FREE_PART`` of the limit, 0 at it, so
-that a limit is neared ever more slowly and nothing stops at once.
+of each joint's turn and the root of the part of its mobility that is left about it: 1 until ``FREE_PART`` of the limit,
+0 at it, so that a limit is neared ever more slowly and nothing stops at once.
 """
 
 import math
@@ -16,8 +16,8 @@ import numpy as np
 
 from studio.core.kernels.body import distal_range
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.rotation import add_rotated, multiply
-from studio.core.kernels.vectors import copy_matrix
+from studio.core.kernels.rotation import add_rotated
+from studio.core.kernels.turns import product, put_beside, put_turn, turn_in, turn_of_gibbs
 
 ROOT = -1
 FREE_PART = 0.7
@@ -99,13 +99,13 @@ def set_brakes(turned, joints, limits, carried, out_brakes):
     for k in range(joints.shape[0]):
         out_brakes[k, 3] = 1.0
         x, y, z = turned[k, 0], turned[k, 1], turned[k, 2]
-        size = math.sqrt(x * x + y * y + z * z)
-        if joints[k, 0] == ROOT or size <= FREE_PART * limits[k]:
+        squared, freely = x * x + y * y + z * z, FREE_PART * limits[k]
+        if joints[k, 0] == ROOT or squared <= freely * freely:
             continue
-        turn = carried[joints[k, 4]]
+        turn, size = carried[joints[k, 4]], math.sqrt(squared)
         for axis in range(3):
             out_brakes[k, axis] = (turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z) / size
-        out_brakes[k, 3] = max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0)
+        out_brakes[k, 3] = math.sqrt(max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0))
 
 
 @kernel
@@ -118,65 +118,36 @@ def brake(part, axis, vector):
 
 
 @kernel
-def carry(segment, parent, turned, slots, start, scratch, carried, pose):
-    """Turn one segment by what carries it and by its own joint; ``carried`` (S + 1, 3, 3) the turns of all."""
-    joint = slots[segment]
-    x = y = z = 0.0
+def carry(segment, parent, turned, slots, start, carried, pose):
+    """The turn of one segment, by what carries it and by its own joint; noted in ``carried`` (S + 1, 3, 3)."""
+    joint, turn = slots[segment], turn_in(carried[parent])
     if joint >= 0:
         x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
-    if x == 0.0 and y == 0.0 and z == 0.0:
-        copy_matrix(carried[parent], carried[segment])
-    else:
-        gibbs_matrix(x, y, z, scratch)
-        multiply(carried[parent], scratch, carried[segment])
-    multiply(carried[segment], start[1][segment], pose[1][segment])
+        if x != 0.0 or y != 0.0 or z != 0.0:
+            turn = product(turn, turn_of_gibbs(x, y, z))
+    put_turn(turn, carried[segment])
+    put_turn(product(turn, turn_in(start[1][segment])), pose[1][segment])
+    return turn
 
 
 @kernel
-def gibbs_matrix(x, y, z, out_matrix):
-    """Rotation (3, 3) of a Gibbs vector, axis times tan(angle / 2): no sine, no cosine."""
-    k = 2.0 / (1.0 + x * x + y * y + z * z)
-    out_matrix[0, 0], out_matrix[0, 1], out_matrix[0, 2] = (
-        1.0 - k * (y * y + z * z),
-        k * (x * y - z),
-        k * (x * z + y),
-    )
-    out_matrix[1, 0], out_matrix[1, 1], out_matrix[1, 2] = (
-        k * (x * y + z),
-        1.0 - k * (x * x + z * z),
-        k * (y * z - x),
-    )
-    out_matrix[2, 0], out_matrix[2, 1], out_matrix[2, 2] = (
-        k * (x * z - y),
-        k * (y * z + x),
-        1.0 - k * (x * x + y * y),
-    )
+def carry_point(point, origin, turn, start, positions):
+    """Put ``point`` where a segment that has made a ``turn`` carries it from ``origin``, another point of it."""
+    before, past, here = start[0][origin], start[0][point], positions[origin]
+    x, y, z = past[0] - before[0], past[1] - before[1], past[2] - before[2]
+    put_beside((here[0], here[1], here[2]), turn, x, y, z, positions[point])
 
 
 @kernel
-def carry_point(point, origin, segment, start, carried, positions):
-    """Put ``point`` where ``segment`` carries it from ``origin``, another point of that segment."""
-    first = start[0]
-    add_rotated(
-        positions[origin],
-        carried[segment],
-        first[point, 0] - first[origin, 0],
-        first[point, 1] - first[origin, 1],
-        first[point, 2] - first[origin, 2],
-        positions[point],
-    )
-
-
-@kernel
-def carry_arm(side, turned, slots, start, scratch, carried, pose):
+def carry_arm(side, turned, slots, start, carried, pose):
     """Put an arm back as the motion has it in its clavicle, turned about its shoulder if that is free."""
     spine_count = pose[0].shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    carry(upper, upper - 1, turned, slots, start, scratch, carried, pose)
-    carry_point(shoulder + 1, shoulder, upper, start, carried, pose[0])
+    turn = carry(upper, upper - 1, turned, slots, start, carried, pose)
+    carry_point(shoulder + 1, shoulder, turn, start, pose[0])
     for bone in range(1, 3):
-        multiply(carried[upper], start[1][upper + bone], pose[1][upper + bone])
-        carry_point(shoulder + bone + 1, shoulder, upper, start, carried, pose[0])
+        put_turn(product(turn, turn_in(start[1][upper + bone])), pose[1][upper + bone])
+        carry_point(shoulder + bone + 1, shoulder, turn, start, pose[0])
 
 
 @kernel
@@ -185,7 +156,7 @@ def hang_limb(carrier, upper, root, first, turns, start, pose):
     before = carrier
     for bone in range(3 if carrier > 0 else 4):
         segment, point = upper + bone, root + bone
-        multiply(pose[1][before], turns[first + bone], pose[1][segment])
+        put_turn(product(turn_in(pose[1][before]), turn_in(turns[first + bone])), pose[1][segment])
         x = start[0][point + 1, 0] - start[0][point, 0]
         y = start[0][point + 1, 1] - start[0][point, 1]
         z = start[0][point + 1, 2] - start[0][point, 2]
@@ -202,7 +173,7 @@ def hang_limb(carrier, upper, root, first, turns, start, pose):
 
 
 @kernel
-def carry_trunk(turned, slots, start, scratch, carried, pose):
+def carry_trunk(turned, slots, start, carried, pose):
     """Root, spine, neck, head, clavicles and hips in one pass from root to tips; limbs are put back after.
 
     ``start`` is the motion's own pose, ``pose`` the one being written, both (positions (P, 3), rotations (S, 3, 3)).
@@ -214,11 +185,12 @@ def carry_trunk(turned, slots, start, scratch, carried, pose):
         positions[0, axis] = start[0][0, axis] + (turned[root, axis] if root >= 0 else 0.0)
     for segment in range(spine_count + 2):
         parent = segment - 1 if segment > 0 else spine_count + 18
-        carry(segment, parent, turned, slots, start, scratch, carried, pose)
-        carry_point(segment + 1, segment, segment, start, carried, positions)
+        turn = carry(segment, parent, turned, slots, start, carried, pose)
+        carry_point(segment + 1, segment, turn, start, positions)
+    chest, pelvis = turn_in(carried[spine_count - 1]), turn_in(carried[0])
     for side in range(2):
         collar, clavicle = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
-        carry_point(collar, spine_count, spine_count - 1, start, carried, positions)
-        carry(clavicle, spine_count - 1, turned, slots, start, scratch, carried, pose)
-        carry_point(collar + 1, collar, clavicle, start, carried, positions)
-        carry_point(spine_count + 13 + 5 * side, 0, 0, start, carried, positions)
+        carry_point(collar, spine_count, chest, start, positions)
+        turn = carry(clavicle, spine_count - 1, turned, slots, start, carried, pose)
+        carry_point(collar + 1, collar, turn, start, positions)
+        carry_point(spine_count + 13 + 5 * side, 0, pelvis, start, positions)

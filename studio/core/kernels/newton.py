@@ -53,7 +53,7 @@ def refine_step(count, ask, chain, carried, turned, step, full, positions):
     missed = add_pulls(count, ask, chain, full, positions)
     for k in range(joints.shape[0]):
         if brakes[k, 3] < 1.0:
-            brake_system(k, math.sqrt(brakes[k, 3]), brakes[k], system)
+            brake_system(k, brakes[k, 3], brakes[k], system)
     add_asks(count, ask, chain[0], full)
     draw_back(SPRING * missed, brakes, carried, turned, joints, full)
     slope = press_on_limits(SOFTNESS * missed, brakes, turned, chain, full)
@@ -62,7 +62,7 @@ def refine_step(count, ask, chain, carried, turned, step, full, positions):
         for axis in range(3):
             step[k, axis] = way[3 * k + axis]
         if brakes[k, 3] < 1.0:
-            brake(math.sqrt(brakes[k, 3]), brakes[k], step[k])
+            brake(brakes[k, 3], brakes[k], step[k])
     return along
 
 
@@ -244,7 +244,7 @@ def draw_back(spring, brakes, carried, turned, joints, full):
             x, y, z = turned[k, 0], turned[k, 1], turned[k, 2]
             force[k, axis] = 2.0 * (turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z)
         if brakes[k, 3] < 1.0:
-            brake(math.sqrt(brakes[k, 3]), brakes[k], force[k])
+            brake(brakes[k, 3], brakes[k], force[k])
         for axis in range(3):
             system[3 * k + axis, size] -= spring / own[3 * k] * force[k, axis]
 
@@ -265,9 +265,9 @@ def press_on_limits(softness, brakes, turned, chain, full):
             continue
         x, y, z = system[3 * k, size], system[3 * k + 1, size], system[3 * k + 2, size]
         if brakes[k, 3] < 1.0:
-            ax, ay, az, part = brakes[k, 0], brakes[k, 1], brakes[k, 2], math.sqrt(brakes[k, 3])
+            ax, ay, az, part = brakes[k, 0], brakes[k, 1], brakes[k, 2], brakes[k, 3]
             room = 2.0 * (1.0 - FREE_PART) * limits[k]
-            back = softness * (1.0 - brakes[k, 3]) / (brakes[k, 3] * room)
+            back = softness * (1.0 - part * part) / (part * part * room)
             press = max(ax * x + ay * y + az * z, 0.0) / part * (1.0 - brakes[k, 3])
             for a in range(3):
                 system[3 * k + a, size] -= back * part * brakes[k, a]

@@ -24,7 +24,7 @@ from studio.core.kernels.goals import (
     second_place,
 )
 from studio.core.kernels.joint_limits import is_well_within, keep_root, limb_parts
-from studio.core.kernels.joints import carry_arm, carry_point, carry_trunk, gibbs_matrix, hang_limb
+from studio.core.kernels.joints import carry_arm, carry_point, carry_trunk, hang_limb
 from studio.core.kernels.legs import place_leg, place_leg_points
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG, solve_limb
 from studio.core.kernels.rotation import (
@@ -34,7 +34,7 @@ from studio.core.kernels.rotation import (
     rotation_vector_to_matrix,
 )
 from studio.core.kernels.stiffness import carry_leg
-from studio.core.kernels.turns import product, put_turn, shortest, turn_in
+from studio.core.kernels.turns import product, put_turn, shortest, turn_in, turn_of_gibbs
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 KEPT_TURNS = 6
@@ -50,7 +50,7 @@ AGAIN = 3
 @kernel
 def carry_body(chain, body, work, start, pose):
     """The whole body where the joints' state carries it: trunk in one pass, arms in their clavicles, legs on ankles."""
-    carry_trunk(work[3][0], chain[2], start, work[7][3], work[2], pose)
+    carry_trunk(work[3][0], chain[2], start, work[2], pose)
     for limb in range(4):
         put_back(limb, chain, body, work, start, pose)
 
@@ -58,7 +58,7 @@ def carry_body(chain, body, work, start, pose):
 @kernel
 def put_back(limb, chain, body, work, start, pose):
     """One limb as the unsolved pose has it: arms in their clavicles, legs on their ankles. An idle one in outline."""
-    slots, turned, turn = chain[2], work[3][0], work[7][3]
+    slots, turned = chain[2], work[3][0]
     if work[4][8 + limb]:
         work[4][8 + limb] = OUTLINED
         put_outline(limb, body, work[2], start, pose)
@@ -68,7 +68,7 @@ def put_back(limb, chain, body, work, start, pose):
         hang_limb(carrier, upper, root, KEPT_TURNS + 4 * limb, work[7], start, pose)
         return
     if limb < 2:
-        carry_arm(limb, turned, slots, start, turn, work[2], pose)
+        carry_arm(limb, turned, slots, start, work[2], pose)
         keep_recruited(limb, turned, slots, body[4], pose)
         return
     positions, rotations = pose
@@ -85,8 +85,8 @@ def put_back(limb, chain, body, work, start, pose):
         return
     x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
     if x != 0.0 or y != 0.0 or z != 0.0:
-        gibbs_matrix(x, y, z, turn)
-        turn_part(turn_in(turn), thigh, spine_count, positions[spine_count + 13 + 5 * side], positions, rotations)
+        hip = positions[spine_count + 13 + 5 * side]
+        turn_part(turn_of_gibbs(x, y, z), thigh, spine_count, hip, positions, rotations)
     keep_recruited(limb, turned, slots, body[4], pose)
 
 
@@ -95,9 +95,9 @@ def put_outline(limb, body, carried, start, pose):
     """The points alone of a limb that nothing but the centre of mass is asked of."""
     spine_count = pose[0].shape[0] - 23
     if limb < 2:
-        shoulder = spine_count + 4 + 5 * limb
+        shoulder, turn = spine_count + 4 + 5 * limb, turn_in(carried[spine_count + 2 + 4 * limb])
         for bone in range(1, 4):
-            carry_point(shoulder + bone, shoulder, spine_count + 2 + 4 * limb, start, carried, pose[0])
+            carry_point(shoulder + bone, shoulder, turn, start, pose[0])
         return
     side = limb - 2
     channels, comforts, ankles, _, _ = body[3]

@@ -75,10 +75,10 @@ def find_step(held, count, damping, ask, chain, solving, positions):
 def multiply_rows(count, rows, owners, mobilities, weighted, matrix):
     """Rows (R, 3 N) by the mobilities of their owners into ``weighted``, and M (R, R) with M_qr = J_q . w_r J_r."""
     for i in range(count):
-        for k in range(mobilities.shape[1]):
-            share = mobilities[owners[i], k]
-            for number in range(3 * k, 3 * k + 3):
-                weighted[i, number] = share * rows[i, number]
+        shares, row, out_row = mobilities[owners[i]], rows[i], weighted[i]
+        for k in range(shares.shape[0]):
+            x, y, z = np.uint64(3 * k), np.uint64(3 * k + 1), np.uint64(3 * k + 2)
+            out_row[x], out_row[y], out_row[z] = shares[k] * row[x], shares[k] * row[y], shares[k] * row[z]
         for j in range(count):
             if j < i and owners[j] == owners[i]:
                 matrix[j, i] = matrix[i, j]
@@ -96,9 +96,8 @@ def stiffen_rows(count, rows, brakes):
     """
     for k in range(brakes.shape[0]):
         if brakes[k, 3] < 1.0:
-            part = math.sqrt(brakes[k, 3])
             for row in range(count):
-                brake(part, brakes[k], rows[row, k])
+                brake(brakes[k, 3], brakes[k], rows[row, k])
 
 
 @kernel
@@ -139,7 +138,7 @@ def brake_way(brakes, way):
     """Shorten a way (N, 3) by the root of what the brakes leave."""
     for k in range(brakes.shape[0]):
         if brakes[k, 3] < 1.0:
-            brake(math.sqrt(brakes[k, 3]), brakes[k], way[k])
+            brake(brakes[k, 3], brakes[k], way[k])
 
 
 @kernel
@@ -261,14 +260,14 @@ def press_on_limits(far_off, held, count, ask, limits, ways, newton):
     for k in range(brakes.shape[0]):
         if brakes[k, 3] >= 1.0:
             continue
-        x, y, z, left = brakes[k, 0], brakes[k, 1], brakes[k, 2], brakes[k, 3]
+        x, y, z, root = brakes[k, 0], brakes[k, 1], brakes[k, 2], brakes[k, 3]
         push = 0.0
         for q in range(held, count):
             pull = min(max(errors[q], -LONGEST_ERROR), LONGEST_ERROR)
             push += pull * (x * rows[q, k, 0] + y * rows[q, k, 1] + z * rows[q, k, 2])
         if push <= 0.0:
             continue
-        across = far_off * PRESSING * push * (1.0 - left) / (max(math.sqrt(left), 1e-6) * 2.0 * limits[k])
+        across = far_off * PRESSING * push * (1.0 - root * root) / (max(root, 1e-6) * 2.0 * limits[k])
         for i in range(held, count):
             way = ways[i, k]
             along = x * way[0] + y * way[1] + z * way[2]
@@ -380,9 +379,9 @@ def length_of(joints, way):
     """The longest way in metres that a step (N, 3) moves anything, a radian counting half a one."""
     longest = 0.0
     for k in range(joints.shape[0]):
-        size = math.sqrt(way[k, 0] ** 2 + way[k, 1] ** 2 + way[k, 2] ** 2)
-        longest = max(longest, size if joints[k, 0] == ROOT else 0.5 * size)
-    return longest
+        squared = way[k, 0] ** 2 + way[k, 1] ** 2 + way[k, 2] ** 2
+        longest = max(longest, squared if joints[k, 0] == ROOT else 0.25 * squared)
+    return math.sqrt(longest)
 
 
 @kernel
@@ -439,12 +438,12 @@ def turn_further(x, y, z, carrier, limit, turned):
     nx = scale * (tx + gx + ty * gz - tz * gy)
     ny = scale * (ty + gy + tz * gx - tx * gz)
     nz = scale * (tz + gz + tx * gy - ty * gx)
-    size = math.sqrt(nx * nx + ny * ny + nz * nz)
+    squared, freely = nx * nx + ny * ny + nz * nz, FREE_PART * limit
     scale = 1.0
-    if size > FREE_PART * limit:
-        room = limit - max(math.sqrt(gx * gx + gy * gy + gz * gz), FREE_PART * limit)
+    if squared > freely * freely:
+        room = limit - max(math.sqrt(gx * gx + gy * gy + gz * gz), freely)
         most = limit - max(CLOSER * room, CLOSEST * limit)
-        scale = min(1.0, most / size)
+        scale = min(1.0, most / math.sqrt(squared))
     turned[0], turned[1], turned[2] = rounded(scale * nx), rounded(scale * ny), rounded(scale * nz)
 
 

@@ -74,7 +74,9 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
     METHOD (23).
     """
     own, carrier, weight = count - held, int(pull[7]), push * pull[8]
-    ex, ey, ez, span = pull[0], pull[1], pull[2], pull[3]
+    ux, uy, uz, span = pull[0], pull[1], pull[2], pull[3]
+    size = max(math.sqrt(ux * ux + uy * uy + uz * uz), 1e-12)
+    ux, uy, uz = ux / size, uy / size, uz / size
     for i in range(own):
         for column in range(OWN + own):
             scratch[i, column] = 0.0
@@ -92,24 +94,23 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
                     positions[origin, 1] - positions[before, 1],
                     positions[origin, 2] - positions[before, 2],
                 )
-                bend_link(ex, ey, ez, dx, dy, dz, own, scratch)
+                bend_link(size, ux, uy, uz, dx, dy, dz, own, scratch)
             for i in range(own):
                 for axis in range(3):
                     scratch[i, 3 + axis] += ways[held + i, k, axis]
             before = origin
     if before >= 0:
         dx, dy, dz = pull[4] - positions[before, 0], pull[5] - positions[before, 1], pull[6] - positions[before, 2]
-        bend_link(ex, ey, ez, dx, dy, dz, own, scratch)
-    squared = max(ex * ex + ey * ey + ez * ez, 1e-24)
-    stretch = weight * math.sqrt(squared) / span if span > 0.0 else 0.0
+        bend_link(size, ux, uy, uz, dx, dy, dz, own, scratch)
+    stretch = weight * size / span if span > 0.0 else 0.0
     for i in range(own):
         for j in range(i if own > FEW else 0, i + 1):
             bent = weight * scratch[i, OWN + j]
             if stretch > 0.0:
                 vx, vy, vz = scratch[i, 0], scratch[i, 1], scratch[i, 2]
                 wx, wy, wz = scratch[j, 0], scratch[j, 1], scratch[j, 2]
-                across = (ex * vx + ey * vy + ez * vz) * (ex * wx + ey * wy + ez * wz) / squared
-                bent += stretch * (vx * wx + vy * wy + vz * wz - across)
+                along = (ux * vx + uy * vy + uz * vz) * (ux * wx + uy * wy + uz * wz)
+                bent += stretch * (vx * wx + vy * wy + vz * wz - along)
             newton[i, j] += bent
             if j < i:
                 newton[j, i] += bent
@@ -125,9 +126,11 @@ def moves(joint, held, count, ways):
 
 
 @kernel
-def bend_link(ex, ey, ez, dx, dy, dz, own, scratch):
-    """One link (dx, dy, dz) of ``bend``, pulled by (ex, ey, ez): its far end joins the velocities, and what bends."""
-    size, both, side, sx, sy, sz, tx, ty, tz = positive_bend(ex, ey, ez, dx, dy, dz)
+def bend_link(error, ux, uy, uz, dx, dy, dz, own, scratch):
+    """One link (dx, dy, dz) of ``bend``, pulled by ``error`` metres along the unit (ux, uy, uz): its far end joins the
+    velocities, and what bends.
+    """
+    size, both, side, sx, sy, sz, tx, ty, tz = positive_bend(error, ux, uy, uz, dx, dy, dz)
     for i in range(own):
         way = scratch[i]
         x, y, z = way[3], way[4], way[5]
@@ -140,23 +143,23 @@ def bend_link(ex, ey, ez, dx, dy, dz, own, scratch):
 
 
 @small_kernel
-def positive_bend(ex, ey, ez, dx, dy, dz):
-    """The positive part of (e . d) 1 - (d e^T + e d^T) / 2, as (k, b, a, s, t) of k 1 - b s s^T + a t t^T.
+def positive_bend(error, ux, uy, uz, dx, dy, dz):
+    """The positive part of (e . d) 1 - (d e^T + e d^T) / 2, as (k, b, a, s, t) of k 1 - b s s^T + a t t^T, for an
+    ``error`` e along the unit (ux, uy, uz).
 
     At an angle of cosine c it has the values c across both, (c + 1) / 2 along t = d/|d| - e/|e| and (c - 1) / 2 along
     s = d/|d| + e/|e|, times |d||e|. METHOD (23).
     """
-    e, d = math.sqrt(ex * ex + ey * ey + ez * ez), math.sqrt(dx * dx + dy * dy + dz * dz)
-    size, u, v = e * d, 1.0 / max(d, 1e-12), 1.0 / max(e, 1e-12)
-    cosine = (ex * dx + ey * dy + ez * dz) * u * v
-    less = size * max(cosine, 0.0)
-    both = less / (2.0 * (1.0 + max(cosine, 0.0)))
-    side = 0.25 * size * min((1.0 + cosine) / max(1.0 - cosine, 1e-12), 1.0)
-    return (
-        less, both, side,
-        dx * u + ex * v, dy * u + ey * v, dz * u + ez * v,
-        dx * u - ex * v, dy * u - ey * v, dz * u - ez * v,
-    )  # fmt: skip
+    d = max(math.sqrt(dx * dx + dy * dy + dz * dz), 1e-12)
+    size, dx, dy, dz = error * d, dx / d, dy / d, dz / d
+    cosine = ux * dx + uy * dy + uz * dz
+    less, both, side = 0.0, 0.0, 0.25 * size
+    if cosine > 0.0:
+        less = size * cosine
+        both = less / (2.0 + 2.0 * cosine)
+    else:
+        side *= (1.0 + cosine) / (1.0 - cosine)
+    return less, both, side, dx + ux, dy + uy, dz + uz, dx - ux, dy - uy, dz - uz
 
 
 @kernel

@@ -11,8 +11,8 @@ import math
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import carry_point
-from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, multiply_by_transposed
-from studio.core.kernels.turns import turn_by
+from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply_by_transposed
+from studio.core.kernels.turns import product, put_turn, turn_by, turn_in
 from studio.core.kernels.vectors import copy_matrix
 
 LETS_GO = 32
@@ -50,11 +50,11 @@ def stiffen(level, asked):
 def carry_leg(side, start, carried, pose):
     """A leg as the motion has it in its pelvis, its foot turned as in the motion: what is stiff goes with the hips."""
     spine_count = pose[0].shape[0] - 23
-    hip, thigh = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
+    hip, thigh, pelvis = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, turn_in(carried[0])
     for bone in range(4):
         if bone < 2:
-            multiply(carried[0], start[1][thigh + bone], pose[1][thigh + bone])
-            carry_point(hip + bone + 1, hip, 0, start, carried, pose[0])
+            put_turn(product(pelvis, turn_in(start[1][thigh + bone])), pose[1][thigh + bone])
+            carry_point(hip + bone + 1, hip, pelvis, start, pose[0])
         else:
             copy_matrix(start[1][thigh + bone], pose[1][thigh + bone])
             for axis in range(3):

@@ -29,6 +29,19 @@ def turn_by(x, y, z):
 
 
 @small_kernel
+def turn_of_gibbs(x, y, z):
+    """Turn of a Gibbs vector, axis times tan(angle / 2): no sine, no cosine."""
+    k = 2.0 / (1.0 + x * x + y * y + z * z)
+    kx, ky, kz = k * x, k * y, k * z
+    xy, xz, yz = kx * y, kx * z, ky * z
+    return (
+        1.0 - ky * y - kz * z, xy - kz, xz + ky,
+        xy + kz, 1.0 - kx * x - kz * z, yz - kx,
+        xz - ky, yz + kx, 1.0 - kx * x - ky * y,
+    )  # fmt: skip
+
+
+@small_kernel
 def turn_in(matrix):
     """Turn of a matrix (3, 3)."""
     return (
