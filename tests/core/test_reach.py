@@ -6,6 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from studio.core.kernels import reach as kernel
+from studio.core.kernels.body import turn_part
 from studio.core.kernels.limb_constraints import limb_indices
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
@@ -47,7 +48,8 @@ class _Reach:
         return self.positions[self.root + 1] + self.rotations[self.upper + 1] @ self.offset
 
     def bend(self, distance: float) -> None:
-        kernel.bend_to(distance, self.upper, K, self.root, self.point, self.positions, self.rotations)
+        turn = kernel.bend_of(distance, self.rotations[self.upper], self.shoulder, self.elbow, self.point)
+        turn_part(turn, self.upper + 1, K, self.elbow, self.positions, self.rotations)
 
     def assert_whole(self) -> None:
         assert np.allclose(body_twin.bone_lengths(LAYOUT, self.positions), self.lengths, atol=1e-9)
@@ -114,6 +116,18 @@ def test_aiming_points_at_the_target_by_the_least_turn(seed: int, limb: int) -> 
     cosine = before @ wanted / np.linalg.norm(before) / np.linalg.norm(wanted)
     assert reach.turned == pytest.approx(cosine, abs=1e-9)
     reach.assert_whole()
+
+
+@given(seeds, limbs)
+@settings(max_examples=40)
+def test_reaching_is_to_bend_and_then_to_aim(seed: int, limb: int) -> None:
+    both, one = _Reach(seed, limb), _Reach(seed, limb)
+    distance = np.random.default_rng(seed + 1).uniform(0.0, 1.0)
+    both.bend(distance)
+    kernel.aim_at(both.target, both.moved, both.upper, K, both.shoulder, both.positions, both.rotations)
+    kernel.reach_to(one.target, distance, one.upper, one.root, one.point, one.positions, one.rotations)
+    assert np.allclose(one.positions, both.positions, atol=1e-12)
+    assert np.allclose(one.rotations, both.rotations, atol=1e-12)
 
 
 @given(seeds, st.integers(0, 1))

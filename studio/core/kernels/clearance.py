@@ -17,7 +17,7 @@ from studio.core.kernels.goals import GIVEN_UP, ORIENTATION
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH
 from studio.core.kernels.placing import miss_of
-from studio.core.kernels.reach import aim_at, bend_to, span_range
+from studio.core.kernels.reach import reach_to, span_range
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.turns import turn_by
 from studio.core.kernels.vectors import copy_matrix, copy_point
@@ -264,8 +264,7 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
         needed += (target[axis] - root[axis]) ** 2
     now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
     needed = soft_reach(needed, min(max(now, COMFORT), 0.9999))
-    bend_to(needed * reach, upper, spine_count, shoulder, wrist, positions, rotations)
-    aim_at(target, wrist, upper, spine_count, root, positions, rotations)
+    reach_to(target, needed * reach, upper, shoulder, wrist, positions, rotations)
     angle = MOST_SWIVEL * math.tanh(share * swivel / MOST_SWIVEL)
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
     scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)

@@ -332,7 +332,11 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
 
     How far it moves, in metres. ``stays``: the root does, so that feet need no holding; ``damping`` the part of it.
     """
-    ask = work[0]
+    ask, past = work[0], work[9]
+    if is_late:  # before all that is held is looked at
+        count = add_own_rows(level, 0, asked, chain, body, work, pose)
+        if late_part(greatest(0, count, ask), past[0]) <= 0.0:
+            return 0.0
     set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
     every = min(asked.shape[0] + level, chain[0].shape[0] - 1)
     feet = chain[2][-1] >= 0 and not stays
@@ -342,27 +346,13 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
             count = add_rows(c, level, every, True, count, asked, chain, body, work, pose)
     own = count
     if not mending:
-        for c in range(asked.shape[0]):
-            if asked[c].wanted == 1 and asked[c].rank == level:
-                count = add_rows(c, level, c, False, count, asked, chain, body, work, pose)
-    errors, roles = ask[1], ask[3]
-    worst = missed = squared = 0.0
-    past = work[9]
-    for row in range(count):
-        error = errors[row] if roles[row] == BOUND else abs(errors[row])
-        if row < own:
-            worst = max(worst, error)
-        else:
-            missed, squared = max(missed, error), squared + error * error
-    near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0  # what was met is missed by what is held alone
-    if past[0] >= MET:
-        gained -= missed / past[0]
-    near = min(near, 1.0) * min(max(gained / NOUGHT, 0.0), 1.0)
-    ease = min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0) if is_late else 1.0
+        count = add_own_rows(level, count, asked, chain, body, work, pose)
+    worst, missed = greatest(0, own, ask), greatest(own, count, ask)
+    ease = late_part(missed, past[0]) if is_late else 1.0
     left = missed * missed / max(past[0], 1e-9)
     past[3] = 1.0 if left < SURE and worst < KEPT else 0.0
     past[0] = missed
-    if (worst < CLOSE_ENOUGH and missed < MET) or ease <= 0.0:
+    if worst < CLOSE_ENOUGH and missed < MET:
         return 0.0
     ways, part = work[1][5], 1.0
     again = (
@@ -375,6 +365,9 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
         slope = find_step(own, count, eased, ask, chain, work[1], pose[0])
         if whole:
             slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
+        squared = 0.0
+        for row in range(own, count):
+            squared += ask[1][row] ** 2
         promised = slope / (2.0 * math.sqrt(squared) + 1e-9)
         worth = 1.0 if mending else min(max(promised / HARDLY - 1.0, 0.0), 1.0)
         part = worth * part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
@@ -383,6 +376,35 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
     moved = go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
     past[2] += moved
     return moved
+
+
+@kernel
+def add_own_rows(level, count, asked, chain, body, work, pose):
+    """Rows of what a level asks itself; their new number."""
+    for c in range(asked.shape[0]):
+        if asked[c].wanted == 1 and asked[c].rank == level:
+            count = add_rows(c, level, c, False, count, asked, chain, body, work, pose)
+    return count
+
+
+@kernel
+def greatest(first, past, ask):
+    """The greatest error of some rows, in metres; what a bound has to spare is none."""
+    worst = 0.0
+    for row in range(first, past):
+        error = ask[1][row]
+        worst = max(worst, error if ask[3][row] == BOUND else abs(error))
+    return worst
+
+
+@kernel
+def late_part(missed, before):
+    """The part of a late step that is taken where ``missed`` metres are left of what was missed ``before`` the last."""
+    near, gained = (FAR_OFF - missed) / (FAR_OFF - NEARLY), 1.0  # what was met is missed by what is held alone
+    if before >= MET:
+        gained -= missed / before
+    near = min(near, 1.0) * min(max(gained / NOUGHT, 0.0), 1.0)
+    return min(max(near, (gained - LITTLE) / (MUCH - LITTLE)), 1.0)
 
 
 @kernel

@@ -6,7 +6,7 @@ limb's end segment, -1 for none; ``turns`` (4, 3, 3) and ``points`` (8, 3) are s
 
 import math
 
-from studio.core.kernels.body import body_point, turn_part
+from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joint_limits import (
@@ -22,7 +22,7 @@ from studio.core.kernels.joint_limits import (
     soft,
 )
 from studio.core.kernels.limb import soft_reach
-from studio.core.kernels.reach import aim_at, bend_range, bend_to, span_range, swivel_to, swivel_way
+from studio.core.kernels.reach import aim_at, bend_range, reach_to, span_range, swivel_to, swivel_way
 from studio.core.kernels.stiffness import stiff_span, turn_back
 from studio.core.kernels.turns import inverse, product, turn_by, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
@@ -329,7 +329,7 @@ def reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose):
 
     ``kept``: as far as ``kernels.edges`` lets it stretch. A foot, or a hand whose orientation is held, keeps
     its orientation in the world; else it goes with the limb.
-    ``points[3]`` is the point; it moves along.
+    ``points[3]`` is the point as it was.
     """
     positions, rotations = pose
     limb, segment = row.ends[end, 2], row.ends[end, 1]
@@ -351,12 +351,9 @@ def reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose):
             limits[limb].acts = 1
         if row.stiff:
             span = stiff_span(row, end, distance(point, positions[root]), span)
-        bend_to(span, upper, spine_count, root, point, positions, rotations)
-        if holds_end and segment >= upper + 2:
-            copy_point(positions[tip], point)
-        else:
-            body_point(row.ends[end, 0], segment, row.offsets[end], positions, rotations, point)
-    aim_at(goal, point, upper, spine_count, positions[root], positions, rotations)
+        reach_to(goal, span, upper, root, point, positions, rotations)
+    else:
+        aim_at(goal, point, upper, spine_count, positions[root], positions, rotations)
     if row.stiff:
         row.change[end, 0] = turn_back(1.0, row.most[end, 0], upper, root, turns[5], turns[0], points[0], pose)
     if holds_end:

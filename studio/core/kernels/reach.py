@@ -6,10 +6,10 @@ root to the point depends on the bend alone, the direction on the aim alone. Bot
 
 import math
 
-from studio.core.kernels.body import turn_part
+from studio.core.kernels.body import distal_range, turn_part
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.feet import smoothstep
-from studio.core.kernels.turns import about, shortest, sine_and_cosine
+from studio.core.kernels.turns import NO_TURN, about, product, put_beside, put_turn, shortest, sine_and_cosine, turn_in
 
 SWIVEL_LEVER = 2.0 * 0.08 * 0.08
 """Square metres of lever (point times target, from the axis) above which a swivel is not faded."""
@@ -53,39 +53,70 @@ def span_range(root, middle, hinge, point):
 
 
 @kernel
-def bend_to(distance, upper, spine_count, point_index, point, positions, rotations):
-    """Turn the lower segments about the hinge until ``point`` lies ``distance`` from the limb's root, or nearest.
+def reach_to(target, distance, upper, point_index, point, positions, rotations):
+    """Bend a limb until ``point``, below its middle, lies ``distance`` from its root, or nearest, and aim that at the
+    ``target`` (all (3,)).
 
-    ``upper`` is the limb's upper segment, ``point_index`` its root point; the side to which the limb bends is
-    that of its hinge axis (the x axis of the upper segment), which is defined at full stretch too.
+    ``upper`` is the limb's upper segment, ``point_index`` its root point.
+    """
+    root, middle = positions[point_index], positions[point_index + 1]
+    rx, ry, rz, mx, my, mz = root[0], root[1], root[2], middle[0], middle[1], middle[2]
+    bend = bend_of(distance, rotations[upper], root, middle, point)
+    x, y, z = point[0] - mx, point[1] - my, point[2] - mz
+    aim = aim_of(
+        mx + bend[0] * x + bend[1] * y + bend[2] * z - rx,
+        my + bend[3] * x + bend[4] * y + bend[5] * z - ry,
+        mz + bend[6] * x + bend[7] * y + bend[8] * z - rz,
+        target,
+        root,
+    )
+    put_turn(product(aim, turn_in(rotations[upper])), rotations[upper])
+    bent, turn = put_beside((rx, ry, rz), aim, mx - rx, my - ry, mz - rz, middle), product(aim, bend)
+    first, past, first_point, past_point = distal_range(upper + 1, positions.shape[0] - 23)
+    for other in range(first_point, past_point):
+        place = positions[other]
+        put_beside(bent, turn, place[0] - mx, place[1] - my, place[2] - mz, place)
+    for segment in range(first, past):
+        put_turn(product(turn, turn_in(rotations[segment])), rotations[segment])
+
+
+@small_kernel
+def bend_of(distance, rotation, root, middle, point):
+    """The turn about the hinge in the ``middle`` that brings ``point`` to ``distance`` from the ``root``, or nearest.
+
+    The side to which a limb bends is that of its hinge axis, the x axis of its upper segment of that ``rotation``
+    (3, 3), which is defined at full stretch too.
 
     METHOD (15).
     """
-    middle = positions[point_index + 1]
-    hinge = rotations[upper, 0, 0], rotations[upper, 1, 0], rotations[upper, 2, 0]
-    c0, cosine, sine = levers(positions[point_index], middle, hinge, point)
+    hinge = rotation[0, 0], rotation[1, 0], rotation[2, 0]
+    c0, cosine, sine = levers(root, middle, hinge, point)
     c1 = math.sqrt(cosine * cosine + sine * sine)
     if c1 < 1e-9:
-        return
+        return NO_TURN
     cosine, sine = cosine / c1, sine / c1
     wanted = min(max((c0 - distance * distance) / (2.0 * c1), -1.0), 1.0)
     side = math.sqrt(1.0 - wanted * wanted)
     if sine < 0.0 and cosine > STRETCHED:
         side = -side
-    turn = about(hinge, cosine * wanted + sine * side, sine * wanted - cosine * side)
-    turn_part(turn, upper + 1, spine_count, middle, positions, rotations)
+    return about(hinge, cosine * wanted + sine * side, sine * wanted - cosine * side)
 
 
 @kernel
 def aim_at(target, point, segment, spine_count, pivot, positions, rotations):
     """Turn ``segment`` about ``pivot`` so that ``point`` lies in the direction of ``target`` (all (3,))."""
-    ax, ay, az = point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2]
-    bx, by, bz = target[0] - pivot[0], target[1] - pivot[1], target[2] - pivot[2]
-    a, b = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
-    if a < 1e-9 or b < 1e-9:
-        return
-    turn = shortest(ax / a, ay / a, az / a, bx / b, by / b, bz / b)
+    turn = aim_of(point[0] - pivot[0], point[1] - pivot[1], point[2] - pivot[2], target, pivot)
     turn_part(turn, segment, spine_count, pivot, positions, rotations)
+
+
+@small_kernel
+def aim_of(x, y, z, target, pivot):
+    """The least turn about ``pivot`` that brings what is (x, y, z) away from it in the direction of ``target``."""
+    bx, by, bz = target[0] - pivot[0], target[1] - pivot[1], target[2] - pivot[2]
+    a, b = math.sqrt(x * x + y * y + z * z), math.sqrt(bx * bx + by * by + bz * bz)
+    if a < 1e-9 or b < 1e-9:
+        return NO_TURN
+    return shortest(x / a, y / a, z / a, bx / b, by / b, bz / b)
 
 
 @kernel

@@ -7,6 +7,8 @@ import math
 
 from studio.core.kernels.compiling import kernel, small_kernel
 
+NO_TURN = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+
 
 @small_kernel
 def turn_of(quaternions, first):
