@@ -55,11 +55,12 @@ def set_balance_rows(axes, masses, sums, joints, positions, rows):
     """
     spine_count = positions.shape[0] - 23
     for joint in range(joints.shape[0]):
-        for axis in range(axes):
-            rows[axis, joint, 0] = rows[axis, joint, 1] = rows[axis, joint, 2] = 0.0
         if joints[joint, 0] == ROOT:
-            for axis in range(axes):
-                rows[axis, joint, axis] = sums[spine_count + 10, 3]
+            whole = sums[spine_count + 10, 3]
+            put_to(rows[0, joint], whole, 0.0, 0.0)
+            put_to(rows[1, joint], 0.0, whole, 0.0)
+            if axes > 2:
+                put_to(rows[2, joint], 0.0, 0.0, whole)
             for side in range(2):
                 add_leg_answer(side, axes, LEAST_BEND, masses, positions, rows[:, joint])
             continue
@@ -69,10 +70,10 @@ def set_balance_rows(axes, masses, sums, joints, positions, rows):
         x = past[0] - first[0] - share * origin[0]
         y = past[1] - first[1] - share * origin[1]
         z = past[2] - first[2] - share * origin[2]
-        rows[0, joint, 1], rows[0, joint, 2] = z, -y
-        rows[1, joint, 0], rows[1, joint, 2] = -z, x
+        put_to(rows[0, joint], 0.0, z, -y)
+        put_to(rows[1, joint], -z, 0.0, x)
         if axes > 2:
-            rows[2, joint, 0], rows[2, joint, 1] = y, -x
+            put_to(rows[2, joint], y, -x, 0.0)
 
 
 @kernel
@@ -93,20 +94,21 @@ def add_leg_answer(side, axes, least_bend, masses, positions, out_levers):
     ny = positions[hip + 2, 1] - positions[hip, 1]
     nz = positions[hip + 2, 2] - positions[hip, 2]
     d = max(math.sqrt(nx * nx + ny * ny + nz * nz), 1e-6)
-    nx, ny, nz = nx / d, ny / d, nz / d
+    per = 1.0 / d
+    nx, ny, nz = per * nx, per * ny, per * nz
     z = kx * nx + ky * ny + kz * nz
     ex, ey, ez = kx - z * nx, ky - z * ny, kz - z * nz
-    part, squared = z / d, ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
+    part, squared = per * z, ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
     knee = masses[thigh, 0] * masses[thigh, 1] + masses[thigh + 1, 0] * (1.0 - masses[thigh + 1, 1])
     stays = masses[thigh, 0] * (1.0 - masses[thigh, 1]) + knee * (1.0 - part)
-    bends, forward = knee * z / squared * (1.0 - part), knee / d
-    for axis in range(axes):
-        along, off = (nx, ex) if axis == 0 else ((ny, ey) if axis == 1 else (nz, ez))
-        to_ankle, forth = knee * (2.0 * part - 1.0) * along + bends * off, forward * along
-        out_levers[axis, axis] += stays
-        out_levers[axis, 0] += to_ankle * nx + forth * ex
-        out_levers[axis, 1] += to_ankle * ny + forth * ey
-        out_levers[axis, 2] += to_ankle * nz + forth * ez
+    bends, forward, to_ankle = knee * z / squared * (1.0 - part), per * knee, knee * (2.0 * part - 1.0)
+    go, off = to_ankle * nx + bends * ex, forward * nx
+    add_to(out_levers[0], stays + go * nx + off * ex, go * ny + off * ey, go * nz + off * ez)
+    go, off = to_ankle * ny + bends * ey, forward * ny
+    add_to(out_levers[1], go * nx + off * ex, stays + go * ny + off * ey, go * nz + off * ez)
+    if axes > 2:
+        go, off = to_ankle * nz + bends * ez, forward * nz
+        add_to(out_levers[2], go * nx + off * ex, go * ny + off * ey, stays + go * nz + off * ez)
 
 
 @kernel
@@ -124,7 +126,8 @@ def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
     shoulder, wrist = positions[root], positions[root + 2]
     x, y, z = goal[0] - shoulder[0], goal[1] - shoulder[1], goal[2] - shoulder[2]
     span = max(math.sqrt(x * x + y * y + z * z), 1e-6)
-    x, y, z = x / span, y / span, z / span
+    per = 1.0 / span
+    x, y, z = per * x, per * y, per * z
     mx = sums[upper + 3, 0] - sums[upper, 0] - mass * shoulder[0]
     my = sums[upper + 3, 1] - sums[upper, 1] - mass * shoulder[1]
     mz = sums[upper + 3, 2] - sums[upper, 2] - mass * shoulder[2]
@@ -148,6 +151,12 @@ def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
             add_to(rows[1, joint], oy * yz - oz * yy + mz, oz * xy - ox * yz, ox * yy - oy * xy - mx)
             if axes > 2:
                 add_to(rows[2, joint], oy * zz - oz * yz - my, oz * xz - ox * zz + mx, ox * yz - oy * xz)
+
+
+@small_kernel
+def put_to(row, x, y, z):
+    """Write the levers (3,) of one joint."""
+    row[0], row[1], row[2] = x, y, z
 
 
 @small_kernel

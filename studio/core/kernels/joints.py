@@ -103,8 +103,9 @@ def set_brakes(turned, joints, limits, carried, out_brakes):
         if joints[k, 0] == ROOT or squared <= freely * freely:
             continue
         turn, size = carried[joints[k, 4]], math.sqrt(squared)
+        x, y, z = x / size, y / size, z / size
         for axis in range(3):
-            out_brakes[k, axis] = (turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z) / size
+            out_brakes[k, axis] = turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z
         out_brakes[k, 3] = math.sqrt(max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0))
 
 

@@ -130,7 +130,8 @@ def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
     distance = math.sqrt(x * x + y * y + z * z)
     frame = product(pelvis, turn_of(channels, at.LIMB_FRAME + 4 * (2 + side)))
     if distance > 1e-9:
-        frame = aimed(frame, x / distance, y / distance, z / distance)
+        per = 1.0 / distance
+        frame = aimed(frame, per * x, per * y, per * z)
     reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
     return frame, reach, channels[at.LIMB_OFF_PLANE + 2 + side] * length
 

@@ -151,7 +151,8 @@ def positive_bend(error, ux, uy, uz, dx, dy, dz):
     s = d/|d| + e/|e|, times |d||e|. METHOD (23).
     """
     d = max(math.sqrt(dx * dx + dy * dy + dz * dz), 1e-12)
-    size, dx, dy, dz = error * d, dx / d, dy / d, dz / d
+    size, per = error * d, 1.0 / d
+    dx, dy, dz = per * dx, per * dy, per * dz
     cosine = ux * dx + uy * dy + uz * dz
     less, both, side = 0.0, 0.0, 0.25 * size
     if cosine > 0.0:

@@ -94,8 +94,9 @@ def bend_of(distance, rotation, root, middle, point):
     c1 = math.sqrt(cosine * cosine + sine * sine)
     if c1 < 1e-9:
         return NO_TURN
-    cosine, sine = cosine / c1, sine / c1
-    wanted = min(max((c0 - distance * distance) / (2.0 * c1), -1.0), 1.0)
+    per = 1.0 / c1
+    cosine, sine = per * cosine, per * sine
+    wanted = min(max(0.5 * per * (c0 - distance * distance), -1.0), 1.0)
     side = math.sqrt(1.0 - wanted * wanted)
     if sine < 0.0 and cosine > STRETCHED:
         side = -side
@@ -116,7 +117,8 @@ def aim_of(x, y, z, target, pivot):
     a, b = math.sqrt(x * x + y * y + z * z), math.sqrt(bx * bx + by * by + bz * bz)
     if a < 1e-9 or b < 1e-9:
         return NO_TURN
-    return shortest(x / a, y / a, z / a, bx / b, by / b, bz / b)
+    a, b = 1.0 / a, 1.0 / b
+    return shortest(a * x, a * y, a * z, b * bx, b * by, b * bz)
 
 
 @kernel

@@ -6,7 +6,7 @@
 import math
 
 from studio.core.kernels.balance import centre_of_mass, let_arm_reach, set_balance_rows
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row, may_turn
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
@@ -48,7 +48,8 @@ def add_feet_rows(owner, count, chain, body, ask, start, positions):
         span = max(distance(hip, ankle), 1e-9)
         begin_row(ask, count, owner, span - length)
         ask[3][count], ask[6][count] = BOUND, room
-        x, y, z = (ankle[0] - hip[0]) / span, (ankle[1] - hip[1]) / span, (ankle[2] - hip[2]) / span
+        per = 1.0 / span
+        x, y, z = per * (ankle[0] - hip[0]), per * (ankle[1] - hip[1]), per * (ankle[2] - hip[2])
         note_pull(ask[5][count], x, y, z, span, hip, 0)
         add_point_row(hip, x, y, z, 0, chain[1], positions, ask[0][count])
         count += 1
@@ -103,11 +104,17 @@ def add_rows(c, level, owner, is_held, count, asked, chain, body, work, pose):
 @kernel
 def begin_row(ask, count, owner, error):
     """Start an empty row that asks."""
-    rows, errors, owners, roles, _, pulls, rooms = ask
-    pulls[count, 7] = -1.0
-    pulls[count, 8] = 1.0
-    for joint in range(rows.shape[1]):
-        rows[count, joint, 0] = rows[count, joint, 1] = rows[count, joint, 2] = 0.0
+    note_row(ask, count, owner, error)
+    row = ask[0][count]
+    for joint in range(row.shape[0]):
+        row[joint, 0] = row[joint, 1] = row[joint, 2] = 0.0
+
+
+@small_kernel
+def note_row(ask, count, owner, error):
+    """Start a row that asks, but for its levers."""
+    _, errors, owners, roles, _, pulls, rooms = ask
+    pulls[count, 7], pulls[count, 8] = -1.0, 1.0
     errors[count], owners[count], roles[count], rooms[count] = error, owner, ASK, 0.0
 
 
@@ -141,7 +148,7 @@ def add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work
     centre_of_mass(body[1], positions, sums, point)
     for axis in range(row.axes):
         wanted = row.kept_places[0, axis] if is_held else row.places[1, axis]
-        begin_row(ask, count, owner, wanted - point[axis])
+        note_row(ask, count, owner, wanted - point[axis])
         count += 1
     rows, down_to = ask[0][count - row.axes : count], min(asked.shape[0] + level, chain[0].shape[0] - 1)
     set_balance_rows(row.axes, body[1], sums, chain[1], positions, rows)
@@ -265,7 +272,8 @@ def add_reach_rows(c, row, end, owner, is_held, count, ask, chain, grips, limits
     ax, ay, az = aim_limb(row, end, is_held, limb >= 2 or grips[limb] >= 0, points, pose)
     x, y, z = ax - shoulder[0], ay - shoulder[1], az - shoulder[2]
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
-    x, y, z = x / span, y / span, z / span
+    per = 1.0 / span
+    x, y, z = per * x, per * y, per * z
     reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
     second = row.second and row.kept_miss <= HARDLY_MISSED
     if limits.shape[0] > 0 and (limits[limb].acts == c + 1 or (second and limits[limb].acts > 0)):
