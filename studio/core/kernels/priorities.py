@@ -79,14 +79,23 @@ def multiply_rows(count, rows, owners, mobilities, weighted, matrix):
         for k in range(shares.shape[0]):
             x, y, z = np.uint64(3 * k), np.uint64(3 * k + 1), np.uint64(3 * k + 2)
             out_row[x], out_row[y], out_row[z] = shares[k] * row[x], shares[k] * row[y], shares[k] * row[z]
-        for j in range(count):
-            if j < i and owners[j] == owners[i]:
-                matrix[j, i] = matrix[i, j]
-                continue
-            total = 0.0
-            for number in range(rows.shape[1]):
-                total += rows[j, number] * weighted[i, number]
-            matrix[j, i] = total
+        j = 0
+        while j < i and owners[j] == owners[i]:
+            matrix[j, i] = matrix[i, j]
+            j += 1
+        while j + 1 < count:
+            here, there = rows[j], rows[j + 1]
+            one = two = 0.0
+            for number in range(out_row.shape[0]):
+                one += here[number] * out_row[number]
+                two += there[number] * out_row[number]
+            matrix[j, i], matrix[j + 1, i] = one, two
+            j += 2
+        if j < count:
+            here, one = rows[j], 0.0
+            for number in range(out_row.shape[0]):
+                one += here[number] * out_row[number]
+            matrix[j, i] = one
 
 
 @kernel
