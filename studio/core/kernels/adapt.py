@@ -154,14 +154,14 @@ def solve_each(
         if eases:
             frame_body = pack(body_at(frame, leashes, stance, body))
             ease_frame(frame, asked, areas, chain, wishes, activations, frame_body, work, start, pose, easing)
-            note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
+            note_misses(frame, asked, areas, frame_body, work, pose, out_residuals)
         for joint in range(states.shape[1]):
             for axis in range(3):
                 states[frame, joint, axis] = work[3][0, joint, axis] if acts or eases else 0.0
         if clears:
             frame_body = pack(body_at(frame, leashes, stance, body))
             clear_after(frame, acts, waited, asked, areas, clearance, clear_work, frame_body, work, pose, out_residuals)
-            note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
+            note_misses(frame, asked, areas, frame_body, work, pose, out_residuals)
         if not eases:
             note_jolts(frame, chain[1], motion, easing)
 
@@ -201,7 +201,7 @@ def solve_one(
     if least > 0.0:
         for c in range(asked.shape[0]):
             asked[c].wanted = IN_PART if asked[c].wanted else 0
-    note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals)
+    note_misses(frame, asked, areas, frame_body, work, pose, out_residuals)
     return any_acts
 
 
@@ -215,16 +215,14 @@ def body_at(frame, leashes, stance, body):
 
 
 @kernel
-def note_misses(frame, asked, areas, leashes, stance, body, work, motion, out_residuals):
+def note_misses(frame, asked, areas, body, work, pose, out_residuals):
     """By how much each constraint is missed at one frame."""
-    pose = pack((motion[2][frame], motion[3][frame]))
-    frame_body = pack(body_at(frame, leashes, stance, body))
     for c in range(asked.shape[0]):
         out_residuals[c, frame] = math.nan
         if asked[c].wanted == IN_PART:
             out_residuals[c, frame] = asked[c].blended
         elif asked[c].wanted:
-            out_residuals[c, frame] = miss_of(c, asked, areas, frame_body, work, pose)
+            out_residuals[c, frame] = miss_of(c, asked, areas, body, work, pose)
 
 
 @allocating_kernel

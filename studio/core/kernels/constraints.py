@@ -312,7 +312,7 @@ def place(level, fresh, asked, areas, chain, body, work, start, pose):
     """The body where its joints carry it, and its limbs where they are to be; a fresh pose is carried already."""
     if not fresh:
         carry_body(chain, body, work, start, pose)
-    else:
+    elif chain[1].shape[0] > 0:
         note_carried(work[2])
     place_limbs(level, asked, areas, chain, body, work, start, pose)
 
