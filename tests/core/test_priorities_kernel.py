@@ -89,9 +89,9 @@ class _Search:
         start = POSITIONS, ROTATIONS
         find_step(self.held, self.count, 1.0, ask, self.free.arrays, solving, self.pose[0])
         moved = move_joints(0.0, self.free.arrays, carried, solving[5][-2] + solving[5][-1], turned[0])
-        carry_trunk(turned[0], self.free.slots, start, np.empty((3, 3)), carried, self.pose)
+        carry_trunk(turned[0], self.free.slots, start, carried, self.pose)
         for side in range(2):
-            carry_arm(side, turned[0], self.free.slots, start, np.empty((3, 3)), carried, self.pose)
+            carry_arm(side, turned[0], self.free.slots, start, carried, self.pose)
         return float(moved)
 
     @property
