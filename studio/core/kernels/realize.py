@@ -18,6 +18,12 @@ def realize_frames(channels, places, measures, play, out_positions, out_rotation
     1 keeps the actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
     """
     spine_from, spine_share = sample_spine(places, measures[0])
+    realize_each(channels, measures, spine_from, spine_share, play, out_positions, out_rotations)
+
+
+@kernel
+def realize_each(channels, measures, spine_from, spine_share, play, out_positions, out_rotations):
+    """``realize_frames`` with its spine sampled."""
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         realize_frame(channels[frame], row, spine_from, spine_share, play, out_positions[frame], out_rotations[frame])

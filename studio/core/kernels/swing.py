@@ -25,11 +25,16 @@ def keep_above(soles, states, ground, frame_rate, ankles, feet, toes):
     ``soles`` (F or 1, 6) as ``morphology.sole_rows`` has them, ``states`` (F,), ``ground`` a height; ``ankles`` (F, 3),
     ``feet``, ``toes`` (F, 3, 3). What lies on its instep, sole up, is left as it is.
     """
-    count = states.shape[0]
-    rooms = np.empty((2, count))
+    rooms = np.empty((2, states.shape[0]))
     find_rooms(states, TOE, frame_rate, rooms[0])
     find_rooms(states, 3, frame_rate, rooms[1])
-    for frame in range(count):
+    raise_foot(soles, states, ground, rooms, ankles, feet, toes)
+
+
+@kernel
+def raise_foot(soles, states, ground, rooms, ankles, feet, toes):
+    """``keep_above`` with the parts ``rooms`` (2, F) of their room that toes and foot are given."""
+    for frame in range(states.shape[0]):
         foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
         upright = smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
         if upright == 0.0 or states[frame] & TOE:
