@@ -31,9 +31,9 @@ def checked_turn(turn: object, constraint: Constraint) -> Turn:
         raise ValueError(f"'{constraint.name}': the target is no rotation: {error}") from error
 
 
-def follows_of(constraint: Constraint) -> tuple[Follow, ...]:
+def follows_of(constraint: Constraint) -> list[Follow]:
     """All that a constraint follows."""
-    return tuple(value for value in vars(constraint).values() if isinstance(value, FOLLOWS))
+    return [value for value in vars(constraint).values() if isinstance(value, FOLLOWS)]
 
 
 def key_times(constraint: Constraint) -> tuple[float, ...]:

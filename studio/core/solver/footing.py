@@ -97,7 +97,7 @@ def find_footing(
         _plan_foot(side, morphology, states[side], ground, motion.frame_rate, *pose, plan)
     if ground.is_level:
         comforts, drops = leg_comforts(motion, states, free), np.zeros(count)
-        if states.any():
+        if np.count_nonzero(states):
             drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
             drops = smooth_drops(drops, motion.frame_rate)
         return Footing(states, free, comforts, ankles, feet, toes, drops)
@@ -233,7 +233,7 @@ def _drape_foot(
 
 def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64], free: FloatArray) -> FloatArray:
     """(2, F) part of its length to which each leg stretches freely: standing, as far as the motion's own leg does."""
-    if not states.any():
+    if not np.count_nonzero(states):
         return np.full(states.shape, SWINGING_REACH)
     own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
     standing = own.clip(STANDING_REACH, 1.0 - 1e-9)
@@ -245,7 +245,7 @@ def leashes(footing: Footing) -> FloatArray:
 
     A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
     """
-    if not footing.states.any():
+    if not np.count_nonzero(footing.states):
         return np.full(footing.states.shape, np.inf)
     return footing.comforts + run_out(footing.free)
 

@@ -42,6 +42,7 @@ _PLACES = {part: place for place, part in enumerate(BodyPart)}
 _BLANK = np.zeros(1, dtype=ASKED)
 """What is asked where nothing is."""
 _BLANK["ends"], _BLANK["axes"] = -1, 2
+_BLANK.setflags(write=False)
 _NO_PLACE, _NO_TURN, _NO_DISTANCE = np.full((1, 3), np.nan), np.zeros((1, 3, 3)), np.zeros(1)
 
 
@@ -61,20 +62,6 @@ class Rows:
     places: list[FloatArray]
     turns: list[FloatArray]
     distances: list[FloatArray]
-
-    def put_end(self, c: int, end: int, point: BodyPoint, constraint: Constraint) -> None:
-        """One end of a constraint: a point of the body and the freedom of its limb."""
-        row, limb = self.asked[c], limb_of(point.part)
-        row["ends"][end] = *point_indices(point, self.layout), limb
-        row["offsets"][end] = point.offset
-        helped, stiff, parts, freedom = _means_of(point.part, constraint.chain)
-        row["freedoms"][end] = freedom, constraint.chain.end_segment
-        if limb >= 0:
-            row["parts"][end] = parts
-        if helped:
-            row["helped"] = 1
-        if stiff:
-            row["stiff"] = 1
 
     def put_followed(self, c: int, target: object) -> bool:
         """What a constraint follows on its own body; False where that is no such thing."""
@@ -116,11 +103,15 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
     The first ``contacts`` of them stand above all others. Raises TypeError for a kind that the solver does not know.
     """
     count = len(constraints)
+    begun = [
+        _BLANK.tobytes() if isinstance(each, BalanceConstraint) else _begun(each.point, each.chain, layout)
+        for each in constraints
+    ]
     rows = Rows(
         layout,
         targets,
         _ranks(constraints, contacts),
-        asked=np.frombuffer(bytearray(_BLANK.tobytes() * count), dtype=ASKED),  # whole: NumPy copies field by field
+        asked=np.frombuffer(bytearray(b"".join(begun)), dtype=ASKED),  # whole: NumPy copies records field by field
         areas=np.zeros((count, 10)),
         places=[_NO_PLACE] * count,
         turns=[_NO_TURN] * count,
@@ -141,16 +132,35 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
 def _ranks(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]:
     """The level of each, 0 the highest."""
     priorities = [-1] * contacts + [constraint.priority for constraint in constraints[contacts:]]
-    levels = sorted(set(priorities))
-    return tuple(levels.index(priority) for priority in priorities)
+    return tuple(map(sorted(set(priorities)).index, priorities))
 
 
 def _shared_weights(constraints: Sequence[Constraint], ranks: Sequence[int]) -> list[float]:
     """Weights as parts of the heaviest of their level, so that one alone is asked as without any weight."""
-    heaviest: dict[int, float] = {}
-    for constraint, rank in zip(constraints, ranks, strict=True):
-        heaviest[rank] = max(heaviest.get(rank, 0.0), constraint.weight)
-    return [max(each.weight / heaviest[rank], LEAST_WEIGHT) for each, rank in zip(constraints, ranks, strict=True)]
+    weights = [constraint.weight for constraint in constraints]
+    heaviest = dict(sorted(zip(ranks, weights, strict=True)))  # the last of a level stays
+    return [max(weight / heaviest[rank], LEAST_WEIGHT) for weight, rank in zip(weights, ranks, strict=True)]
+
+
+@lru_cache(maxsize=1024)
+def _begun(point: BodyPoint, chain: Chain, layout: BodyLayout) -> bytes:
+    """A record with nothing but its point and what moves that."""
+    record = _BLANK.copy()
+    _put_end(record[0], 0, point, chain, layout)
+    return record.tobytes()
+
+
+def _put_end(row: np.void, end: int, point: BodyPoint, chain: Chain, layout: BodyLayout) -> None:
+    """One end of a constraint: a point of the body and the freedom of its limb."""
+    limb = limb_of(point.part)
+    row["ends"][end] = *point_indices(point, layout), limb
+    row["offsets"][end] = point.offset
+    helped, parts, freedom = _means_of(point.part, chain)
+    row["freedoms"][end] = freedom, chain.end_segment
+    if limb >= 0:
+        row["helped"] |= helped
+        row["parts"][end] = parts
+        row["stiff"] |= freedom > 0.0 and min(parts) < 1.0
 
 
 def _blend_what_takes_limbs(rows: Rows, c: int, chain: Chain) -> None:
@@ -161,12 +171,11 @@ def _blend_what_takes_limbs(rows: Rows, c: int, chain: Chain) -> None:
 
 
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
-    rows.put_end(c, 0, constraint.point, constraint)
     target = constraint.target
     if isinstance(target, FollowBody) and _is_pair(constraint):
         # Nought metres from where the other point comes to be, by moving this one alone.
         rows.asked["kind"][c], rows.asked["shares"][c, 0] = goals.DISTANCE, 1.0
-        rows.put_end(c, 1, target.point, constraint)
+        _put_end(rows.asked[c], 1, target.point, constraint.chain, rows.layout)
         rows.asked["freedoms"][c, 1] = 0.0
         return
     rows.asked["kind"][c] = goals.POSITION
@@ -187,14 +196,12 @@ def _is_pair(constraint: Constraint) -> bool:
 
 def _orientation(rows: Rows, c: int, constraint: OrientationConstraint) -> None:
     rows.asked["kind"][c] = goals.ORIENTATION
-    rows.put_end(c, 0, constraint.point, constraint)
     if not rows.put_followed(c, constraint.target):
         rows.turns[c] = rows.targets.turns(constraint.target)
 
 
 def _look_at(rows: Rows, c: int, constraint: LookAtConstraint) -> None:
     rows.asked["kind"][c] = goals.LOOK_AT
-    rows.put_end(c, 0, constraint.point, constraint)
     if not rows.put_followed(c, constraint.target):
         rows.places[c] = rows.targets.places(constraint.target)
     rows.asked["ends"][c, 0, 2] = -1
@@ -203,9 +210,8 @@ def _look_at(rows: Rows, c: int, constraint: LookAtConstraint) -> None:
 def _distance(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
     row = rows.asked[c]
     row["kind"], rows.distances[c] = goals.DISTANCE, rows.targets.numbers(constraint.distance)
-    rows.put_end(c, 0, constraint.point, constraint)
     if isinstance(constraint.other, BodyPoint):
-        rows.put_end(c, 1, constraint.other, constraint)
+        _put_end(row, 1, constraint.other, constraint.chain, rows.layout)
         # A leg comes to meet a hand only when it is asked for itself: the own thigh stays where it is.
         if row["ends"][0, 2] < 2 <= row["ends"][1, 2]:
             row["freedoms"][1] = 0.0
@@ -229,7 +235,6 @@ def _balance(rows: Rows, c: int, constraint: BalanceConstraint) -> None:
 
 def _area(rows: Rows, c: int, constraint: AreaConstraint) -> None:
     rows.asked["kind"][c] = goals.AREA
-    rows.put_end(c, 0, constraint.point, constraint)
     if not rows.put_followed(c, constraint.centre):
         rows.places[c] = rows.targets.places(constraint.centre)
     if constraint.shape is AreaShape.HALF_SPACE:
@@ -253,18 +258,15 @@ _WRITERS: dict[type[Constraint], Callable[[Rows, int, Any], None]] = {
 
 
 @lru_cache(maxsize=1024)
-def _means_of(part: BodyPart, chain: Chain) -> tuple[bool, bool, tuple[float, ...], float]:
-    """Whether a chain helps the limb of a part by what carries it, whether some of its bones are stiffer than others,
-    the weights of these, and how free it is.
-    """
+def _means_of(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
+    """Whether a chain helps the limb of a part by what carries it, the weights of its bones, and how free it is."""
     limb = limb_of(part)
     if limb < 0:
-        return False, False, (), chain.limb
+        return False, (), chain.limb
     carriers, bones = (*TRUNK, CLAVICLES[limb]) if limb < 2 else TRUNK, limb_bones(part)
     parts = tuple(chain.weight(bone) for bone in bones)
     helped = chain.root > 0.0 or any(chain.weight(carrier) > 0.0 for carrier in carriers)
-    freedom = max(parts[:1] if part == bones[0] else parts)
-    return helped, freedom > 0.0 and min(parts) < 1.0, parts, freedom
+    return helped, parts, max(parts[:1] if part == bones[0] else parts)
 
 
 @lru_cache(maxsize=1024)

@@ -23,7 +23,7 @@ from studio.core.solver.chains import carrying_chain, free_joints, segment_masse
 from studio.core.solver.clearance import lowest_first, pack_clearance
 from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
 from studio.core.solver.footing import Footing, leashes
-from studio.core.solver.holding import Held, held_points, place_held, release_hands
+from studio.core.solver.holding import held_points, place_held, release_hands
 from studio.core.solver.packing import in_order, limb_of, pack
 from studio.core.solver.recruiting import leg_room, limb_freedoms
 from studio.core.solver.root_leash import RootLeash
@@ -48,9 +48,8 @@ class Stretch:
         self.standing, self.window, self._asked = standing, window, (constraints, tracks, bound)
         self._unsolved = standing.positions[window], standing.rotations[window]
         self._positions, self._rotations = self._unsolved[0].copy(), self._unsolved[1].copy()
-        held: list[Held] = []
-        if bound.by_contacts:
-            held = held_points(standing.holds, footing, body, standing.positions, standing.rotations)
+        holds = standing.holds if bound.by_contacts else ()
+        held = held_points(holds, footing, body, standing.positions, standing.rotations)
         self._held, self._clear = len(held), lowest_first(constraints)
         self._order = [c for c in in_order(constraints) if c not in self._clear]
         asked, cleared = [constraints[c] for c in self._order], [constraints[c] for c in self._clear]
@@ -62,42 +61,35 @@ class Stretch:
             place_held(self._rows, held, window)
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
-        self._activations = np.ascontiguousarray(acts)
+        self._activations, self._wishes = np.ascontiguousarray(acts), self._rows.wishes
         self._levels = max(self._rows.ranks, default=-1) + 1
         joints = free_joints(tuple(map(carrying_chain, everything)), self._rows.ranks, body.layout)
-        joints = joints if bound.by_limits else joints.without_limits
-        recruits = joints.recruited, joints.usual, self._freedoms(joints.limbs, activations[: len(asked)])
+        self._joints = joints if bound.by_limits else joints.without_limits
+        self._freedoms = self._find_freedoms(activations[: len(asked)])
         self._clearance = pack_clearance(
             cleared, everything, self._held, activations[len(asked) :, window],
             standing.motion, window, standing.actor, standing.volume, body.still,
         )  # fmt: skip
         if cleared:
             self._unsolved = self._positions.copy(), self._rotations.copy()
-        leash = leashes(footing)[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
-        leash, legs = np.ascontiguousarray(leash), legs_of(footing, window)
-        self._limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
-        self._joints, measures = joints.joints, at_frames(body.rows, window)
-        self._stance = measures, body.layout, legs[1], leash
-        self._given = (
-            (self._rows.asked, self._rows.areas, joints.arrays, recruits, self._rows.wishes),
-            (
-                leash, (standing.motion.channels[window], *legs),
-                (measures, segment_masses(body.layout), self._limits),
-                self._clearance, *self._unsolved,
-            ),
-        )  # fmt: skip
+        self._leash = np.full((2, len(self._positions)), np.inf)
+        if bound.by_contacts:
+            self._leash = np.ascontiguousarray(leashes(footing)[:, window])
+        self._stance = standing.motion.channels[window], *legs_of(footing, window)
+        limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
+        self._body = at_frames(body.rows, window), segment_masses(body.layout), limits
         self._misses = np.empty(self._activations.shape)
 
-    def _freedoms(self, limbs: NDArray[np.int64], activations: FloatArray) -> FloatArray:
-        """(L, n, F) how far n ``limbs`` are a balance's of a level to turn, of what acts (C, all)."""
-        if not len(limbs):
+    def _find_freedoms(self, activations: FloatArray) -> FloatArray:
+        """(L, n, F) how far each limb that may be recruited is a balance's of a level to turn, of what acts (C, F)."""
+        if not len(self._joints.limbs):
             return np.zeros((0, 0, 1))
-        standing, wishes, bound = self.standing, self._rows.asked[self._held :], self._asked[2]
-        contacts, named = standing.contacts if bound.by_contacts else (), wishes["ends"][:, :, 2]
-        free = limb_freedoms(named, wishes["rank"], activations, contacts, standing.motion.frame_rate)
+        standing, wishes, (_, _, bound) = self.standing, self._rows.asked[self._held :], self._asked
+        contacts, limbs = standing.contacts if bound.by_contacts else (), wishes["ends"][:, :, 2]
+        free = limb_freedoms(limbs, wishes["rank"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
         free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, self.window)
-        return np.ascontiguousarray(free[:, limbs])
+        return np.ascontiguousarray(free[:, self._joints.limbs])
 
     def solve(self) -> bool:
         """Solve every frame from its own pose; whether anything jolts."""
@@ -114,17 +106,17 @@ class Stretch:
         self._pose(level, easing)
 
     def _pose(self, level: int, easing: EasingArrays) -> None:
-        acts, (asked, areas, (mobilities, *joints), (recruited, usual, free), wishes) = (
-            self._activations,
-            self._given[0],
-        )
+        rows, joints, acts = self._rows, self._joints, self._activations
+        (mobilities, *others), usual = joints.arrays, joints.usual
         if level < self._levels - 1:
-            acts = np.where(asked["rank"][:, None] <= level, acts, 0.0)
-            rows = len(asked) + level + 1  # what only levels below may move stays where it is
-            mobilities, usual = mobilities[:rows], np.concatenate([usual[:rows], usual[-1:]])
-        recruits = recruited, usual, free
-        given = asked, areas, (mobilities, *joints), recruits, wishes, acts, *self._given[1]
-        solve_frames(*given, easing, self._misses, self._positions, self._rotations)
+            acts = np.where(rows.asked["rank"][:, None] <= level, acts, 0.0)
+            down = len(rows.asked) + level + 1  # what only levels below may move stays where it is
+            mobilities, usual = mobilities[:down], np.concatenate([usual[:down], usual[-1:]])
+        solve_frames(
+            rows.asked, rows.areas, (mobilities, *others), (joints.recruited, usual, self._freedoms),
+            self._wishes, acts, self._leash, self._stance, self._body, self._clearance, *self._unsolved,
+            easing, self._misses, self._positions, self._rotations,
+        )  # fmt: skip
 
     def _solve_of(self, level: int) -> Solve:
         """To note what is solved down to ``level``."""
@@ -132,7 +124,8 @@ class Stretch:
         if level < self._levels - 1:
             ends = ends[self._rows.asked["rank"] <= level]
         motion, layout = self.standing.motion, self.standing.morphology.layout
-        return Solve.of(layout, motion.frame_rate, len(self._positions), self._joints, ends, int(self._held > 0))
+        frames, joints = len(self._positions), self._joints.joints
+        return Solve.of(layout, motion.frame_rate, frames, joints, ends, int(self._held > 0))
 
     @property
     def reach(self) -> float:
@@ -183,9 +176,10 @@ class Stretch:
 
     def _ease(self, room: FloatArray) -> None:
         motion = *self._unsolved, self._positions, self._rotations
-        leash = RootLeash.of(self.standing.positions[self.window], *self._stance)
+        (measures, _, limits), ankles, layout = self._body, self._stance[2], self.standing.morphology.layout
+        leash = RootLeash.of(self.standing.positions[self.window], measures, layout, ankles, self._leash)
         levels = [self._level(number) for number in range(self._levels)]
-        Easing(levels, self._solve_anew, self._pose, motion, self._misses, self._limits, leash, room).ease()
+        Easing(levels, self._solve_anew, self._pose, motion, self._misses, limits, leash, room).ease()
 
     @property
     def _solved(self) -> tuple[FloatArray, ...]:
@@ -244,11 +238,11 @@ def constraint_activations(
     constraints: Sequence[Constraint], contacts: Sequence[ContactInterval], motion: NormalizedMotion
 ) -> FloatArray:
     """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
-    activations = np.ones((len(constraints), motion.frame_count))
+    activations = np.empty((len(constraints), motion.frame_count))
     standing = {contact.point.limb for contact in contacts}
     for row, constraint in zip(activations, constraints, strict=True):
-        if not constraint.activation.is_whole(0.0, motion.duration):
-            row[:] = constraint.activation.at(motion.times)
+        curve = constraint.activation
+        row[:] = 1.0 if curve.is_whole(0.0, motion.duration) else curve.at(motion.times)
         limb = limb_of(constraint.point.part)
         if limb >= 0 and limb in standing:
             row *= limb_freedom(contacts, limb, motion.frame_count, motion.frame_rate)
