@@ -106,7 +106,7 @@ class Solve:
     @property
     def jolts(self) -> bool:
         """Whether any frame has to be looked at closer."""
-        return bool((self.sharp > EASED[0] * self.source).any())
+        return bool(np.count_nonzero(self.sharp > EASED[0] * self.source))
 
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.

@@ -72,9 +72,8 @@ class Stretch:
         )  # fmt: skip
         if cleared:
             self._unsolved = self._positions.copy(), self._rotations.copy()
-        self._leash = np.full((2, len(self._positions)), np.inf)
-        if bound.by_contacts:
-            self._leash = np.ascontiguousarray(leashes(footing)[:, window])
+        leash = leashes(footing)[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
+        self._leash = np.ascontiguousarray(leash)
         self._stance = standing.motion.channels[window], *legs_of(footing, window)
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
         self._body = at_frames(body.rows, window), segment_masses(body.layout), limits
