@@ -44,20 +44,28 @@ CLIMB_SMOOTHING = 0.09
 
 @dataclass(frozen=True, eq=False)
 class Footing:
-    """What the ground asks of one body: ``states`` (2, F) bit 1 heel, bit 2 toe; ``free`` (2, F) from 0 where a foot
-    stands, eased, to 1; ``comforts`` (2, F) part of its
-    length to which each leg stretches freely; ``ankles`` (2, F, 3 or 7) targets, with those of knees that stand as
+    """What the ground asks of one body: ``states`` (2, F) bit 1 heel, bit 2 toe; ``comforts`` (2, F) part of its
+    length to which each leg stretches freely; ``runs`` (2, F) how much farther the root may stretch it, inf where its
+    foot is free; ``ankles`` (2, F, 3 or 7) targets, with those of knees that stand as
     ``kernels.legs.place_leg`` takes them; ``feet``, ``toes`` (2, F, 3, 3) world
     rotations; ``drops`` (F,) metres by which the root is lowered.
     """
 
     states: NDArray[np.int64]
-    free: FloatArray
     comforts: FloatArray
+    runs: FloatArray
     ankles: FloatArray
     feet: FloatArray
     toes: FloatArray
     drops: FloatArray
+
+    @property
+    def leashes(self) -> FloatArray:
+        """(2, F) part of its length to which the root may stretch each leg; inf where its foot is free.
+
+        A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
+        """
+        return self.comforts + self.runs
 
 
 def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.int64]:
@@ -88,7 +96,6 @@ def find_footing(
     carry, ``carried`` (F,); ``drops`` take that off.
     """
     states = foot_states(contacts, motion.frame_count)
-    free = np.array([freedom(planted, motion.frame_rate) for planted in states != 0])
     pose = (positions, rotations) if upright is None else upright
     count = motion.frame_count
     ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
@@ -96,11 +103,11 @@ def find_footing(
     for side, plan in enumerate(plans):
         _plan_foot(side, morphology, states[side], ground, motion.frame_rate, *pose, plan)
     if ground.is_level:
-        comforts, drops = leg_comforts(motion, states, free), np.zeros(count)
+        (comforts, runs), drops = leg_stretches(motion, states), np.zeros(count)
         if np.count_nonzero(states):
             drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
             drops = smooth_drops(drops, motion.frame_rate)
-        return Footing(states, free, comforts, ankles, feet, toes, drops)
+        return Footing(states, comforts, runs, ankles, feet, toes, drops)
     draped = [
         _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, *pose)
         for side, plan in enumerate(plans)
@@ -108,7 +115,7 @@ def find_footing(
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
     climb = carried * gaussian_filter1d(climb, CLIMB_SMOOTHING * motion.frame_rate, mode="nearest")
-    comforts = leg_comforts(motion, states, free)
+    comforts, runs = leg_stretches(motion, states)
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
     on_level = np.array([each.level_ankles for each in draped]) - positions[:, 0]
@@ -123,7 +130,7 @@ def find_footing(
     # A foot in the air that reaches far down, as on the way down a flight of steps, brings the root down early.
     drops = smooth_drops(np.maximum(drops, all_feet - np.maximum(level, 0.0)), motion.frame_rate) - climb
     _keep_below_hips(ankles, drops, states, motion.frame_rate, morphology, positions)
-    return Footing(states, free, comforts, ankles, feet, toes, drops)
+    return Footing(states, comforts, runs, ankles, feet, toes, drops)
 
 
 def _keep_below_hips(
@@ -231,23 +238,14 @@ def _drape_foot(
     return _DrapedFoot((led.ankles, led.feet, led.toes), plan[0], draped.heights)
 
 
-def leg_comforts(motion: NormalizedMotion, states: NDArray[np.int64], free: FloatArray) -> FloatArray:
-    """(2, F) part of its length to which each leg stretches freely: standing, as far as the motion's own leg does."""
+def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """The ``comforts`` of a ``Footing``, where it stands as far as the motion's own leg stretches, and its ``runs``."""
     if not np.count_nonzero(states):
-        return np.full(states.shape, SWINGING_REACH)
+        return np.full(states.shape, SWINGING_REACH), np.full(states.shape, np.inf)
+    free = np.array([freedom(planted, motion.frame_rate) for planted in states != 0])
     own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
     standing = own.clip(STANDING_REACH, 1.0 - 1e-9)
-    return standing + free * (SWINGING_REACH - standing)
-
-
-def leashes(footing: Footing) -> FloatArray:
-    """(2, F) part of its length to which the root may stretch each leg; inf where its foot is free.
-
-    A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
-    """
-    if not np.count_nonzero(footing.states):
-        return np.full(footing.states.shape, np.inf)
-    return footing.comforts + run_out(footing.free)
+    return standing + free * (SWINGING_REACH - standing), run_out(free)
 
 
 def run_out(free: FloatArray) -> FloatArray:

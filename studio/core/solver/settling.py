@@ -28,7 +28,7 @@ from studio.core.solver.carrying import (
     smoothstep,
     track_of,
 )
-from studio.core.solver.footing import Footing, freedom, leashes, run_out
+from studio.core.solver.footing import Footing, freedom, run_out
 from studio.core.solver.footprints import tilts_of
 
 FloatArray = NDArray[np.float64]
@@ -141,7 +141,7 @@ def _settled(
     if kneeling:
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
     links = _Links([], [], [], [])
-    for side, leash in enumerate(leashes(footing)):
+    for side, leash in enumerate(footing.leashes):
         hip, legs = positions[:, layout.hip(side)], lengths_of(body, at.M_LEG + 2 * side)
         links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), leash * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:

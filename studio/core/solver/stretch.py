@@ -22,7 +22,7 @@ from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.chains import carrying_chain, free_joints, segment_masses
 from studio.core.solver.clearance import lowest_first, pack_clearance
 from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
-from studio.core.solver.footing import Footing, leashes
+from studio.core.solver.footing import Footing
 from studio.core.solver.holding import held_points, place_held, release_hands
 from studio.core.solver.packing import in_order, limb_of, pack
 from studio.core.solver.recruiting import leg_room, limb_freedoms
@@ -72,7 +72,7 @@ class Stretch:
         )  # fmt: skip
         if cleared:
             self._unsolved = self._positions.copy(), self._rotations.copy()
-        leash = leashes(footing)[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
+        leash = footing.leashes[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
         self._leash = np.ascontiguousarray(leash)
         self._stance = standing.motion.channels[window], *legs_of(footing, window)
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]

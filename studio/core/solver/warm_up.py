@@ -47,7 +47,7 @@ def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
     positions, rotations = (np.stack([each] * FRAMES) for each in rest_pose(morphology))
     turns = np.broadcast_to(np.eye(3), (2, FRAMES, 3, 3))
     states, shares, ankles = np.zeros((2, FRAMES), np.int64), np.full((2, FRAMES), 0.9), np.zeros((2, FRAMES, 3))
-    footing = Footing(states, shares, shares, ankles, turns, turns, shares[0])
+    footing = Footing(states, shares, np.full((2, FRAMES), np.inf), ankles, turns, turns, shares[0])
     standing = Standing(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
     return hold(standing, (_reach(),))
 
