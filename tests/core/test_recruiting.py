@@ -19,7 +19,7 @@ from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.ground import Ground
 from studio.core.joint_limits import limits_of
 from studio.core.kernels.adapt import make_work
-from studio.core.kernels.balance import add_leg_answer, centre_of_mass, let_arm_reach, set_balance_rows
+from studio.core.kernels.balance import add_leg_answer, centre_of_mass, let_arm_reach, set_balance_rows, sum_masses
 from studio.core.kernels.joints import ROOT
 from studio.core.kernels.placing import carry_body
 from studio.core.kernels.reach import aim_at
@@ -29,7 +29,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.pose import PoseSequence
 from studio.core.solver.adapt import Bound, Standing, hold, stand
-from studio.core.solver.chains import free_joints, segment_masses
+from studio.core.solver.chains import free_joints, point_masses, segment_masses
 from studio.core.solver.footing import FREED_AFTER
 from studio.core.solver.recruiting import leg_room, limb_freedoms
 from studio.core.solver.request import AdaptedMotion
@@ -292,8 +292,8 @@ class _Posed:
         self.start = standing.positions[frame], standing.rotations[frame]
         parts = footing.comforts, footing.ankles, footing.feet, footing.toes
         legs = (KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
-        self.masses = segment_masses(body.layout)
-        self.body = body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0]
+        self.masses, self.shares = segment_masses(body.layout), point_masses(body.layout)
+        self.body = body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares
         self.work = make_work(1, len(self.chain[1]), len(self.start[0]))
 
     def pose(self, joint: int, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -307,13 +307,13 @@ class _Posed:
 
     def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
         """(3,) the centre of mass then."""
-        point = np.empty(3)
-        centre_of_mass(self.masses, self.pose(joint, turn)[0], np.empty((len(self.masses) + 1, 4)), point)
-        return point
+        sums = np.empty((len(self.masses) + 1, 4))
+        sum_masses(self.masses, self.pose(joint, turn)[0], sums)
+        return sums[-1, :3]
 
     def rows(self) -> np.ndarray:
         sums, rows = np.empty((len(self.masses) + 1, 4)), np.empty((3, len(self.chain[1]), 3))
-        centre_of_mass(self.masses, self.start[0], sums, np.empty(3))
+        sum_masses(self.masses, self.start[0], sums)
         set_balance_rows(3, self.masses, sums, self.chain[1], self.start[0], rows)
         return rows
 
@@ -349,6 +349,16 @@ def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str
         assert slope == pytest.approx(levers[:, axis], abs=1e-3 * np.abs(levers).max())
 
 
+@pytest.mark.parametrize("name", BODIES)
+def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> None:
+    posed, point = _Posed(STANDING[name], MIDDLE), np.empty(3)
+    sums = np.empty((len(posed.masses) + 1, 4))
+    centre_of_mass(posed.shares, posed.start[0], point)
+    sum_masses(posed.masses, posed.start[0], sums)
+    assert sums[-1] == pytest.approx([*point, 1.0], abs=1e-3)
+    assert sums[-1, :3] == pytest.approx(point, abs=1e-12)
+
+
 @pytest.mark.parametrize("side", [0, 1])
 def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: int) -> None:
     posed, step, goal = _Posed(STANDING["adult_woman"], 30), 1e-6, np.array([2.0, 0.6 - 1.2 * side, 1.5])
@@ -364,13 +374,12 @@ def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: in
             goal, positions[root + 2].copy(), upper, layout.spine_count, positions[root].copy(), positions, rotations
         )
         point = np.empty(3)
-        sums = np.empty((len(masses) + 1, 4))
-        centre_of_mass(masses, positions, sums, point)
+        centre_of_mass(posed.shares, positions, point)
         return point, positions
 
     first = aimed(0, np.zeros(3))[1]
     sums, rows = np.empty((len(masses) + 1, 4)), np.empty((2, len(joints), 3))
-    centre_of_mass(masses, first, sums, np.empty(3))
+    sum_masses(masses, first, sums)
     set_balance_rows(2, masses, sums, joints, first, rows)
     reach = float(np.linalg.norm(first[root + 2] - first[root]))
     let_arm_reach(side, 2, goal, reach, sums, joints, first, rows)

@@ -74,8 +74,9 @@ def solve_frames(
     free each is for each level; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3), distances
     (C, F or 1)) where things are to be at full activation; ``activations`` (C, F); ``leashes`` (2, F) of the legs;
     ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body`` the tuple (measures, masses
-    (S, 2), limits of ``kernels.joint_limits``); ``clearance`` as in ``kernels.clearance``, which works on the unsolved
-    poses, in place, and again after the constraints; ``easing`` as in ``kernels.easing``.
+    (S, 2), shares (P,) of ``kernels.balance``, limits of ``kernels.joint_limits``); ``clearance`` as in
+    ``kernels.clearance``, which works on the unsolved poses, in place, and again after the constraints; ``easing`` as
+    in ``kernels.easing``.
     ``positions`` and ``rotations`` begin as copies of the unsolved ones.
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
@@ -211,7 +212,7 @@ def body_at(frame, leashes, stance, body):
     channels, comforts, ankles, feet, toes = stance
     row = body[0][frame if body[0].shape[0] > 1 else 0]
     legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame])
-    return row, body[1], leashes[:, frame], legs, body[2]
+    return row, body[1], leashes[:, frame], legs, body[3], body[2]
 
 
 @kernel

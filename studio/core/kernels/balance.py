@@ -14,10 +14,20 @@ MEETING = 0.005
 
 
 @kernel
-def centre_of_mass(masses, positions, out_sums, out_point):
-    """Centre of mass (3,) from ``masses`` (S, 2): share of the body's mass, place along the segment.
+def centre_of_mass(shares, positions, out_point):
+    """Centre of mass (3,) from the ``shares`` (P,) of the body's mass that its points have."""
+    x = y = z = 0.0
+    for point in range(shares.shape[0]):
+        share, place = shares[point], positions[point]
+        x, y, z = x + share * place[0], y + share * place[1], z + share * place[2]
+    out_point[0], out_point[1], out_point[2] = x, y, z
 
-    ``out_sums`` (S + 1, 4) becomes moment and share of all segments before each: those of a range are a difference.
+
+@kernel
+def sum_masses(masses, positions, out_sums):
+    """Moments and shares of all segments before each, (S + 1, 4), so that those of a range are a difference.
+
+    ``masses`` (S, 2): share of the body's mass, place along the segment. The last are the centre of mass, and 1.
     """
     count = masses.shape[0]
     out_sums[0, 0] = out_sums[0, 1] = out_sums[0, 2] = out_sums[0, 3] = 0.0
@@ -25,7 +35,6 @@ def centre_of_mass(masses, positions, out_sums, out_point):
     for limb in range(4):
         first = count - 16 + 4 * limb
         add_masses(first, first + 4, first + 1 + limb, masses, positions, out_sums)
-    out_point[0], out_point[1], out_point[2] = out_sums[count, 0], out_sums[count, 1], out_sums[count, 2]
 
 
 @small_kernel
@@ -50,7 +59,7 @@ def add_masses(first, past, point, masses, positions, out_sums):
 def set_balance_rows(axes, masses, sums, joints, positions, rows):
     """How joints move the centre of mass along ``axes`` (2 or 3) world axes, m (c - o) x v, into ``rows`` (axes, N, 3).
 
-    ``sums`` as from ``centre_of_mass``. The ankles stay where they are, so legs answer the root's travel as
+    ``sums`` as from ``sum_masses``. The ankles stay where they are, so legs answer the root's travel as
     ``add_leg_answer`` says; to the pelvis' turn they do not.
     """
     spine_count = positions.shape[0] - 23

@@ -4,9 +4,9 @@ What goes through the functions here, for C constraints on a body of S segments 
 ``asked`` (C,) records of ``kernels.asked`` in order of rank; ``areas`` (C, n) as in ``kernels.areas``.
 ``chain`` the tuple (mobilities (C + L, N), joints (N, 5), slots (S + 1,), limits (N,)) of ``kernels.joints``: how
   freely each constraint moves each joint, and after the C constraints each of the L levels any down to it.
-``body`` (measures, masses (S, 2), leashes (2,), legs, limits): leashes are the parts of their lengths to which the
-  root may stretch the legs, inf where a foot is free; legs are channels, comforts, ankles, feet and toes;
-  limits those of ``kernels.joint_limits``.
+``body`` (measures, masses (S, 2), leashes (2,), legs, limits, shares (P,)): masses and shares are those of
+  ``kernels.balance``; leashes the parts of their lengths to which the root may stretch the legs, inf where a foot is
+  free; legs are channels, comforts, ankles, feet and toes; limits those of ``kernels.joint_limits``.
 ``work`` (ask, solving, carried (S + 1, 3, 3), turned (4, N, 3) state, the one before, ``edges``' and one that costs
   those above too much, grips (12,), points (8, 3), sums (S + 1, 4), turns (54, 3, 3), full, past (5,)): scratch, the
   first two as in ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is

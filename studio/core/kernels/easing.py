@@ -55,7 +55,7 @@ def pin(c, stands, asked, areas, body, work, start, above):
         row.pinned = 1
         copy_matrix(above[1][row.ends[0, 1]], row.turn)
     elif row.kind == BALANCE and row.ends[1, 0] < 0:
-        centre_of_mass(body[1], above[0], work[6], row.places[0])
+        centre_of_mass(body[5], above[0], row.places[0])
         copy_point(row.places[0], row.places[1])
     else:
         row.engaged = 0

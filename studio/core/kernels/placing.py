@@ -285,7 +285,7 @@ def miss_of(c, asked, areas, body, work, pose):
         turn_error(row.turn, pose[1][row.ends[0, 1]], work[7][0], point)
         return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
     if row.kind == BALANCE:
-        centre_of_mass(body[1], pose[0], work[6], point)
+        centre_of_mass(body[5], pose[0], point)
         squared = 0.0
         for axis in range(row.axes):
             squared += (point[axis] - row.places[0, axis]) ** 2

@@ -5,7 +5,7 @@
 
 import math
 
-from studio.core.kernels.balance import centre_of_mass, set_balance_rows
+from studio.core.kernels.balance import centre_of_mass, set_balance_rows, sum_masses
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import BALANCE
 from studio.core.kernels.joint_limits import limb_parts
@@ -55,7 +55,7 @@ def note_balances(level, asked, chain, body, work, pose):
         if not frees_limbs(c, chain):
             continue
         point = work[5][0]
-        centre_of_mass(body[1], pose[0], work[6], point)
+        centre_of_mass(body[5], pose[0], point)
         squared = 0.0
         for axis in range(row.axes):
             squared += (row.places[0, axis] - point[axis]) ** 2
@@ -84,6 +84,7 @@ def mass_reach(row, mobilities, masses, chain, work, positions):
     ``work[5][0]`` towards its place, times that way: their levers along it.
     """
     rows, point, total = work[0][0], work[5][0], 0.0
+    sum_masses(masses, positions, work[6])
     set_balance_rows(row.axes, masses, work[6], chain[1], positions, rows)
     for joint in range(chain[1].shape[0]):
         if mobilities[joint] <= 0.0:

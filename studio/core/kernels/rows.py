@@ -5,7 +5,7 @@
 
 import math
 
-from studio.core.kernels.balance import centre_of_mass, let_arm_reach, set_balance_rows
+from studio.core.kernels.balance import let_arm_reach, set_balance_rows, sum_masses
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row, may_turn
@@ -67,7 +67,7 @@ def add_rows(c, level, owner, is_held, count, asked, chain, body, work, pose):
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
         count = add_turn_rows(row, owner, is_held, count, ask, chain, work[7][0], points[0], pose)
     elif row.kind == BALANCE:
-        count = add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work, points[0], pose[0])
+        count = add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work, pose[0])
     else:
         for end in range(2):
             if row.ends[end, 0] < 0:
@@ -142,13 +142,14 @@ def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
 
 
 @kernel
-def add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work, point, positions):
+def add_balance_rows(row, level, owner, is_held, count, asked, chain, body, work, positions):
     """Two rows that move the centre of mass over the ground, or three, while arms reach for goals down to ``level``."""
     ask, sums, spine_count = work[0], work[6], positions.shape[0] - 23
-    centre_of_mass(body[1], positions, sums, point)
+    sum_masses(body[1], positions, sums)
+    now = sums[sums.shape[0] - 1]
     for axis in range(row.axes):
         wanted = row.kept_places[0, axis] if is_held else row.places[1, axis]
-        note_row(ask, count, owner, wanted - point[axis])
+        note_row(ask, count, owner, wanted - now[axis])
         count += 1
     rows, down_to = ask[0][count - row.axes : count], min(asked.shape[0] + level, chain[0].shape[0] - 1)
     set_balance_rows(row.axes, body[1], sums, chain[1], positions, rows)

@@ -35,7 +35,7 @@ def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose)
             rotation_vector_to_matrix(share * point[0], share * point[1], share * point[2], turn)
             multiply(turn, begin, row.turn)
         elif row.kind == BALANCE:
-            centre_of_mass(body[1], pose[0], work[6], point)
+            centre_of_mass(body[5], pose[0], point)
             copy_point(point, row.begin)
             for axis in range(3):
                 way = 0.0 if math.isnan(wish[axis]) else wish[axis] - point[axis]

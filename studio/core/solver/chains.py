@@ -130,3 +130,12 @@ def segment_masses(layout: BodyLayout) -> FloatArray:
         masses[arm : arm + 3] = [(0.0271, 0.577), (0.0162, 0.457), (0.0061, 0.5)]
         masses[leg : leg + 3] = [(0.1416, 0.41), (0.0433, 0.44), (0.0137, 0.4)]
     return masses
+
+
+@cache
+def point_masses(layout: BodyLayout) -> FloatArray:
+    """(P,) shares of the body's mass that its points would have to have for the centre of mass to be the same."""
+    points, (shares, along) = np.zeros(layout.point_count), segment_masses(layout).T
+    np.add.at(points, list(layout.proximal_points()), shares * (1.0 - along))
+    np.add.at(points, list(layout.distal_points()), shares * along)
+    return points

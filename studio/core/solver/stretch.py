@@ -19,7 +19,7 @@ from studio.core.metrics import QUIET
 from studio.core.morphology import at_frames
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.carrying import limb_freedom
-from studio.core.solver.chains import carrying_chain, free_joints, segment_masses
+from studio.core.solver.chains import carrying_chain, free_joints, point_masses, segment_masses
 from studio.core.solver.clearance import lowest_first, pack_clearance
 from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
 from studio.core.solver.footing import Footing
@@ -76,7 +76,8 @@ class Stretch:
         self._leash = np.ascontiguousarray(leash)
         self._stance = standing.motion.channels[window], *legs_of(footing, window)
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
-        self._body = at_frames(body.rows, window), segment_masses(body.layout), limits
+        masses = segment_masses(body.layout), point_masses(body.layout)
+        self._body = at_frames(body.rows, window), *masses, limits
         self._misses = np.empty(self._activations.shape)
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studio.core.contacts import ContactInterval, ContactPoint, contact_mask, touching_points
 from studio.core.morphology import Morphology
-from studio.core.solver.chains import segment_masses
+from studio.core.solver.chains import point_masses
 
 FloatArray = NDArray[np.float64]
 
@@ -32,10 +32,7 @@ _COSINE, _SINE = np.cos(_ANGLES[1]), np.sin(_ANGLES[1])
 
 def mass_path(positions: FloatArray, body: Morphology) -> FloatArray:
     """(F, 3) metres: where the centre of mass of posed bodies (F, P, 3) is (de Leva 1996; METHOD 7)."""
-    layout = body.layout
-    shares, along = segment_masses(layout).T
-    begin, end = positions[:, list(layout.proximal_points())], positions[:, list(layout.distal_points())]
-    return np.asarray(shares @ (begin + along[:, None] * (end - begin)))
+    return np.asarray(point_masses(body.layout) @ positions)
 
 
 def standing_points(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.bool_]:
