@@ -176,7 +176,7 @@ class Stretch:
 
     def _ease(self, room: FloatArray) -> None:
         motion = *self._unsolved, self._positions, self._rotations
-        (measures, _, limits), ankles, layout = self._body, self._stance[2], self.standing.morphology.layout
+        (measures, _, _, limits), ankles, layout = self._body, self._stance[2], self.standing.morphology.layout
         leash = RootLeash.of(self.standing.positions[self.window], measures, layout, ankles, self._leash)
         levels = [self._level(number) for number in range(self._levels)]
         Easing(levels, self._solve_anew, self._pose, motion, self._misses, limits, leash, room).ease()
