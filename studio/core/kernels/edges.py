@@ -14,13 +14,14 @@ the second four of ``grips`` which limbs are to stay as blended.
 import math
 
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.constraints import KEPT, mend, note_kept
+from studio.core.kernels.constraints import mend, note_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG
 from studio.core.kernels.placing import KEPT_TURNS, carry_body, miss_of, place_limbs, turn_error
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.rows import MISSED, TURN_ARM, aim_limb
+from studio.core.kernels.steps import KEPT
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 IN_PART = 3
