@@ -102,7 +102,7 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
 
     The first ``contacts`` of them stand above all others. Raises TypeError for a kind that the solver does not know.
     """
-    count = len(constraints)
+    count, (ranks, weights) = len(constraints), _levels(constraints, contacts)
     begun = [
         _BLANK.tobytes() if isinstance(each, BalanceConstraint) else _begun(each.point, each.chain, layout)
         for each in constraints
@@ -110,14 +110,14 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
     rows = Rows(
         layout,
         targets,
-        _ranks(constraints, contacts),
+        ranks,
         asked=np.frombuffer(bytearray(b"".join(begun)), dtype=ASKED),  # whole: NumPy copies records field by field
         areas=np.zeros((count, 10)),
         places=[_NO_PLACE] * count,
         turns=[_NO_TURN] * count,
         distances=[_NO_DISTANCE] * count,
     )
-    rows.asked["rank"], rows.asked["weight"] = rows.ranks, _shared_weights(constraints, rows.ranks)
+    rows.asked["rank"], rows.asked["weight"] = ranks, weights
     for c, constraint in enumerate(constraints):
         write = _WRITERS.get(type(constraint))
         if write is None:
@@ -129,17 +129,16 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
     return rows
 
 
-def _ranks(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]:
-    """The level of each, 0 the highest."""
+def _levels(constraints: Sequence[Constraint], contacts: int) -> tuple[tuple[int, ...], list[float]]:
+    """The level of each, 0 the highest, and its weight as a part of the heaviest of its level: one alone is asked as
+    without any.
+    """
     priorities = [-1] * contacts + [constraint.priority for constraint in constraints[contacts:]]
-    return tuple(map(sorted(set(priorities)).index, priorities))
-
-
-def _shared_weights(constraints: Sequence[Constraint], ranks: Sequence[int]) -> list[float]:
-    """Weights as parts of the heaviest of their level, so that one alone is asked as without any weight."""
     weights = [constraint.weight for constraint in constraints]
-    heaviest = dict(sorted(zip(ranks, weights, strict=True)))  # the last of a level stays
-    return [max(weight / heaviest[rank], LEAST_WEIGHT) for weight, rank in zip(weights, ranks, strict=True)]
+    heaviest = dict(sorted(zip(priorities, weights, strict=True)))  # of a level the last stays
+    ranks = {priority: rank for rank, priority in enumerate(heaviest)}
+    parts = [weight / heaviest[priority] for weight, priority in zip(weights, priorities, strict=True)]
+    return tuple(ranks[priority] for priority in priorities), [max(part, LEAST_WEIGHT) for part in parts]
 
 
 @lru_cache(maxsize=1024)
