@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.body import move_all
-from studio.core.kernels.clearance import clear_after, clear_before, make_clear_work, waits
+from studio.core.kernels.clearing import clear_after, clear_before, make_clear_work
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.easing import ease_frame
@@ -13,8 +13,9 @@ from studio.core.kernels.edges import HERE, IN_PART, clear_state, keep_solution,
 from studio.core.kernels.jolts import note_jolts
 from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.packed import pack
-from studio.core.kernels.placing import miss_of
+from studio.core.kernels.placing import follow, miss_of
 from studio.core.kernels.recruiting import free_limbs
+from studio.core.kernels.stages import hold_above, is_due, keep_stage, make_kept
 from studio.core.kernels.vectors import copy_matrix, copy_point
 from studio.core.kernels.wishes import set_goals
 
@@ -72,7 +73,8 @@ def solve_frames(
     ``asked``, ``areas`` and ``chain`` as in ``kernels.constraints``; ``recruits`` the tuple (joints (n,), usual
     (C + L + 1, n), free (L, n, F)) of the limbs that a balance may turn: their joints, mobilities with limits last, how
     free each is for each level; ``wishes`` the tuple (places (C, F or 1, 3), turns (C, F or 1, 3, 3), distances
-    (C, F or 1)) where things are to be at full activation; ``activations`` (C, F); ``leashes`` (2, F) of the legs;
+    (C, F or 1)) where things are to be at full activation; ``activations`` (K, C, F) of all down to each of
+    K stages of ``kernels.stages``, the last of all; ``leashes`` (2, F) of the legs;
     ``stance`` the tuple (channels, comforts, ankles, feet, toes) of the legs; ``body`` the tuple (measures, masses
     (S, 2), shares (P,) of ``kernels.balance``, limits of ``kernels.joint_limits``); ``clearance`` as in
     ``kernels.clearance``, which works on the unsolved poses, in place, and again after the constraints; ``easing`` as
@@ -80,8 +82,8 @@ def solve_frames(
     ``positions`` and ``rotations`` begin as copies of the unsolved ones.
     ``out_residuals`` (C, F): by how much each is missed (metres, radians for an orientation), NaN where not active.
     """
-    work = make_work(activations.shape[0], chain[1].shape[0], positions.shape[1])
-    clear_work = make_clear_work(clearance)
+    work = make_work(asked.shape[0], chain[1].shape[0], positions.shape[1])
+    clear_work, kept = make_clear_work(clearance), make_kept(clearance, asked.shape[0], chain[1].shape[0])
     motion = (start_positions, start_rotations, positions, rotations)
     solve_each(
         asked,
@@ -95,6 +97,7 @@ def solve_frames(
         body,
         clearance,
         clear_work,
+        kept,
         work,
         motion,
         easing,
@@ -115,6 +118,7 @@ def solve_each(
     body,
     clearance,
     clear_work,
+    kept,
     work,
     motion,
     easing,
@@ -122,49 +126,92 @@ def solve_each(
 ):
     """``solve_frames`` with its scratch: ``work``, and that of ``kernels.clearance``."""
     chain, recruits, wishes, stance, body = pack(chain), pack(recruits), pack(wishes), pack(stance), pack(body)
-    clearance, clear_work, clears = pack(clearance), pack(clear_work), clearance[2].shape[0] > 0
+    clearance, clear_work, kept = pack(clearance), pack(clear_work), pack(kept)
     ask, solving, carried, turned, grips, points, sums, turns, full, past = work
     matrix, system, newton, active, answer, ways, levers, long = solving
     solving = pack((matrix, system, newton, active, answer, ways, levers, pack(long)))
     work = pack((pack(ask), solving, carried, turned, grips, points, sums, turns, pack(full), past))
     motion, easing = pack(motion), pack(easing)
-    frames, states, eases = easing[0], easing[1], easing[2].shape[0] > 0
+    frames, states, eases, clears = easing[0], easing[1], easing[2].shape[0] > 0, clearance[2].shape[0] > 0
+    last, every, acts = activations.shape[0] - 1, activations[activations.shape[0] - 1], False
     for number in range(frames.shape[0]):
-        frame = frames[number]
+        frame, first = frames[number], True
         start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
-        waited = clears and waits(frame, clearance, activations)
-        if clears and not waited:
-            clear_before(frame, clearance, clear_work, start)
-        if clears or eases:
-            copy_pose(start, pose)
-        acts = solve_one(
-            frame,
-            asked,
-            areas,
-            chain,
-            recruits,
-            wishes,
-            activations,
-            leashes,
-            stance,
-            body,
-            work,
-            motion,
-            out_residuals,
-        )
-        if eases:
-            frame_body = pack(body_at(frame, leashes, stance, body))
-            ease_frame(frame, asked, areas, chain, wishes, activations, frame_body, work, start, pose, easing)
-            note_misses(frame, asked, areas, frame_body, work, pose, out_residuals)
+        waited = clears and clear_before(frame, clearance, every, clear_work, start)
+        for stage in range(last if eases else 0, last + 1):
+            if clears and not eases and not is_due(stage, frame, clearance, activations):
+                continue
+            down = activations[stage]
+            if clears or eases:
+                copy_pose(start, pose)
+                clear_state(work)
+            acts = solve_one(
+                frame, asked, areas, chain, recruits, wishes, down, leashes, stance, body, work, motion, out_residuals
+            )
+            if eases or clears:
+                frame_body = pack(body_at(frame, leashes, stance, body))
+            if eases:
+                ease_frame(frame, asked, areas, chain, wishes, every, frame_body, work, start, pose, easing)
+                note_misses(frame, asked, areas, frame_body, work, pose, out_residuals)
+            if clears:
+                keep_clear(
+                    frame,
+                    stage,
+                    first,
+                    acts,
+                    waited,
+                    asked,
+                    areas,
+                    activations,
+                    chain,
+                    frame_body,
+                    clearance,
+                    clear_work,
+                    kept,
+                    work,
+                    start,
+                    pose,
+                    out_residuals,
+                )
+                first = False
         for joint in range(states.shape[1]):
             for axis in range(3):
                 states[frame, joint, axis] = work[3][0, joint, axis] if acts or eases else 0.0
-        if clears:
-            frame_body = pack(body_at(frame, leashes, stance, body))
-            clear_after(frame, acts, waited, asked, areas, clearance, clear_work, frame_body, work, pose, out_residuals)
-            note_misses(frame, asked, areas, frame_body, work, pose, out_residuals)
         if not eases:
             note_jolts(frame, chain[1], motion, easing)
+
+
+@kernel
+def keep_clear(
+    frame,
+    stage,
+    first,
+    acts,
+    waited,
+    asked,
+    areas,
+    activations,
+    chain,
+    body,
+    clearance,
+    clear_work,
+    kept,
+    work,
+    start,
+    pose,
+    out_residuals,
+):
+    """Clear the arms of one frame that was solved down to a ``stage``, and hold what stands above that."""
+    clear_after(frame, stage, acts, waited, asked, areas, clearance, clear_work, body, work, start, pose, out_residuals)
+    follow(asked.shape[0], True, asked, areas, work, start, pose)
+    note_misses(frame, asked, areas, body, work, pose, out_residuals)
+    down = activations[stage]
+    if not first:
+        hold_above(
+            stage, frame, asked, areas, down, chain, body, clearance, clear_work, kept, work, start, pose, out_residuals
+        )
+    if stage < activations.shape[0] - 1:
+        keep_stage(stage, first, frame, asked, clearance, kept, work, pose, out_residuals)
 
 
 @kernel

@@ -1,10 +1,10 @@
 """Arms kept clear of their own body: out of capsules, by moving the wrist and by turning the elbow about its axis.
 
-A pass of its own beside the constraints, in smooth closed-form steps from the frame's own pose, so that it needs no
-frame before. ``volume`` is the tuple (segments (N, 2), places (N, 2, 3), radii (N, 2), girths (5,)) of
-``core.volume.BodyVolume``; ``capsules`` (N, 9) are begin, axis, 1 / length^2 and both radii in the world; an arm has
-five spheres, its probes: at the elbow, half way down the forearm, at the wrist, in the palm and in the fingers. *Room*
-is how far a probe's surface is from the body's, negative inside.
+In smooth closed-form steps from the frame's own pose, so that it needs no frame before; ``kernels.clearing`` says when.
+``volume`` is the tuple (segments (N, 2), places (N, 2, 3), radii (N, 2), girths (5,)) of ``core.volume.BodyVolume``;
+``capsules`` (N, 9) are begin, axis, 1 / length^2 and both radii in the world; an arm has five spheres, its probes: at
+the elbow, half way down the forearm, at the wrist, in the palm and in the fingers. *Room* is how far a probe's surface
+is from the body's, negative inside.
 """
 
 import math
@@ -13,18 +13,13 @@ import numpy as np
 
 from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.goals import GIVEN_UP, ORIENTATION
 from studio.core.kernels.limb import soft_reach
-from studio.core.kernels.limb_constraints import CLOSE_ENOUGH
-from studio.core.kernels.placing import miss_of
 from studio.core.kernels.reach import reach_to, span_range
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.turns import turn_by
 from studio.core.kernels.vectors import copy_matrix, copy_point
 
 PROBES = 5
-HIGHER, STANDS = 2, 3
-"""How a constraint stands to one that keeps clear: 0 below it, 1 beside it, or above, the last as a contact."""
 BLEND = 0.02
 """Metres over which the distances to two capsules run into each other."""
 CORE = 0.3
@@ -281,128 +276,3 @@ def copy_arm(arm, out_arm):
         copy_point(arm[0][point], out_arm[0][point])
     for segment in range(3):
         copy_matrix(arm[1][segment], out_arm[1][segment])
-
-
-@allocating_kernel
-def make_clear_work(clearance):
-    """Scratch: capsules (N, 9), rooms now and before the constraints (2, 5), saved arm, a turn, two small ones."""
-    return (
-        np.empty((clearance[0][0].shape[0], 9)),
-        np.empty((2, PROBES)),
-        np.empty((2, PROBES)),
-        (np.empty((4, 3)), np.empty((3, 3, 3))),
-        np.empty((3, 3)),
-        np.empty(2),
-        np.empty(PROBES),
-        np.empty((PROBES, 3)),
-    )
-
-
-@kernel
-def clear_before(frame, clearance, work, pose):
-    """Clear the arms of one frame before its constraints.
-
-    ``clearance`` is the tuple (volume, proximal points (S,), wanted rooms (Q, F, 2, 5), activations (Q, F), arms
-    (Q, 2) 1 where meant, freedoms of the wrist (Q,), above (Q, C) how constraints stand to it, misses (Q, F), rooms
-    (F, 2, 5) and ways out (F, 2, 5, 3) of the actor) of Q constraints, the highest last.
-    """
-    volume, wanted, activations, arms = clearance[0], clearance[2], clearance[3], clearance[4]
-    capsules, rooms, saved, turn = work[0], work[1], work[3], work[4]
-    place_capsules(volume, pose, clearance[1], capsules)
-    for side in range(2):
-        own, ways, moved = clearance[8][frame, side], clearance[9][frame, side], False
-        for q in range(wanted.shape[0]):
-            share = activations[q, frame] * arms[q, side]
-            if share > 0.0:
-                free, asks = (share, clearance[5][q], 1.0), wanted[q, frame, side]
-                moved = clear_arm(side, False, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side])
-        if moved:
-            measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
-
-
-@kernel
-def waits(frame, clearance, activations):
-    """Whether a wish acts that stands above a clear constraint: then arms are cleared once it has what it wants."""
-    above, found = clearance[6], False
-    for q in range(above.shape[0]):
-        for c in range(above.shape[1]):
-            acts = clearance[3][q, frame] > 0.0 and activations[c, frame] > 0.0
-            found = found or (acts and above[q, c] == HIGHER)
-    return found
-
-
-@allocating_kernel
-def clear_after(frame, acted, waited, asked, areas, clearance, clear_work, body, work, pose, residuals):
-    """Clear arms again that constraints have brought nearer, where they ``acted``, or, where that has ``waited``, for
-    the first time; and note how much room is missing.
-
-    A constraint of ``asked`` (C,) that stands above holds what it is about by its activation: a wrist or hand still
-    lets the elbow swivel, a point further up holds the whole arm. Where something above would be missed otherwise than
-    by its ``residuals`` (C, F), the arm stays.
-    """
-    volume, wanted, activations, arms, misses = clearance[0], clearance[2], clearance[3], clearance[4], clearance[7]
-    capsules, rooms, before, saved = clear_work[0], clear_work[1], clear_work[2], clear_work[3]
-    turn, held, asks, ways_now = clear_work[4], clear_work[5], clear_work[6], clear_work[7]
-    spine_count = pose[0].shape[0] - 23
-    if acted:
-        for side in range(2):
-            for probe in range(PROBES):
-                before[side, probe] = math.inf if waited else rooms[side, probe]
-        place_capsules(volume, pose, clearance[1], capsules)
-    for side in range(2):
-        own, ways, moved = clearance[8][frame, side], clearance[9][frame, side], False
-        for q in range(wanted.shape[0]):
-            share = activations[q, frame] * arms[q, side]
-            if acted and share > 0.0:
-                hold_arm(side, asked, clearance[6][q], spine_count, held)
-                free = (share if waited else 1.0, clearance[5][q] * (1.0 - held[0]), 1.0 - held[1])
-                for probe in range(PROBES):
-                    asks[probe] = min(wanted[q, frame, side, probe], before[side, probe] - TOUCH)
-                moves = clear_arm(
-                    side, not waited, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side]
-                )
-                if moves and costs(frame, clearance[6][q], asked, areas, body, work, pose, residuals):
-                    first, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-                    copy_arm(saved, (pose[0][first : first + 4], pose[1][upper : upper + 3]))
-                moved = moved or moves
-        if moved or waited:
-            measure_arm(side, volume, capsules, pose[0], rooms[side], ways_now)
-    for q in range(wanted.shape[0]):
-        misses[q, frame] = math.nan if activations[q, frame] <= 0.0 else 0.0
-        for side in range(2):
-            if activations[q, frame] * arms[q, side] > 0.0:
-                for probe in range(PROBES):
-                    short = wanted[q, frame, side, probe] - rooms[side, probe]
-                    misses[q, frame] = max(misses[q, frame], short)
-
-
-@kernel
-def costs(frame, above, asked, areas, body, work, pose, residuals):
-    """Whether anything that stands above is missed otherwise than by its ``residuals`` (C, F)."""
-    changed = False
-    for c in range(asked.shape[0]):
-        if above[c] >= HIGHER and (asked[c].wanted == 1 or asked[c].wanted == GIVEN_UP):
-            change = miss_of(c, asked, areas, body, work, pose) - residuals[c, frame]
-            changed = changed or abs(change) > CLOSE_ENOUGH
-    return changed
-
-
-@kernel
-def hold_arm(side, asked, above, spine_count, out_held):
-    """How far constraints above hold an arm's wrist and its swivel, (2,) from 0 to 1."""
-    out_held[0], out_held[1] = 0.0, 0.0
-    upper, wrist = spine_count + 3 + 4 * side, spine_count + 6 + 5 * side
-    for c in range(asked.shape[0]):
-        row = asked[c]
-        if not above[c] or row.wanted == 0:
-            continue
-        for end in range(2):
-            if row.ends[end, 2] != side:
-                continue
-            segment, offset = row.ends[end, 1], row.offsets[end]
-            at_wrist = row.ends[end, 0] == wrist and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0
-            if segment == upper + 2 and row.kind == ORIENTATION:
-                continue
-            out_held[0] = max(out_held[0], row.share)
-            if segment < upper + 2 and (row.kind == ORIENTATION or not at_wrist):
-                out_held[1] = max(out_held[1], row.share)

@@ -105,15 +105,22 @@ def note_blended(part, asked, areas, body, work, pose):
 @kernel
 def blend_kept(part, work):
     """Blend state and limbs of what is kept, which counts ``part``, into those of what was just solved."""
-    turned, turns, turn, vector = work[3], work[7], work[7][0], work[5][7]
+    turned = work[3]
     for joint in range(turned.shape[1]):
         for axis in range(3):
             turned[0, joint, axis] = turned[1, joint, axis] + part * (turned[2, joint, axis] - turned[1, joint, axis])
     for limb in range(4):
-        for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
-            turn_error(turns[THERE + bone], turns[HERE + bone], turn, vector)
-            rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
-            multiply(turn, turns[HERE + bone], turns[KEPT_TURNS + bone])
+        blend_limb(part, limb, work)
+
+
+@kernel
+def blend_limb(part, limb, work):
+    """``blend_kept`` of one limb alone."""
+    turns, turn, vector = work[7], work[7][0], work[5][7]
+    for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
+        turn_error(turns[THERE + bone], turns[HERE + bone], turn, vector)
+        rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
+        multiply(turn, turns[HERE + bone], turns[KEPT_TURNS + bone])
 
 
 @kernel

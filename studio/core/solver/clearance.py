@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.kernels import clearance as kernel
+from studio.core.kernels.clearing import HIGHER, STANDS
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -20,9 +21,10 @@ FloatArray = NDArray[np.float64]
 
 
 def lowest_first(constraints: Sequence[Constraint]) -> list[int]:
-    """Rows of the clear constraints, the highest last: it has the last word."""
-    clear = [row for row, each in enumerate(constraints) if isinstance(each, ClearConstraint)]
-    return sorted(clear, key=lambda row: -constraints[row].priority)
+    """Rows of the clear constraints, the highest last: it has the last word. Which was made first does not count."""
+    clear = [(row, each) for row, each in enumerate(constraints) if isinstance(each, ClearConstraint)]
+    clear.sort(key=lambda pair: (-pair[1].priority, pair[1].margin, pair[1].arms, pair[1].name))
+    return [row for row, _ in clear]
 
 
 def pack_clearance(
@@ -50,11 +52,11 @@ def pack_clearance(
         own, ways = (np.ascontiguousarray(each[window]) for each in _actor_rooms(motion, actor))
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
     wanted = np.empty((len(asked), *shape))
-    above = np.full((len(asked), len(others)), kernel.STANDS)
+    above = np.full((len(asked), len(others)), STANDS)
     priorities = np.array([each.priority for each in others[standing:]], dtype=np.int64)
     for row, each in enumerate(asked):
         kernel.wanted_rooms(own, each.margin, wanted[row])
-        above[row, standing:] = kernel.HIGHER * (priorities < each.priority) + (priorities == each.priority)
+        above[row, standing:] = HIGHER * (priorities < each.priority) + (priorities == each.priority)
     return (
         _packed(volume or usual_volume(body)),
         np.array(body.layout.proximal_points()),
@@ -66,7 +68,21 @@ def pack_clearance(
         np.full(activations.shape, np.nan),
         own,
         ways,
+        *_stages([each.priority for each in asked], np.concatenate([np.full(standing, -1), priorities])),
     )
+
+
+def _stages(clears: list[int], others: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Stages of ``kernels.stages`` by priorities: 0 down to the highest of ``clears``, then one each."""
+    below = np.unique(np.maximum(np.concatenate([clears, others]), min(clears)))
+    return np.searchsorted(below, clears), np.searchsorted(below, np.maximum(others, below[0]))
+
+
+def down_to_stages(activations: FloatArray, clearance: tuple[Any, ...]) -> FloatArray:
+    """``activations`` (C, F) as the kernels take them, (K, C, F): of what stands down to each of K stages."""
+    clears, others = clearance[10:]
+    stages = np.arange(1 + max(clears.max(initial=0), others.max(initial=0)))
+    return np.where(others[:, None] <= stages[:, None, None], activations, 0.0)
 
 
 @cache
@@ -75,8 +91,11 @@ def _nothing(others: int) -> tuple[Any, ...]:
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
-    wanted, ways = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3))
-    return _packed(volume), np.empty(0, np.int64), wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways
+    wanted, ways, stages = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
+    return (
+        _packed(volume), stages[:0], wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways, stages[:0],
+        stages,
+    )  # fmt: skip
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:

@@ -20,7 +20,7 @@ from studio.core.morphology import at_frames
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.chains import carrying_chain, free_joints, point_masses, segment_masses
-from studio.core.solver.clearance import lowest_first, pack_clearance
+from studio.core.solver.clearance import down_to_stages, lowest_first, pack_clearance
 from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
 from studio.core.solver.footing import Footing
 from studio.core.solver.holding import held_points, place_held, release_hands
@@ -112,9 +112,10 @@ class Stretch:
             acts = np.where(rows.asked["rank"][:, None] <= level, acts, 0.0)
             down = len(rows.asked) + level + 1  # what only levels below may move stays where it is
             mobilities, usual = mobilities[:down], np.concatenate([usual[:down], usual[-1:]])
+        staged = down_to_stages(acts, self._clearance) if self._clear else acts[None]
         solve_frames(
             rows.asked, rows.areas, (mobilities, *others), (joints.recruited, usual, self._freedoms),
-            self._wishes, acts, self._leash, self._stance, self._body, self._clearance, *self._unsolved,
+            self._wishes, staged, self._leash, self._stance, self._body, self._clearance, *self._unsolved,
             easing, self._misses, self._positions, self._rotations,
         )  # fmt: skip
 
