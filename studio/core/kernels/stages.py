@@ -180,12 +180,14 @@ def go_part(share, how, stage, frame, given):
         for limb in range(4):
             hung[4 + limb] = 0
     for side in range(2):
-        c = wish_above(side, stage, asked, clearance[11], spine_count) if how in (side, BOTH, WHOLE) else -1
         if how in (side, BOTH, WHOLE):
-            blend_limb(1.0 if how == WHOLE and c >= 0 else 1.0 - share, side, work)
+            held = how == WHOLE and wish_above(side, stage, asked, clearance[11], spine_count) >= 0
+            blend_limb(1.0 if held else 1.0 - share, side, work)
         carrier, upper, root = limb_parts(side, spine_count)
         hang_limb(carrier, upper, root, KEPT_TURNS + 4 * side, work[7], start, pose)
-        if c >= 0:
+    for side in range(2):
+        c = wish_above(side, stage, asked, clearance[11], spine_count)
+        if c >= 0 and how in (side, BOTH, WHOLE):
             bring_back(side, asked[c], kept[5][c], clear_work, work, pose)
     follow(asked.shape[0], True, asked, areas, work, start, pose)
     measure_rooms(frame, clearance, clear_work, pose)
