@@ -19,7 +19,6 @@ import numpy as np
 from studio.core.kernels.clearance import copy_arm, measure_arm, move_arm, place_capsules
 from studio.core.kernels.clearing import note_lacking
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.constraints import KEPT
 from studio.core.kernels.edges import HERE, IN_PART, THERE, blend_kept, blend_limb, note_turns
 from studio.core.kernels.goals import AREA, DISTANCE, POSITION, counts, end_place
 from studio.core.kernels.joint_limits import limb_parts
@@ -28,6 +27,7 @@ from studio.core.kernels.limb_constraints import HUNG
 from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import KEPT_TURNS, carry_body, follow, miss_of
 from studio.core.kernels.rotation import add_rotated
+from studio.core.kernels.steps import KEPT
 from studio.core.kernels.vectors import copy_matrix, copy_point
 
 BOTH, WHOLE, PLAIN = 2, 3, 4
