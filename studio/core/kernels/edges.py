@@ -213,7 +213,8 @@ def note_held(row, hung, work, pose):
         if row.kind == POSITION and row.ends[end, 2] >= 0 and hung[4 + row.ends[end, 2]]:
             copy_point(row.kept_places[end], row.places[end])
             row.comforts[end], row.easings[end] = 1.0, 0.0
-            note_stretch(row, end, row.ends[end, 2] >= 2 or hung[row.ends[end, 2]] >= 0, work[5], pose)
+            if row.longest[end] > 0.0:  # a shoulder has no limb before it
+                note_stretch(row, end, row.ends[end, 2] >= 2 or hung[row.ends[end, 2]] >= 0, work[5], pose)
 
 
 @kernel
