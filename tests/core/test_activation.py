@@ -28,12 +28,16 @@ def test_it_lies_between_0_and_1(curve: ActivationCurve, time: float) -> None:
 def test_it_is_1_on_the_plateau(curve: ActivationCurve, share: float) -> None:
     time = np.clip(curve.full + share * (curve.full_end - curve.full), curve.full, curve.full_end)
     assert curve.at(time) == 1.0
+    assert curve.is_whole(curve.full, time)
+    assert curve.is_whole(time, curve.full_end)
 
 
 @given(curves(), st.floats(1e-6, 10))
 def test_it_is_0_outside(curve: ActivationCurve, seconds: float) -> None:
     assert curve.at(curve.start - seconds) == 0.0
     assert curve.at(curve.end + seconds) == 0.0
+    assert not curve.is_whole(curve.start - seconds, curve.full_end)
+    assert not curve.is_whole(curve.full, curve.end + seconds)
 
 
 @given(curves())
