@@ -9,6 +9,8 @@ from pictured.figures import FIGURES, write_figure
 from pictured.kick_film import FRAME_RATE, KickFilm
 from pictured.shots import constrain, import_report, markers, sliders, timeline, window
 
+from studio.engine import first_run
+
 FILM_WIDTH = 880
 STILLS = {
     "window": window,
@@ -26,6 +28,7 @@ def main(arguments: list[str]) -> None:
     """Make each picture into the folder, by default docs/pictures."""
     folder = Path(arguments[0]) if arguments else Path(__file__).parent.parent / "docs" / "pictures"
     names = arguments[1:] or [*STILLS, *FIGURES, "kick"]
+    first_run.run()  # else the pictures would tell how long kernels compile
     for name in names:
         if name == "kick":
             write_film(folder / "kick.gif", KickFilm().images, FRAME_RATE, FILM_WIDTH)
