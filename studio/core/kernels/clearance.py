@@ -150,7 +150,7 @@ def wanted_rooms(actor_rooms, margin, out_wanted):
 
 
 @allocating_kernel
-def clear_arm(side, again, wanted, own, ways, shares, volume, capsules, saved, turn, pose, out_rooms):
+def clear_arm(side, touch, wanted, own, ways, shares, volume, capsules, saved, turn, pose, out_rooms):
     """Bring one arm out of its body where its probes have less room than ``wanted`` (5,); True when it moved.
 
     In sweeps, each from where the last one has brought the arm. ``shares`` (3,): how much of the answer is taken, how
@@ -163,7 +163,7 @@ def clear_arm(side, again, wanted, own, ways, shares, volume, capsules, saved, t
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
     moved, shift, swivel, step = False, np.zeros(3), 0.0, np.empty(4)
     for _ in range(SWEEPS):
-        near = moved or again
+        near = touch if touch > 0.0 else TOUCH if moved else 0.0
         if not sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, positions, out_rooms, step):
             break
         if not moved:
@@ -184,7 +184,7 @@ def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, posit
 
     Probe after probe takes the least step for itself, wrist and swivel counted by their cost, where the steps before
     have brought it. The actor has the room ``own`` (5,) and the ways out ``ways`` (5, 3): the narrower it is beside
-    this body, the earlier a probe begins to give way, unless it is to be kept ``near`` its place.
+    this body, the earlier a probe begins to give way, unless it is to be kept ``near`` its place, in metres.
     """
     place, arc, way = np.empty(3), np.empty(3), np.empty(3)
     out_step[0] = out_step[1] = out_step[2] = out_step[3] = 0.0
@@ -196,8 +196,8 @@ def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, posit
             place[axis] += k * out_step[axis] + out_step[3] * arc[axis]
         room = room_at(place[0], place[1], place[2], volume[3][probe], capsules, way)
         out_rooms[probe] = room
-        if near:
-            short = ramp(wanted[probe] - room, TOUCH)
+        if near > 0.0:
+            short = ramp(wanted[probe] - room, near)
         else:
             narrower = max(own[probe] - room, 0.0)
             fade = LEAST_FADE + narrower * FADE / (narrower + FADE)

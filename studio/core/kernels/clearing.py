@@ -54,7 +54,7 @@ def clear_before(frame, clearance, activations, work, pose):
             share = shares[q, frame] * arms[q, side]
             if share > 0.0 and not waited and stages[q] == 0:
                 free, asks = (share, clearance[5][q], 1.0), wanted[q, frame, side]
-                moved = clear_arm(side, False, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side])
+                moved = clear_arm(side, 0.0, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side])
         if moved:
             measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
         for probe in range(PROBES):
@@ -100,7 +100,18 @@ def clear_after(frame, stage, acted, waited, asked, areas, clearance, clear_work
                     if not late:
                         asks[probe] = min(asks[probe], before[side, probe] - TOUCH)
                 moves = clear_arm(
-                    side, not late, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side]
+                    side,
+                    0.0 if late else TOUCH,
+                    asks,
+                    own,
+                    ways,
+                    free,
+                    volume,
+                    capsules,
+                    saved,
+                    turn,
+                    pose,
+                    rooms[side],
                 )
                 if moves and costs(frame, clearance[6][q], asked, areas, body, work, start, pose, residuals):
                     first, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side

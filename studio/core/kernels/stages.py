@@ -16,8 +16,8 @@ import math
 
 import numpy as np
 
-from studio.core.kernels.clearance import copy_arm, measure_arm, move_arm, place_capsules
-from studio.core.kernels.clearing import note_lacking
+from studio.core.kernels.clearance import PROBES, clear_arm, copy_arm, measure_arm, move_arm, place_capsules
+from studio.core.kernels.clearing import hold_arm, note_lacking
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.edges import HERE, IN_PART, THERE, blend_kept, blend_limb, note_turns
 from studio.core.kernels.goals import AREA, DISTANCE, POSITION, counts, end_place
@@ -38,6 +38,8 @@ AIM, NEAR = 0.7, 0.02
 """Part of what a stage may change that it is left with where it goes back, and how near that is found."""
 LEFT = 0.8
 """The same that it may change where it is back wholly: stages above may have left it little."""
+CLOSE = 5e-5
+"""Metres of room to which arms are cleared where a stage changes what stands above it."""
 TRIES = 12
 """Poses that are looked at to find it."""
 
@@ -121,19 +123,25 @@ def hold_above(
     stage, frame, asked, areas, activations, chain, body, clearance, clear_work, kept, work, start, pose, residuals
 ):
     """Where a stage changes what stands above it, go but as far as it does not; in the end that is no way at all."""
-    change = change_of(stage, frame, asked, clearance, kept, residuals)
+    if change_of(stage, frame, asked, clearance, kept, residuals) < KEPT:
+        return
+    given = pack((asked, areas, activations, chain, body, clearance, clear_work, kept, work, start, pose, residuals))
+    note_now(frame, asked, clearance, kept, residuals)
+    place_capsules(clearance[0], pose, clearance[1], clear_work[0])
+    for side in range(2):
+        clear_closely(side, True, stage, frame, given)
+    change = tell(1.0, stage, frame, given)
     if change < KEPT:
         return
     note_ways(stage, frame, asked, clearance, kept, work, pose, residuals)
-    given = pack((asked, areas, activations, chain, body, clearance, clear_work, kept, work, start, pose, residuals))
     how = 0
     back = go_part(0.0, how, stage, frame, given)
     while back >= LEFT * KEPT and how < PLAIN:
         how += 1
         back = go_part(0.0, how, stage, frame, given)
-    least, most, low, high, before = 0.0, 1.0, back - AIM * KEPT, min(change - AIM * KEPT, KEPT), 0.0
-    if low > -NEAR * KEPT:
+    if back > (AIM - NEAR) * KEPT:
         return
+    least, low, most, high, before = 0.0, back - AIM * KEPT, 1.0, min(change - AIM * KEPT, KEPT), 0.0
     for _ in range(TRIES):
         share = (least * high - most * low) / (high - low)
         gap = min(go_part(share, how, stage, frame, given) - AIM * KEPT, KEPT)
@@ -145,6 +153,23 @@ def hold_above(
             most, high, low = share, gap, low * (0.5 if before > 0.0 else 1.0)
         before = gap
     go_part(least, how, stage, frame, given)
+
+
+@kernel
+def clear_closely(side, moves, stage, frame, given):
+    """Clear an arm once more, until it has the very room that what keeps clear above a stage is to keep; whether its
+    wrist ``moves`` or the elbow alone.
+    """
+    asked, _, _, _, _, clearance, clear_work, kept, _, _, pose, _ = given
+    capsules, rooms, _, saved, turn, held, asks, _ = clear_work
+    count, own, ways = asked.shape[0], clearance[8][frame, side], clearance[9][frame, side]
+    for q in range(clearance[2].shape[0]):
+        if clearance[10][q] < stage and clearance[3][q, frame] * clearance[4][q, side] > 0.0:
+            hold_arm(side, asked, clearance[6][q], pose[0].shape[0] - 23, held)
+            free = (1.0, clearance[5][q] * (1.0 - held[0]) if moves else 0.0, 1.0 - held[1])
+            for probe in range(PROBES):
+                asks[probe] = clearance[2][q, frame, side, probe] - kept[2][1, count + q] + CLOSE
+            clear_arm(side, CLOSE, asks, own, ways, free, clearance[0], capsules, saved, turn, pose, rooms[side])
 
 
 @kernel
@@ -170,7 +195,7 @@ def go_part(share, how, stage, frame, given):
     """Pose the body where a stage has gone a ``share`` of its way, the whole of it or its arms, and tell all misses; by
     how much those above it change.
     """
-    asked, areas, activations, chain, body, clearance, clear_work, kept, work, start, pose, residuals = given
+    asked, _, _, chain, body, clearance, clear_work, kept, work, start, pose, _ = given
     hung, spine_count = work[4], pose[0].shape[0] - 23
     blend_kept(1.0 - share if how >= WHOLE else 0.0, work)
     if how >= WHOLE:
@@ -185,10 +210,20 @@ def go_part(share, how, stage, frame, given):
             blend_limb(1.0 if held else 1.0 - share, side, work)
         carrier, upper, root = limb_parts(side, spine_count)
         hang_limb(carrier, upper, root, KEPT_TURNS + 4 * side, work[7], start, pose)
+    place_capsules(clearance[0], pose, clearance[1], clear_work[0])
     for side in range(2):
         c = wish_above(side, stage, asked, clearance[11], spine_count)
         if c >= 0 and how in (side, BOTH, WHOLE):
             bring_back(side, asked[c], kept[5][c], clear_work, work, pose)
+        if how in (side, BOTH, WHOLE):
+            clear_closely(side, c < 0, stage, frame, given)
+    return tell(share, stage, frame, given)
+
+
+@kernel
+def tell(share, stage, frame, given):
+    """Tell all misses where a stage has gone a ``share`` of its way; by how much those above it change."""
+    asked, areas, activations, _, body, clearance, clear_work, kept, work, start, pose, residuals = given
     follow(asked.shape[0], True, asked, areas, work, start, pose)
     measure_rooms(frame, clearance, clear_work, pose)
     for c in range(asked.shape[0]):
