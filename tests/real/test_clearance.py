@@ -9,9 +9,11 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.clear import ClearConstraint
+from studio.core.constraints.follow import FollowBody
+from studio.core.constraints.position import PositionConstraint
 from studio.core.ground import Ground
 from studio.core.metrics import QUIET, angular_acceleration
-from studio.core.solver.adapt import hold, stand
+from studio.core.solver.adapt import Standing, hold, stand
 from studio.core.solver.clearance import rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
@@ -28,13 +30,18 @@ DEEPEST = 0.02
 """Metres: what is kept of the depth that an actor has in a body whose girths are guessed."""
 
 
+def _standing(stem: str, name: str) -> tuple[Standing, AdaptedMotion]:
+    """A motion on a character, and the source."""
+    capture, motion, actor = taken(named(stem))
+    body, source = bundled_characters()[name], source_motion(motion, actor).frames(capture.first_frame, 10**6)
+    return stand(motion, body.morphology, contacts_of(capture), Ground(), body.volume, actor.morphology), source
+
+
 def _cleared(stem: str, name: str) -> tuple[AdaptedMotion, AdaptedMotion, AdaptedMotion]:
     """The source, the motion on a character, and the same with its arms clear."""
-    capture, motion, actor = taken(named(stem))
-    character, source = bundled_characters()[name], source_motion(motion, actor)
-    standing = stand(motion, character.morphology, contacts_of(capture), Ground(), character.volume, actor.morphology)
-    first = capture.first_frame
-    return source.frames(first, 10**6), hold(standing, (), first), hold(standing, (CLEAR,), first)
+    standing, source = _standing(stem, name)
+    first = source.first_frame
+    return source, hold(standing, (), first), hold(standing, (CLEAR,), first)
 
 
 def _arm_peaks(motion: AdaptedMotion) -> np.ndarray:
@@ -61,3 +68,19 @@ def test_what_touches_on_the_actor_touches_and_does_not_fly_off(captures: Path, 
     touching = (own < 0.02) & (sunk < -0.03)
     assert touching.sum() > 10
     assert now[touching].max() < 0.03
+
+
+@pytest.mark.parametrize("name", ["stocky_man", "adult_woman"])
+def test_wrists_that_are_to_be_in_the_body_stay_out_of_it_without_a_pop(captures: Path, name: str) -> None:
+    standing, source = _standing("cmu_salsa_10", name)
+    within = FollowBody(BodyPoint(BodyPart.PELVIS, (0.05, -0.02, 0.1)))
+    wrist = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
+    wish = PositionConstraint("motion", "Wrist", wrist, Chain(), 1, ALWAYS, target=within)
+    first, last = source.first_frame + 200, source.first_frame + 500
+    alone, both = hold(standing, (CLEAR,), first, last), hold(standing, (wish, CLEAR), first, last)
+    assert both.residuals[1] == pytest.approx(alone.residuals[0], abs=2e-4)
+    assert both.residuals[0].min() > 0.02
+    assert (_arm_peaks(both) / np.maximum(_arm_peaks(source), QUIET)).max() < 3.0
+    part = hold(standing, (CLEAR, wish), first + 100, first + 110)
+    assert np.array_equal(part.positions, both.positions[100:111])
+    assert np.array_equal(part.residuals[::-1], both.residuals[:, 100:111])

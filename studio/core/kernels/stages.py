@@ -3,13 +3,14 @@
 Stage 0 is the highest that keep clear and all above and beside them, and every priority below is a stage of its own. A
 frame is solved and cleared down to each stage in which something acts, and what has come to be is ``kept``: the tuple
 (state (N, 3), turns (16, 3, 3) of the limbs in what carries them, four a limb, misses (3, C + Q), places (C, 3) and
-entered (C,) of areas, spots (C, 3) where each had its first point, in the axes of what it follows on its own body)
-of C constraints and Q that keep clear. The misses are those that are kept, those that each had when its
-own stage was kept, and those of what has just been solved.
+entered (C,) of areas, spots (C, 3) where each had its first point, in the axes of what it follows on its own body) of C
+constraints and Q that keep clear. The misses are those that are kept, those that each had when its own stage was kept,
+and those of what has just been solved.
 
-Where a stage changes what one above it misses, it goes but a part of its way from there. Arms alone come back where
-that does, for it is they that are kept clear; else the whole body. An arm that comes back keeps its wrist where a wish
-above has it, unless even that changes something.
+Where a stage changes what one above it misses, its arms are cleared closely; where it still does, it goes but a part of
+its way from there. Arms alone come back where that does, for it is they that are kept clear; else all but neck and
+head. An arm that comes back keeps its wrist where a wish above has it; where that leaves not all as it was, the whole
+body is blended and nothing else is done.
 """
 
 import math
@@ -31,8 +32,8 @@ from studio.core.kernels.steps import KEPT
 from studio.core.kernels.vectors import copy_matrix, copy_point
 
 BOTH, WHOLE, PLAIN = 2, 3, 4
-"""How a stage may go back, in this order: 0 with its left arm, 1 with its right one, with both, with the whole body, or
-so that it is blended and nothing else.
+"""How a stage may go back, in this order: 0 with its left arm, 1 with its right one, with both, with all but neck and
+head, or so that the whole body is blended and nothing else.
 """
 AIM, NEAR = 0.7, 0.02
 """Part of what a stage may change that it is left with where it goes back, and how near that is found."""
@@ -198,6 +199,10 @@ def go_part(share, how, stage, frame, given):
     asked, _, _, chain, body, clearance, clear_work, kept, work, start, pose, _ = given
     hung, spine_count = work[4], pose[0].shape[0] - 23
     blend_kept(1.0 - share if how >= WHOLE else 0.0, work)
+    if how == WHOLE:
+        for joint in range(chain[1].shape[0]):
+            if spine_count <= chain[1][joint, 0] < spine_count + 2:
+                copy_point(work[3][1, joint], work[3][0, joint])
     if how >= WHOLE:
         for limb in range(4):
             hung[4 + limb] = HUNG if limb < 2 or is_named(limb, asked) else 0
