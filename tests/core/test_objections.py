@@ -70,6 +70,23 @@ def test_kinds_are_compared_by_what_they_are_about() -> None:
     assert "asks the same" in objection(replace(table, name="Desk"), [table])
 
 
+@pytest.mark.parametrize(
+    ("point", "followed", "refused"),
+    [
+        (BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), LEFT, True),
+        (LEFT, BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.1)), True),
+        (BodyPoint(BodyPart.LEFT_UPPER_ARM, at_end=True), LEFT, True),
+        (BodyPoint(BodyPart.LEFT_HAND, at_end=True), BodyPoint(BodyPart.LEFT_UPPER_ARM), False),  # by bending the elbow
+        (BodyPoint(BodyPart.LEFT_UPPER_ARM), LEFT, False),  # the shoulder comes to where the hand bends up
+        (BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), RIGHT, False),
+    ],
+)
+def test_a_limb_does_not_follow_what_it_carries(point: BodyPoint, followed: BodyPoint, refused: bool) -> None:
+    sentence = objection(asked("Wrist", point=point, target=FollowBody(followed)), [])
+    assert bool(sentence) == refused
+    assert sentence is None or sentence.startswith("'Wrist' would follow a point of its own limb")
+
+
 def test_points_that_follow_each_other_in_a_circle_are_refused() -> None:
     first = asked("First", target=FollowBody(RIGHT))
     second = asked("Second", point=RIGHT, target=FollowBody(HEAD))

@@ -7,6 +7,11 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.base import TRUNK, BodyPoint, Chain, Constraint, limb_bones
 from studio.core.constraints.follow import FollowBody
 
+_LIMBS = tuple(
+    tuple(BodyPart(f"{side}_{bone}") for bone in bones)
+    for side in ("left", "right")
+    for bones in (("upper_arm", "forearm", "hand"), ("thigh", "shank", "foot", "toe"))
+)
 _EVERYWHERE = {"motion_id", "name", "chain", "priority", "activation", "enabled", "weight"}
 """Values that say nothing about what is asked."""
 _MANY = {"area", "clear"}
@@ -26,6 +31,11 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
         return (
             f"'{constraint.name}': nothing that its chain frees can move the {constraint.point.part.label.lower()}."
             " Free more of its chain, or choose another point."
+        )
+    if _carries_its_goal(constraint):
+        return (
+            f"'{constraint.name}' would follow a point of its own limb, which goes along with it. Follow one that this"
+            " limb does not carry."
         )
     rivals = [each for each in others if each.enabled and each.motion_id == constraint.motion_id]
     for other in rivals:
@@ -74,6 +84,18 @@ def _moves(chain: Chain, part: BodyPart) -> bool:
             links += ["end_segment"] * (bone == "hand")
             carriers += [BodyPart(f"{side}_clavicle"), *limb_bones(part)[: 1 if bone == "upper_arm" else 2]]
     return any(getattr(chain, link) > 0.0 for link in links) or any(chain.weight(each) > 0.0 for each in carriers)
+
+
+def _carries_its_goal(constraint: Constraint) -> bool:
+    """Whether a place on a limb is to be where a point further out on the same limb is."""
+    followed, own = _followed(constraint), constraint.point
+    if followed is None or constraint.kind != "position":
+        return False
+    for limb in _LIMBS:
+        if own.part in limb and followed.part in limb:
+            bone = limb.index(own.part) - (not own.at_end and not any(own.offset))  # a joint ends the bone before it
+            return 0 <= bone <= limb.index(followed.part)
+    return False
 
 
 def objections(constraints: Sequence[Constraint]) -> list[str]:
