@@ -15,7 +15,7 @@ from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import follow, miss_of
 from studio.core.kernels.recruiting import free_limbs
-from studio.core.kernels.stages import hold_above, is_due, keep_stage, make_kept
+from studio.core.kernels.stages import hold_above, keep_stage, make_kept, next_stage
 from studio.core.kernels.vectors import copy_matrix, copy_point
 from studio.core.kernels.wishes import set_goals
 
@@ -135,16 +135,16 @@ def solve_each(
     frames, states, eases, clears = easing[0], easing[1], easing[2].shape[0] > 0, clearance[2].shape[0] > 0
     last, every, acts = activations.shape[0] - 1, activations[activations.shape[0] - 1], False
     for number in range(frames.shape[0]):
-        frame, first = frames[number], True
+        frame, first, waited, stage = frames[number], True, False, last
         start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
-        waited = clears and clear_before(frame, clearance, every, clear_work, start)
-        for stage in range(last if eases else 0, last + 1):
-            if clears and not eases and not is_due(stage, frame, clearance, activations):
-                continue
-            down = activations[stage]
+        if clears:
+            waited = clear_before(frame, clearance, every, clear_work, start)
+            stage = last if eases else next_stage(0, frame, clearance, activations)
+        while stage <= last:
             if clears or eases:
                 copy_pose(start, pose)
                 clear_state(work)
+            down = activations[stage]
             acts = solve_one(
                 frame, asked, areas, chain, recruits, wishes, down, leashes, stance, body, work, motion, out_residuals
             )
@@ -174,6 +174,7 @@ def solve_each(
                     out_residuals,
                 )
                 first = False
+            stage = next_stage(stage + 1, frame, clearance, activations) if clears else last + 1
         for joint in range(states.shape[1]):
             for axis in range(3):
                 states[frame, joint, axis] = work[3][0, joint, axis] if acts or eases else 0.0

@@ -2,7 +2,7 @@
 
 ``clearance`` is the tuple (volume, proximal points (S,), wanted rooms (Q, F, 2, 5), activations (Q, F), arms (Q, 2) 1
 where meant, freedoms of the wrist (Q,), above (Q, C) how constraints stand to it, misses (Q, F), rooms (F, 2, 5) and
-ways out (F, 2, 5, 3) of the actor, stages (Q,) of them and (C,) of the constraints, as ``kernels.stages`` has them) of
+ways out (F, 2, 5, 3) of the actor, stages (Q + C,) of them and of the constraints, as ``kernels.stages`` has them) of
 Q constraints that keep clear, the highest last.
 """
 

@@ -2,10 +2,10 @@
 
 Stage 0 is the highest that keep clear and all above and beside them, and every priority below is a stage of its own. A
 frame is solved and cleared down to each stage in which something acts, and what has come to be is ``kept``: the tuple
-(state (N, 3), turns (16, 3, 3) of the limbs in what carries them, four a limb, misses (3, C + Q), places (C, 3) and
-entered (C,) of areas, spots (C, 3) where each had its first point, in the axes of what it follows on its own body) of C
-constraints and Q that keep clear. The misses are those that are kept, those that each had when its own stage was kept,
-and those of what has just been solved.
+(state (N, 3), turns (16, 3, 3) of the limbs in what carries them, four a limb, misses (3, C + Q), places (C, 4) of
+areas and whether they are entered, spots (C, 3) where each had its first point, in the axes of what it follows on its
+own body) of C constraints and Q that keep clear. The misses are those that are kept, those that each had when its own
+stage was kept, and those of what has just been solved.
 
 Where a stage changes what one above it misses, its arms are cleared closely; where it still does, it goes but a part of
 its way from there. Arms alone come back where that does, for it is they that are kept clear; else all but neck and
@@ -54,44 +54,50 @@ def make_kept(clearance, constraints, joints):
         np.empty((joints if clears > 0 else 0, 3)),
         np.empty((16 if clears > 0 else 0, 3, 3)),
         np.empty((3, count + clears)),
-        np.empty((count, 3)),
-        np.empty(count, np.int64),
+        np.empty((count, 4)),
         np.empty((count, 3)),
     )
 
 
 @kernel
-def is_due(stage, frame, clearance, activations):
-    """Whether a stage is to be solved at this frame: something of it acts, and something that keeps clear does above it
-    or in it. Where nothing keeps clear now, the last is, with all that acts.
+def next_stage(stage, frame, clearance, activations):
+    """The first ``stage`` from one on that is to be solved at this frame, past the last where there is none.
+
+    Something of it acts, and something that keeps clear does above it or in it. Where nothing keeps clear now, it is
+    the last, with all that acts.
     """
-    shares, clears, rows = clearance[3], clearance[10], clearance[11]
-    last, first, acts = activations.shape[0] - 1, activations.shape[0], False
-    for q in range(clears.shape[0]):
+    shares, stages, count = clearance[3], clearance[10], clearance[2].shape[0]
+    last, first = activations.shape[0] - 1, activations.shape[0]
+    for q in range(count):
         if shares[q, frame] > 0.0:
-            first, acts = min(first, clears[q]), acts or clears[q] == stage
-    for c in range(rows.shape[0]):
-        acts = acts or (rows[c] == stage and activations[last, c, frame] > 0.0)
-    return (acts and first <= stage) or (first > last and stage == last)
+            first = min(first, stages[q])
+    if first > last:
+        return max(stage, last)
+    found, stage = last + 1, max(stage, first)
+    for each in range(stages.shape[0]):
+        share = shares[each, frame] if each < count else activations[last, each - count, frame]
+        if share > 0.0 and stages[each] >= stage:
+            found = min(found, stages[each])
+    return found
 
 
 @kernel
 def keep_stage(stage, first, frame, asked, clearance, kept, work, pose, residuals):
     """Note the pose of a stage and its misses, which are to stay as they are: the ``first`` has those of all above."""
-    state, turns, misses, places, entered, spots = kept
-    count, clears, rows = asked.shape[0], clearance[10], clearance[11]
+    state, turns, misses, places, spots = kept
+    count, clears = asked.shape[0], clearance[2].shape[0]
     for joint in range(state.shape[0]):
         copy_point(work[3][0, joint], state[joint])
     note_turns(0, turns, pose)
     note_now(frame, asked, clearance, kept, residuals)
-    for each in range(count + clears.shape[0]):
-        own = rows[each] if each < count else clears[each - count]
+    for each in range(count + clears):
+        own = clearance[10][clears + each if each < count else each - count]
         misses[0, each] = misses[2, each]
         if first or own == stage:
             misses[1, each] = misses[2, each]
     for c in range(count):
         copy_point(asked[c].places[0], places[c])
-        entered[c] = asked[c].engaged
+        places[c, 3] = asked[c].engaged
         if asked[c].wanted and asked[c].ends[0, 0] >= 0:
             note_spot(asked[c], work, pose, spots[c])
 
@@ -109,9 +115,9 @@ def note_now(frame, asked, clearance, kept, residuals):
 @kernel
 def change_of(stage, frame, asked, clearance, kept, residuals):
     """By how much what stands above a stage is missed otherwise than when its own was kept, metres or radians."""
-    misses, count, most = kept[2][1], asked.shape[0], 0.0
+    misses, count, clears, most = kept[2][1], asked.shape[0], clearance[2].shape[0], 0.0
     for c in range(count):
-        if asked[c].wanted and clearance[11][c] < stage:
+        if asked[c].wanted and clearance[10][clears + c] < stage:
             most = max(most, abs(residuals[c, frame] - misses[c]))
     for q in range(clearance[7].shape[0]):
         if clearance[3][q, frame] > 0.0 and clearance[10][q] < stage:
@@ -176,8 +182,8 @@ def clear_closely(side, moves, stage, frame, given):
 @kernel
 def note_ways(stage, frame, asked, clearance, kept, work, pose, residuals):
     """Note where a stage begins, with the areas as they then were, and where it would get."""
-    state, turns, _, places, entered, _ = kept
-    turned = work[3]
+    state, turns, _, places, _ = kept
+    turned, clears = work[3], clearance[2].shape[0]
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[1, joint])
         copy_point(state[joint], turned[2, joint])
@@ -186,9 +192,9 @@ def note_ways(stage, frame, asked, clearance, kept, work, pose, residuals):
         copy_matrix(turns[turn], work[7][THERE + turn])
     note_now(frame, asked, clearance, kept, residuals)
     for c in range(asked.shape[0]):
-        if asked[c].kind == AREA and clearance[11][c] < stage:
+        if asked[c].kind == AREA and clearance[10][clears + c] < stage:
             copy_point(places[c], asked[c].places[0])
-            asked[c].engaged = entered[c]
+            asked[c].engaged = 1 if places[c, 3] > 0.0 else 0
 
 
 @kernel
@@ -211,15 +217,15 @@ def go_part(share, how, stage, frame, given):
             hung[4 + limb] = 0
     for side in range(2):
         if how in (side, BOTH, WHOLE):
-            held = how == WHOLE and wish_above(side, stage, asked, clearance[11], spine_count) >= 0
+            held = how == WHOLE and wish_above(side, stage, asked, clearance, spine_count) >= 0
             blend_limb(1.0 if held else 1.0 - share, side, work)
         carrier, upper, root = limb_parts(side, spine_count)
         hang_limb(carrier, upper, root, KEPT_TURNS + 4 * side, work[7], start, pose)
     place_capsules(clearance[0], pose, clearance[1], clear_work[0])
     for side in range(2):
-        c = wish_above(side, stage, asked, clearance[11], spine_count)
+        c = wish_above(side, stage, asked, clearance, spine_count)
         if c >= 0 and how in (side, BOTH, WHOLE):
-            bring_back(side, asked[c], kept[5][c], clear_work, work, pose)
+            bring_back(side, asked[c], kept[4][c], clear_work, work, pose)
         if how in (side, BOTH, WHOLE):
             clear_closely(side, c < 0, stage, frame, given)
     return tell(share, stage, frame, given)
@@ -241,13 +247,14 @@ def tell(share, stage, frame, given):
 
 
 @kernel
-def wish_above(side, stage, asked, stages, spine_count):
+def wish_above(side, stage, asked, clearance, spine_count):
     """The highest constraint above a stage that has a place for the wrist or hand of an arm, -1 for none."""
+    clears = clearance[2].shape[0]
     for c in range(asked.shape[0]):
         row = asked[c]
         places = (row.kind == POSITION or row.kind == DISTANCE) and row.ends[0, 2] == side
         reaches = row.ends[0, 0] >= spine_count + 6 + 5 * side  # from the wrist on
-        if places and reaches and stages[c] < stage and counts(row):
+        if places and reaches and clearance[10][clears + c] < stage and counts(row):
             return c
     return -1
 

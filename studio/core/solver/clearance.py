@@ -68,21 +68,21 @@ def pack_clearance(
         np.full(activations.shape, np.nan),
         own,
         ways,
-        *_stages([each.priority for each in asked], np.concatenate([np.full(standing, -1), priorities])),
+        _stages([each.priority for each in asked], np.concatenate([np.full(standing, -1), priorities])),
     )
 
 
-def _stages(clears: list[int], others: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _stages(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
     """Stages of ``kernels.stages`` by priorities: 0 down to the highest of ``clears``, then one each."""
-    below = np.unique(np.maximum(np.concatenate([clears, others]), min(clears)))
-    return np.searchsorted(below, clears), np.searchsorted(below, np.maximum(others, below[0]))
+    priorities = np.maximum(np.concatenate([clears, others]), min(clears))
+    return np.asarray(np.searchsorted(np.unique(priorities), priorities), dtype=np.int64)
 
 
 def down_to_stages(activations: FloatArray, clearance: tuple[Any, ...]) -> FloatArray:
     """``activations`` (C, F) as the kernels take them, (K, C, F): of what stands down to each of K stages."""
-    clears, others = clearance[10:]
-    stages = np.arange(1 + max(clears.max(initial=0), others.max(initial=0)))
-    return np.where(others[:, None] <= stages[:, None, None], activations, 0.0)
+    stages = clearance[10]
+    others = stages[len(stages) - len(activations) :]
+    return np.where(others[:, None] <= np.arange(stages.max() + 1)[:, None, None], activations, 0.0)
 
 
 @cache
@@ -92,10 +92,7 @@ def _nothing(others: int) -> tuple[Any, ...]:
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
     wanted, ways, stages = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
-    return (
-        _packed(volume), stages[:0], wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways, stages[:0],
-        stages,
-    )  # fmt: skip
+    return _packed(volume), stages[:0], wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways, stages
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:
