@@ -21,9 +21,8 @@ from numba.core.targetconfig import ConfigStack
 
 ENVIRONMENT = "_ZN08NumbaEnv"
 """How the names begin under which compiled code finds its Python objects."""
-
-
 _SETTLED: dict[tuple[str, bool], Any] = {}
+"""Flags by the options of a kernel and whether they are a part's."""
 
 
 class Part(JITCodeLibrary):
@@ -69,7 +68,7 @@ class Whole(JITCodeLibrary):
         super()._optimize_final_module()
 
 
-class Settled(compiler.Flags):  # type: ignore[misc]
+class Settled(compiler.Flags):
     """Flags that nobody changes any more, each the same as itself alone.
 
     Numba finds again by its flags how each call is to be translated, and compares them option by option.
@@ -149,7 +148,7 @@ class Compiler(_FunctionCompiler):
     def _flags(self, as_part: bool = False) -> Any:
         options = repr(sorted(self.targetoptions.items())), as_part
         if options not in _SETTLED:
-            flags = Settled()
+            flags: Any = Settled()
             self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
             flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = as_part
             _SETTLED[options] = flags
