@@ -104,7 +104,8 @@ class OrbitCamera:
         centre = (high + low) / 2
         eye_depth = float(((high - low) / (2 * spread)).max())
         middle = float((local[:, 2].max() + local[:, 2].min()) / 2)
-        distance = eye_depth if self.parallel else eye_depth - middle
+        nearest = float(local[:, 2].max())  # points in one line of sight have no spread to step back for
+        distance = eye_depth if self.parallel else max(eye_depth, nearest + CLOSEST) - middle
         target = np.array([centre[0], centre[1], middle]) @ self.axes
         return replace(self, target=tuple(target.tolist()), distance=min(max(distance, 4 * CLOSEST), FARTHEST))
 

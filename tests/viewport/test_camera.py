@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from studio.viewport.camera import VIEWS, OrbitCamera
@@ -29,6 +29,7 @@ def test_a_point_on_the_ray_of_sight_through_a_pixel_is_seen_at_that_pixel(camer
 
 
 @given(cameras, st.lists(st.tuples(lengths, lengths, lengths), min_size=2, max_size=12, unique=True))
+@example(OrbitCamera((0.0, 0.0, 0.0), 1.0, 0.0, 0.0), [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)])
 def test_framing_brings_every_point_into_the_picture(camera, points):
     framed = camera.framing(points, SIZE)
     pixels, depth = framed.project(points, SIZE)
