@@ -1,22 +1,19 @@
 """A whole clip on one body: feet on their ankles, then constraints, frame by frame, each from its own pose."""
 
-import math
-
 import numpy as np
 
-from studio.core.kernels.body import move_all
+from studio.core.kernels.body import copy_pose, move_all
 from studio.core.kernels.clearing import clear_after, clear_before, make_clear_work
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.easing import ease_frame
-from studio.core.kernels.edges import HERE, IN_PART, clear_state, keep_solution, next_edge, pose_between
+from studio.core.kernels.edges import HERE, IN_PART, clear_state, keep_solution, next_edge, note_misses, pose_between
 from studio.core.kernels.jolts import note_jolts
 from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.packed import pack
-from studio.core.kernels.placing import follow, miss_of
+from studio.core.kernels.placing import follow
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.stages import hold_above, keep_stage, make_kept, next_stage
-from studio.core.kernels.vectors import copy_matrix, copy_point
 from studio.core.kernels.wishes import set_goals
 
 
@@ -138,7 +135,7 @@ def solve_each(
         frame, first, waited, stage = frames[number], True, False, last
         start, pose = pack((motion[0][frame], motion[1][frame])), pack((motion[2][frame], motion[3][frame]))
         if clears:
-            waited = clear_before(frame, clearance, every, clear_work, start)
+            waited = clear_before(frame, eases, clearance, every, clear_work, start)
             stage = last if eases else next_stage(0, frame, clearance, activations)
         while stage <= last:
             if clears or eases:
@@ -151,9 +148,10 @@ def solve_each(
             if eases or clears:
                 frame_body = pack(body_at(frame, leashes, stance, body))
             if eases:
-                ease_frame(frame, asked, areas, chain, wishes, every, frame_body, work, start, pose, easing)
-                note_misses(frame, asked, areas, frame_body, work, pose, out_residuals)
-            if clears:
+                given = pack((asked, areas, chain, wishes, every, frame_body))
+                clear = pack((waited, clearance, clear_work, out_residuals))
+                ease_frame(frame, given, clear, work, start, pose, easing)
+            elif clears:
                 keep_clear(
                     frame,
                     stage,
@@ -174,7 +172,7 @@ def solve_each(
                     out_residuals,
                 )
                 first = False
-            stage = next_stage(stage + 1, frame, clearance, activations) if clears else last + 1
+            stage = last + 1 if eases or not clears else next_stage(stage + 1, frame, clearance, activations)
         for joint in range(states.shape[1]):
             for axis in range(3):
                 states[frame, joint, axis] = work[3][0, joint, axis] if acts or eases else 0.0
@@ -216,15 +214,6 @@ def keep_clear(
 
 
 @kernel
-def copy_pose(start, pose):
-    """``pose`` becomes ``start``."""
-    for point in range(pose[0].shape[0]):
-        copy_point(start[0][point], pose[0][point])
-    for segment in range(pose[1].shape[0]):
-        copy_matrix(start[1][segment], pose[1][segment])
-
-
-@kernel
 def solve_one(
     frame, asked, areas, chain, recruits, wishes, activations, leashes, stance, body, work, motion, out_residuals
 ):
@@ -261,17 +250,6 @@ def body_at(frame, leashes, stance, body):
     row = body[0][frame if body[0].shape[0] > 1 else 0]
     legs = (channels[frame], comforts[:, frame], ankles[:, frame], feet[:, frame], toes[:, frame])
     return row, body[1], leashes[:, frame], legs, body[3], body[2]
-
-
-@kernel
-def note_misses(frame, asked, areas, body, work, pose, out_residuals):
-    """By how much each constraint is missed at one frame."""
-    for c in range(asked.shape[0]):
-        out_residuals[c, frame] = math.nan
-        if asked[c].wanted == IN_PART:
-            out_residuals[c, frame] = asked[c].blended
-        elif asked[c].wanted:
-            out_residuals[c, frame] = miss_of(c, asked, areas, body, work, pose)
 
 
 @allocating_kernel

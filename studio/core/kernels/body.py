@@ -3,6 +3,7 @@
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.turns import product, put_beside, put_turn, turn_in
+from studio.core.kernels.vectors import copy_matrix, copy_point
 
 
 @kernel
@@ -45,3 +46,12 @@ def move_all(x, y, z, positions):
 def body_point(point, segment, offset, positions, rotations, out_point):
     """Where a point fixed to a segment is: (3,) = positions[point] + rotations[segment] @ offset."""
     add_rotated(positions[point], rotations[segment], offset[0], offset[1], offset[2], out_point)
+
+
+@kernel
+def copy_pose(start, pose):
+    """``pose`` becomes ``start``."""
+    for point in range(pose[0].shape[0]):
+        copy_point(start[0][point], pose[0][point])
+    for segment in range(pose[1].shape[0]):
+        copy_matrix(start[1][segment], pose[1][segment])

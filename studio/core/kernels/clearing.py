@@ -37,11 +37,11 @@ def make_clear_work(clearance):
 
 
 @kernel
-def clear_before(frame, clearance, activations, work, pose):
+def clear_before(frame, is_clear, clearance, activations, work, pose):
     """Clear the arms of one frame before its constraints, unless a wish acts that stands above: then arms are cleared
     once it has what it wants. Whether they have to wait so.
 
-    What keeps clear below another that does always waits.
+    What keeps clear below another that does always waits. A pose that ``is_clear`` already is only looked at.
     """
     volume, wanted, shares, arms, stages = clearance[0], clearance[2], clearance[3], clearance[4], clearance[10]
     capsules, rooms, before, saved, turn = work[0], work[1], work[2], work[3], work[4]
@@ -52,10 +52,10 @@ def clear_before(frame, clearance, activations, work, pose):
         own, ways, moved = clearance[8][frame, side], clearance[9][frame, side], False
         for q in range(wanted.shape[0]):
             share = shares[q, frame] * arms[q, side]
-            if share > 0.0 and not waited and stages[q] == 0:
+            if share > 0.0 and not waited and not is_clear and stages[q] == 0:
                 free, asks = (share, clearance[5][q], 1.0), wanted[q, frame, side]
                 moved = clear_arm(side, 0.0, asks, own, ways, free, volume, capsules, saved, turn, pose, rooms[side])
-        if moved:
+        if moved or (is_clear and not waited):
             measure_arm(side, volume, capsules, pose[0], rooms[side], work[7])
         for probe in range(PROBES):
             before[side, probe] = math.inf if waited else rooms[side, probe]

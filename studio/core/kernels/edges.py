@@ -14,7 +14,7 @@ the second four of ``grips`` which limbs are to stay as blended.
 import math
 
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.constraints import mend, note_kept
+from studio.core.kernels.constraints import disturbance, mend, note_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG
@@ -164,6 +164,17 @@ def loses(asked, areas, body, work, pose):
 
 
 @kernel
+def note_misses(frame, asked, areas, body, work, pose, out_residuals):
+    """By how much each constraint is missed at one frame."""
+    for c in range(asked.shape[0]):
+        out_residuals[c, frame] = math.nan
+        if asked[c].wanted == IN_PART:
+            out_residuals[c, frame] = asked[c].blended
+        elif asked[c].wanted:
+            out_residuals[c, frame] = miss_of(c, asked, areas, body, work, pose)
+
+
+@kernel
 def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
     """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks."""
     level = chain[0].shape[0] - asked.shape[0]
@@ -172,7 +183,7 @@ def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
         row = asked[c]
         on_edge = not row.wanted and 0.0 < activations[c, frame] < 1.0
         turns = row.kind == ORIENTATION or row.kind == LOOK_AT
-        if on_edge or (row.wanted == 1 and row.blended * (TURN_ARM if turns else 1.0) > MISSED):
+        if on_edge or (row.wanted == 1 and not row.pinned and row.blended * (TURN_ARM if turns else 1.0) > MISSED):
             row.wanted = IN_PART
         note_hung(row, HUNG, hung)
     for limb in range(4):
@@ -183,8 +194,7 @@ def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
         if asked[c].wanted == 1:
             note_held(asked[c], hung, work, pose)
     place_limbs(level, asked, areas, chain, body, work, start, pose)
-    work[9][1] = -1.0
-    mend(level, CLOSE_ENOUGH, False, asked, areas, chain, body, work, start, pose)
+    mend_kept(level, asked, areas, chain, body, work, start, pose)
     for c in range(asked.shape[0]):
         row = asked[c]
         if row.wanted == 1 and row.blended > KEPT and row.ends[0, 2] >= 0 and hung[4 + row.ends[0, 2]]:
@@ -194,11 +204,28 @@ def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
 
 
 @kernel
+def mend_kept(level, asked, areas, chain, body, work, start, pose):
+    """Give what was blended with little missing what it asks; where steps lead away from that, none is taken."""
+    turned = work[3]
+    for joint in range(turned.shape[1]):
+        copy_point(turned[0, joint], turned[3, joint])
+    missed, work[9][1] = disturbance(level, False, asked, areas, body, work, pose), -1.0
+    if mend(level, CLOSE_ENOUGH, False, asked, areas, chain, body, work, start, pose):
+        return
+    if disturbance(level, False, asked, areas, body, work, pose) > missed:
+        for joint in range(turned.shape[1]):
+            copy_point(turned[3, joint], turned[0, joint])
+        carry_body(chain, body, work, start, pose)
+        place_limbs(level, asked, areas, chain, body, work, start, pose)
+
+
+@kernel
 def note_held(row, hung, work, pose):
     """What both poses have keeps what it asks, or as much of it as they brought."""
     turn, vector = work[7][0], work[5][7]
-    row.kept_miss = row.blended * (TURN_ARM if row.kind == ORIENTATION or row.kind == LOOK_AT else 1.0)
-    part = min(max(1.1 * (1.0 - row.kept_miss / MISSED), 0.0), 1.0)
+    missed = row.blended * (TURN_ARM if row.kind == ORIENTATION or row.kind == LOOK_AT else 1.0)
+    part = min(max(1.1 * (1.0 - missed / MISSED), 0.0), 1.0)
+    row.kept_miss = row.blended
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
         turn_error(row.turn, pose[1][row.ends[0, 1]], turn, vector)
         rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)

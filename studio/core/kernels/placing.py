@@ -28,6 +28,7 @@ from studio.core.kernels.joints import carry_arm, carry_point, carry_trunk, hang
 from studio.core.kernels.legs import place_leg, place_leg_points
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG, solve_limb
 from studio.core.kernels.rotation import (
+    add_rotated,
     matrix_to_rotation_vector,
     multiply,
     multiply_by_transposed,
@@ -43,6 +44,8 @@ ENGAGED = 1e-6
 """Metres into a forbidden area from which on a point counts as in it."""
 OUTLINED = 2
 """What an idle limb becomes once its points alone were put where they are to be."""
+TURN = 2
+"""What ``pinned`` is where a look is held to its turn, rather than to what it misses."""
 AGAIN = 3
 """Times that limbs are placed once more because a point entered an area or a distance was not shared well."""
 
@@ -201,7 +204,7 @@ def follow(level, solved, asked, areas, work, start, pose):
             end_place(row, 0, pose, points[0])
             second_place(row, pose, points[1])
             part_to(points[0], points[1], row.distance, row.shares, row.places)
-        elif row.kind == LOOK_AT and not row.pinned:
+        elif row.kind == LOOK_AT and row.pinned != TURN:
             rotation = pose[1][row.ends[0, 1]]
             end_place(row, 0, pose, points[0])
             gaze_goal(row.places[1], row.places[0], points[0], row.distance, points[1])
@@ -218,7 +221,9 @@ def follow_body(row, area, start, pose, work):
     place, point, turn, vector = work[5][0], work[5][1], work[7][0], work[5][7]
     end_place(row, 1, pose, place)
     axes = pose[1][row.ends[1, 1]]
-    if row.kind == POSITION:
+    if row.kind == POSITION and row.pinned:
+        add_rotated(place, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.places[0])
+    elif row.kind == POSITION:
         end_place(row, 0, start, point)
         ease_goal(point, place, row.share, row.places[0])
     elif row.kind == ORIENTATION:
@@ -279,7 +284,10 @@ def engage_one(c, asked, areas, points, pose):
 
 @kernel
 def miss_of(c, asked, areas, body, work, pose):
-    """By how much a constraint is missed now: metres, or radians for an orientation or a look."""
+    """By how much a constraint is missed now: metres, or radians for an orientation or a look.
+
+    An area by the nearest place where its point may be, which may be another than it was sent to.
+    """
     row, point, other = asked[c], work[5][0], work[5][1]
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
         turn_error(row.turn, pose[1][row.ends[0, 1]], work[7][0], point)
@@ -294,7 +302,7 @@ def miss_of(c, asked, areas, body, work, pose):
     if row.kind == DISTANCE:
         second_place(row, pose, other)
         return abs(distance(point, other) - row.distance)
-    if row.kind == AREA and not row.engaged:
+    if row.kind == AREA:
         return row.distance * nearest_allowed(areas[c], point, other)
     return distance(point, row.places[0])
 

@@ -23,6 +23,8 @@ HARDLY_MISSED = 5e-4
 """Metres of miss up to which a limb is held to what it wants, and beyond which its root is held where it is."""
 MISSED = 2e-3
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
+AWAY = 1.0
+"""Radians of miss from which on a look that is held keeps its turn: what it misses has no clear direction there."""
 SWIVELS = 0.01
 """Metres that a radian of swivel has to bring a limb's second wish for it to be held by that."""
 STEEP = 2.0
@@ -122,6 +124,8 @@ def note_row(ask, count, owner, error):
 def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
     """Three rows that turn a segment of the trunk; a limb's own segments are turned in closed form, and, held, keep
     what limits leave them to miss as if the limb were stiff.
+
+    A look that is held keeps what it misses of its target, wherever the eyes go, unless it looks away.
     """
     segment = row.ends[0, 1]
     if row.ends[0, 2] >= 0:
@@ -133,7 +137,13 @@ def add_turn_rows(row, owner, is_held, count, ask, chain, turn, vector, pose):
         for axis in range(3):
             add_turn_row(axis, TURN_ARM * vector[axis] / max(size, 1e-9), segment, chain[1], ask[0][count])
         return count + 1
-    turn_error(row.kept_turn if is_held else row.turn, pose[1][segment], turn, vector)
+    if is_held and row.kind == LOOK_AT and row.kept_miss < AWAY:
+        turn_error(row.turn, pose[1][segment], turn, vector)
+        size = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+        part = 1.0 - row.kept_miss / max(size, 0.5 * row.kept_miss, 1e-9)
+        vector[0], vector[1], vector[2] = part * vector[0], part * vector[1], part * vector[2]
+    else:
+        turn_error(row.kept_turn if is_held else row.turn, pose[1][segment], turn, vector)
     for axis in range(3):
         begin_row(ask, count, owner, TURN_ARM * vector[axis])
         add_turn_row(axis, TURN_ARM, segment, chain[1], ask[0][count])

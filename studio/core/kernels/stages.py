@@ -2,10 +2,9 @@
 
 Stage 0 is the highest that keep clear and all above and beside them, and every priority below is a stage of its own. A
 frame is solved and cleared down to each stage in which something acts, and what has come to be is ``kept``: the tuple
-(state (N, 3), turns (16, 3, 3) of the limbs in what carries them, four a limb, misses (3, C + Q), places (C, 4) of
-areas and whether they are entered, spots (C, 3) where each had its first point, in the axes of what it follows on its
-own body) of C constraints and Q that keep clear. The misses are those that are kept, those that each had when its own
-stage was kept, and those of what has just been solved.
+(state (N, 3), turns (16, 3, 3) of the limbs in what carries them, four a limb, misses (3, C + Q), spots (C, 3) where
+each had its first point, in the axes of what it follows on its own body) of C constraints and Q that keep clear. The
+misses are those that are kept, those that each had when its own stage was kept, and those of what has just been solved.
 
 Where a stage changes what one above it misses, its arms are cleared closely; where it still does, it goes but a part of
 its way from there. Arms alone come back where that does, for it is they that are kept clear; else all but neck and
@@ -21,7 +20,7 @@ from studio.core.kernels.clearance import PROBES, clear_arm, copy_arm, measure_a
 from studio.core.kernels.clearing import hold_arm, note_lacking
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.edges import HERE, IN_PART, THERE, blend_kept, blend_limb, note_turns
-from studio.core.kernels.goals import AREA, DISTANCE, POSITION, counts, end_place
+from studio.core.kernels.goals import DISTANCE, POSITION, counts, end_place
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.joints import hang_limb
 from studio.core.kernels.limb_constraints import HUNG
@@ -54,7 +53,6 @@ def make_kept(clearance, constraints, joints):
         np.empty((joints if clears > 0 else 0, 3)),
         np.empty((16 if clears > 0 else 0, 3, 3)),
         np.empty((3, count + clears)),
-        np.empty((count, 4)),
         np.empty((count, 3)),
     )
 
@@ -84,7 +82,7 @@ def next_stage(stage, frame, clearance, activations):
 @kernel
 def keep_stage(stage, first, frame, asked, clearance, kept, work, pose, residuals):
     """Note the pose of a stage and its misses, which are to stay as they are: the ``first`` has those of all above."""
-    state, turns, misses, places, spots = kept
+    state, turns, misses, spots = kept
     count, clears = asked.shape[0], clearance[2].shape[0]
     for joint in range(state.shape[0]):
         copy_point(work[3][0, joint], state[joint])
@@ -96,8 +94,6 @@ def keep_stage(stage, first, frame, asked, clearance, kept, work, pose, residual
         if first or own == stage:
             misses[1, each] = misses[2, each]
     for c in range(count):
-        copy_point(asked[c].places[0], places[c])
-        places[c, 3] = asked[c].engaged
         if asked[c].wanted and asked[c].ends[0, 0] >= 0:
             note_spot(asked[c], work, pose, spots[c])
 
@@ -181,9 +177,9 @@ def clear_closely(side, moves, stage, frame, given):
 
 @kernel
 def note_ways(stage, frame, asked, clearance, kept, work, pose, residuals):
-    """Note where a stage begins, with the areas as they then were, and where it would get."""
-    state, turns, _, places, _ = kept
-    turned, clears = work[3], clearance[2].shape[0]
+    """Note where a stage begins, and where it would get."""
+    state, turns, _, _ = kept
+    turned = work[3]
     for joint in range(turned.shape[1]):
         copy_point(turned[0, joint], turned[1, joint])
         copy_point(state[joint], turned[2, joint])
@@ -191,10 +187,6 @@ def note_ways(stage, frame, asked, clearance, kept, work, pose, residuals):
     for turn in range(16):
         copy_matrix(turns[turn], work[7][THERE + turn])
     note_now(frame, asked, clearance, kept, residuals)
-    for c in range(asked.shape[0]):
-        if asked[c].kind == AREA and clearance[10][clears + c] < stage:
-            copy_point(places[c], asked[c].places[0])
-            asked[c].engaged = 1 if places[c, 3] > 0.0 else 0
 
 
 @kernel
@@ -225,7 +217,7 @@ def go_part(share, how, stage, frame, given):
     for side in range(2):
         c = wish_above(side, stage, asked, clearance, spine_count)
         if c >= 0 and how in (side, BOTH, WHOLE):
-            bring_back(side, asked[c], kept[4][c], clear_work, work, pose)
+            bring_back(side, asked[c], kept[3][c], clear_work, work, pose)
         if how in (side, BOTH, WHOLE):
             clear_closely(side, c < 0, stage, frame, given)
     return tell(share, stage, frame, given)

@@ -17,7 +17,7 @@ from studio.core.kernels.rows import add_feet_rows, add_rows
 
 MET = 1.2e-4
 """Metres of error at which a wish is met."""
-KEPT = 1e-4
+KEPT = 8e-5
 """Metres or radians by which a level may change what those above it miss."""
 WITHIN = 0.1
 """Metres of error at which a lessened damping is lessened by half (its root): far out of reach it stays what it is."""
@@ -65,7 +65,7 @@ def step(level, mending, whole, is_late, stays, damping, asked, chain, body, wor
     left = missed * missed / max(past[0], 1e-9)
     past[3] = 1.0 if left < SURE and worst < KEPT else 0.0
     past[0] = missed
-    if worst < CLOSE_ENOUGH and missed < MET:
+    if worst < (STILL if mending else CLOSE_ENOUGH) and missed < MET:
         return 0.0
     ways, part = work[1][5], 1.0
     again = (

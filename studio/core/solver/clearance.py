@@ -32,13 +32,14 @@ def pack_clearance(
     others: Sequence[Constraint],
     standing: int,
     activations: FloatArray,
+    misses: FloatArray,
     motion: NormalizedMotion,
     window: slice,
     actor: Morphology | None,
     volume: BodyVolume | None,
     body: Morphology,
 ) -> tuple[Any, ...]:
-    """The tuple ``clearance`` of the kernels for Q constraints; its member 7 (Q, F) becomes what is missed.
+    """The tuple ``clearance`` of the kernels for Q constraints, which write what is missed into ``misses`` (Q, F).
 
     ``activations`` (Q, F) in the ``window`` of frames. Above a clear constraint stand the first ``standing`` of the
     others, which are contacts, and those of its priority or a higher one. Where no ``actor`` is known it is taken to
@@ -65,7 +66,7 @@ def pack_clearance(
         np.array([[float(each.arms.has(side)) for side in range(2)] for each in asked]).reshape(-1, 2),
         np.array([each.chain.limb for each in asked], dtype=np.float64),
         above,
-        np.full(activations.shape, np.nan),
+        misses,
         own,
         ways,
         _stages([each.priority for each in asked], np.concatenate([np.full(standing, -1), priorities])),

@@ -4,11 +4,12 @@ Every frame is solved from its own pose alone; a limb that changes sides, or a l
 between two frames. What nowhere jolts beyond what the motion itself and its moving wishes bring is left as it is.
 Elsewhere what constraints have changed is averaged over the frames around, level by level from the highest: each is
 solved with what those above it have become. Then it is met again; where that jolts it is left as the average has it;
-and where those above cannot be held so either, it is left for them altogether.
+and where those above cannot be held so either, it is left for them altogether: priorities are strict before all is
+smooth.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from studio.core.canonical import BodyLayout
+from studio.core.kernels.easing import HELD
 from studio.core.kernels.joints import ROOT
 from studio.core.kernels.jolts import ADDED, WHOLE, note_eased_jolts
 from studio.core.metrics import QUIET
@@ -33,6 +35,8 @@ EASED = np.array([[ADDED, ADDED, WHOLE], [1.8, 1.8, 2.6]])
 is."""
 LEFT = np.array([[5.0, 1.6, 2.4], [6.0, 2.2, 2.9]])
 """The same at which a level is left altogether for those above it: a root that starts at once is the lesser evil."""
+BACK = 3
+"""Times that a level is left for those above it where it changes them, ever further around."""
 WIDTHS = 0.06, 0.12, 0.2, 0.35, 0.12
 """Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
 AROUND = 0.2
@@ -41,12 +45,14 @@ MENDED, FALLING = 0.1, 0.35
 """The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
 PULLED = 0.15
 """Seconds on either side over which planted feet pull the root."""
-LOST = 1e-4, 4e-4
-"""Metres that those above a level may lose by its easing for it to be left for them, beginning and wholly."""
+CHANGED = 0.93 * HELD, 1.07 * HELD
+"""Metres by which a level's easing may change those above it for it to be left for them, beginning and wholly."""
 SEEN = 0.8
 """Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
 LOOKED = 2.0 * SEEN + 0.25
 """Seconds beside a frame that have to do with whether it is eased."""
+FADED = 4.0
+"""Times the room that a level has to be left for those above it wholly."""
 BESIDE = 0.1
 """Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
 
@@ -54,14 +60,14 @@ BESIDE = 0.1
 _NO_TURNS, _NO_MISSES, _NO_POSE = (
     np.empty((0, 16, 3, 3)),
     np.empty((0, 0)),
-    (np.empty((0, 0, 3)), np.empty((0, 0, 3, 3))),
+    (np.empty((0, 0, 3)), np.empty((0, 0, 3, 3)), np.empty((0, 0, 3)), np.empty(0)),
 )
 
 
 def reach_of(levels: int) -> float:
     """Seconds on either side of a frame that may have to do with how it is eased."""
     averaging = sum(width + 2.0 * min(width, AROUND) for width in WIDTHS)
-    return 2.0 * SEEN + levels * (averaging + 2.0 * 5.0 * FALLING)
+    return 2.0 * SEEN + levels * (averaging + 2.0 * (3 + BACK) * FALLING)
 
 
 @dataclass(eq=False)
@@ -92,16 +98,28 @@ class Solve:
         return Solve(layout, rate, joints, wished, carriers, states, np.array([QUIET]), np.zeros((frames, 3)), held)
 
     def easing(
-        self, frames: IntArray, turns: FloatArray, level: int, meets: bool, misses: FloatArray, kept: Pose
+        self,
+        frames: IntArray,
+        turns: FloatArray,
+        level: tuple[int, int],
+        meets: bool,
+        holds: bool,
+        misses: FloatArray,
+        kept: tuple[FloatArray, ...],
     ) -> EasingArrays:
-        """As ``kernels.easing`` takes it."""
+        """As ``kernels.easing`` takes it; ``level`` as ``Level.stands``."""
         noted = self.limbs, self.carriers, self.source, np.array([self.rate]), self.sharp
-        return frames, self.states, turns, np.array([level, meets, self.held]), misses, kept, *noted
+        asked = np.array([level[0], meets, self.held, holds, level[1]])
+        return frames, self.states, turns, asked, misses, kept, *noted
+
+    def within(self, frames: slice) -> "Solve":
+        """What it noted of some frames."""
+        return replace(self, states=self.states[frames].copy(), sharp=self.sharp[frames].copy())
 
     @property
     def noting(self) -> EasingArrays:
         """For a first run over all frames."""
-        return self.easing(np.arange(len(self.states)), _NO_TURNS, 0, False, _NO_MISSES, _NO_POSE)
+        return self.easing(np.arange(len(self.states)), _NO_TURNS, (0, 0), False, False, _NO_MISSES, _NO_POSE)
 
     @property
     def jolts(self) -> bool:
@@ -126,13 +144,25 @@ def _carriers(layout: BodyLayout, with_legs: bool) -> IntArray:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A level of priority with those above it: what is noted of their solve, where they act (F,), and what peak of
-    angular acceleration they are allowed (F,), radians a second squared.
+    """A level of priority with those above it: what is noted of their solve and what was ``solved``, frames first
+    (positions, rotations, misses (F, C) and what else a solve writes), which constraints stand ``above`` it (C,),
+    ``stands`` how many levels do that are solved and how many that keep clear do not, where any acts (F,), and what
+    peak of angular acceleration they are allowed (F,), radians a second squared.
     """
 
     solve: Solve
+    solved: tuple[FloatArray, ...]
+    above: NDArray[np.bool_]
+    stands: tuple[int, int]
     acts: NDArray[np.bool_]
     allowed: FloatArray
+
+    def within(self, frames: slice) -> "Level":
+        """The same of some frames."""
+        solved = tuple(each[frames] for each in self.solved)
+        return replace(
+            self, solve=self.solve.within(frames), solved=solved, acts=self.acts[frames], allowed=self.allowed[frames]
+        )
 
     @property
     def room(self) -> FloatArray:
@@ -149,100 +179,124 @@ class Easing:
     def __init__(
         self,
         levels: Sequence[Level],
-        solve: Run,
         pose: Run,
-        motion: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
-        misses: FloatArray,
-        limits: NDArray[np.void],
+        solved: tuple[FloatArray, ...],
+        charts: LimbCharts,
         leash: RootLeash,
-        room: FloatArray,
+        rooms: FloatArray,
     ) -> None:
-        """``solve`` all frames of ``motion`` (unsolved and solved positions and rotations) with the constraints down to
-        a level, and ``pose`` some anew; both note their ``misses`` (C, F). Down to the last all is solved already.
-        ``limits`` of ``kernels.joint_limits``; ``room`` (F,) of the last level, which some of the clip may have.
+        """``pose`` some frames anew with the constraints down to a level, into ``solved``, which is as
+        ``Level.solved``; ``rooms`` (L, F) of all levels.
         """
-        self._levels, self._solve, self._pose, self._motion, self._misses = levels, solve, pose, motion, misses
-        self._leash, self._room, self._last = leash, np.zeros(len(room)), room
-        self._charts = LimbCharts(levels[0].solve.layout, motion[1], limits, levels[-1].solve.limbs)
-        unsolved = self._charts.values(self._charts.turns_of(motion[1]))
-        self._eased: Pose = np.zeros_like(levels[0].solve.states), unsolved
-        self._moved: Pose = np.zeros_like(self._eased[0]), np.zeros_like(unsolved)
-        self._touched, self._jolts = np.zeros(len(unsolved)), np.zeros((len(unsolved), 3))
+        self._levels, self._pose, self._solved, self._rooms = levels, pose, solved, rooms
+        self._charts, self._leash = charts, leash
+        frames, joints, _ = levels[0].solve.states.shape
+        values = charts.unturned
+        self._eased: Pose = np.zeros((frames, joints, 3)), values
+        self._moved: Pose = np.zeros((frames, joints, 3)), np.zeros_like(values)
+        self._told = levels[0].solved[2]
+        self._touched, self._jolts = np.zeros(frames), np.zeros((frames, 3))
+        self._kept = *(each.copy() for each in levels[0].solved[:2]), self._eased[0], np.zeros(frames)
 
     def ease(self) -> None:
         """Ease all levels but those of contacts."""
-        kept = self._motion[0].copy(), self._motion[1].copy()
-        noted = *self._motion[2:], self._misses
-        whole = [each.copy() for each in noted]
+        positions, rotations, misses = self._solved[:3]
         for number, level in enumerate(self._levels):
-            if number < len(self._levels) - 1:
-                self._solve(number, level.solve.noting)
-                self._room = level.room
-            else:
-                self._room = self._last
-                for each, before in zip(noted, whole, strict=True):
-                    each[:] = before
+            self._told = np.where(level.above, self._told, level.solved[2])
+            for mine, solved in zip(self._solved, level.solved, strict=True):
+                mine[:] = solved
             if number >= level.solve.held:
-                self._ease_level(number, kept)
+                self._ease_level(number)
             else:
-                self._eased = self._solved(number)
-            kept = self._motion[2].copy(), self._motion[3].copy()
+                self._eased = level.solve.states.copy(), self._posed_limbs()
+            self._told = np.where(level.above, self._told, misses)
+            self._kept = positions.copy(), rotations.copy(), self._eased[0].copy(), np.zeros(len(positions))
 
-    def _ease_level(self, number: int, kept: Pose) -> None:
-        """``kept`` is what those above the level have become."""
-        level, misses, solved = self._levels[number], self._misses.copy(), self._solved(number)
-        room, rate = self._room, level.solve.rate
-        smooth = self._smoothed(level, solved)
-        ways = [(smooth, True, MENDED, EASED), (smooth, False, FALLING, EASED), (smooth, False, FALLING, LEFT)]
-        if number > 0:
-            left = _blend(solved[0], self._eased[0], room), _blend(solved[1], self._eased[1], room)
-            ways += 3 * [(left, False, FALLING, LEFT)]
+    def _ease_level(self, number: int) -> None:
+        level, room = self._levels[number], self._rooms[number]
+        solved = level.solve.states.copy(), self._posed_limbs()
+        smooth = self._smoothed(number, solved)
         now, bump = solved, np.sign(self._touched * room)
-        for goal, meets, around, parts in ways:
-            frames = np.flatnonzero(bump > 0.0)
-            if not len(frames):
-                break
-            level.solve.states[:] = _blend(now[0], goal[0], bump)
-            turns = self._charts.turns(_blend(now[1], goal[1], bump))
-            level.solve.sharp[:] = 0.0
-            self._pose(number, level.solve.easing(frames, turns, number, meets, misses, kept))
-            now = self._solved(number, now[1])
-            lost = (level.solve.sharp[:, 0] - LOST[0]) / (LOST[1] - LOST[0])
-            bump = np.maximum(self._bump(level, now, around, parts), _around(lost, rate, FALLING)) * (room > 0.0)
+        for meets, around, parts in (True, MENDED, EASED), (False, FALLING, EASED), (False, FALLING, LEFT):
+            now = self._posed_anew(number, now, smooth, bump, meets)
+            bump = np.maximum(self._bump(number, now, around, parts), self._changed(number)) * (room > 0.0)
+        if number > 0 and bump.any():
+            now = self._left(number, now, bump)
         self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
         self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
 
-    def _solved(self, number: int, beside: FloatArray | None = None) -> Pose:
-        """States and charted limbs as they are."""
-        turns = self._charts.turns_of(self._motion[3])
-        return self._levels[number].solve.states.copy(), self._charts.values(turns, beside)
+    def _left(self, number: int, posed: Pose, bump: FloatArray) -> Pose:
+        """Go back to what those above have become, from what was ``posed``, by ``bump`` and where that changes them."""
+        fade = np.minimum(FADED * self._rooms[number], 1.0)
+        now, back = posed, np.zeros(len(bump))
+        for last in [False] * BACK + [True]:
+            back = np.maximum(back, bump)
+            if not bump.any():
+                break
+            self._kept[3][:] = np.round(back * fade, 9)
+            now = self._posed_anew(number, posed, self._eased, self._kept[3], False, last)
+            bump = np.maximum(self._bump(number, now, FALLING, LEFT), self._changed(number)) * (fade > 0.0)
+        return now
 
-    def _smoothed(self, level: Level, solved: Pose) -> Pose:
+    def _posed_anew(
+        self, number: int, first: Pose, second: Pose, share: FloatArray, meets: bool, holds: bool = False
+    ) -> Pose:
+        """Pose between two by a ``share`` (F,) anew where there is any."""
+        level, frames = self._levels[number], np.flatnonzero(share > 0.0)
+        level.solve.sharp[:] = 0.0
+        if not len(frames):
+            return first
+        level.solve.states[:] = _blend(first[0], second[0], share)
+        turns = self._charts.turns(_blend(first[1], second[1], share))
+        self._pose(number, level.solve.easing(frames, turns, level.stands, meets, holds, self._told.T, self._kept))
+        return level.solve.states.copy(), self._posed_limbs(first[1])
+
+    def _changed(self, number: int) -> FloatArray:
+        """(F,) how far frames are to be left for those above, which they change."""
+        changed = (self._levels[number].solve.sharp[:, 0] - CHANGED[0]) / (CHANGED[1] - CHANGED[0])
+        return self._spread(number, changed, FALLING)
+
+    def _spread(self, number: int, share: FloatArray, seconds: float) -> FloatArray:
+        """``_around`` within each stretch that has room: which there are below must not join others."""
+        spread, edges = np.zeros(len(share)), np.diff(self._rooms[number] > 0.0, prepend=False, append=False)
+        for begin, end in np.flatnonzero(edges).reshape(-1, 2).tolist():
+            spread[begin:end] = _around(share[begin:end], self._levels[number].solve.rate, seconds)
+        return spread
+
+    def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
+        """Charted limbs as they are."""
+        return self._charts.values(self._charts.turns_of(self._solved[1]), beside)
+
+    def _smoothed(self, number: int, solved: Pose) -> Pose:
         """What a level has changed, averaged in time where it jolts."""
-        states, values = (now + (self._room * moved.T).T for now, moved in zip(solved, self._moved, strict=True))
+        level, room = self._levels[number], self._rooms[number]
+        states, values = (now + moved for now, moved in zip(solved, self._moved, strict=True))
+        moves = [moved.reshape(len(moved), -1).any(axis=1) for moved in self._moved]
+        self._touched = np.maximum(self._touched, moves[0] | moves[1])
         for seconds in WIDTHS:
             width = max(round(seconds * level.solve.rate), 1)
-            bump = self._room * self._bump(level, (states, values), min(seconds, AROUND))
+            bump = room * self._bump(number, (states, values), min(seconds, AROUND))
             if not bump.any():
                 break
             self._touched = np.maximum(self._touched, bump)
             states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
             values = self._charts.within(values)
         joints = level.solve.joints
-        back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (self._room > 0.0)[:, None]
+        back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))
         states[:, joints[:, 0] == ROOT] += back[:, None]
         return states, values
 
-    def _bump(self, level: Level, poses: Pose, around: float, parts: FloatArray = EASED) -> FloatArray:
+    def _bump(self, number: int, poses: Pose, around: float, parts: FloatArray = EASED) -> FloatArray:
         """(F,) how far frames of ``poses`` are to be eased, from 0 to 1, for their jolts.
 
         ``around`` seconds on either side of a jolt are eased wholly, and as many again fade; ``parts`` of what is
         allowed (2, 3), where that begins and where it is whole. What those above have become is no fault of a level.
         """
+        level = self._levels[number]
         allowed = np.maximum(level.allowed[:, None], self._jolts / parts[0])
         sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
-        return _around(_excess(sharp, parts), level.solve.rate, around)
+        return self._spread(number, _excess(sharp, parts), around)
 
 
 def _excess(sharp: FloatArray, parts: FloatArray) -> FloatArray:

@@ -36,6 +36,11 @@ class LimbCharts:
         self._unsolved = self.turns_of(unsolved)
         self._own = self._angles(self._unsolved)
 
+    @property
+    def unturned(self) -> FloatArray:
+        """(F, 16, n) ``values`` of the unsolved turns."""
+        return self.values(self._unsolved)
+
     def turns_of(self, rotations: FloatArray) -> FloatArray:
         """(F, 16, 3, 3) turns of poses' joints."""
         turns = np.empty((len(rotations), 16, 3, 3))

@@ -15,6 +15,7 @@ from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.joint_limits import limits_of
 from studio.core.kernels.adapt import solve_frames
+from studio.core.kernels.goals import AREA
 from studio.core.metrics import QUIET
 from studio.core.morphology import at_frames
 from studio.core.normalized.motion import NormalizedMotion
@@ -24,6 +25,7 @@ from studio.core.solver.clearance import down_to_stages, lowest_first, pack_clea
 from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
 from studio.core.solver.footing import Footing
 from studio.core.solver.holding import held_points, place_held, release_hands
+from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.packing import in_order, limb_of, pack
 from studio.core.solver.recruiting import leg_room, limb_freedoms
 from studio.core.solver.root_leash import RootLeash
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from studio.core.solver.adapt import Bound, Standing
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 class Stretch:
@@ -62,12 +65,12 @@ class Stretch:
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
         self._activations, self._wishes = np.ascontiguousarray(acts), self._rows.wishes
-        self._levels = max(self._rows.ranks, default=-1) + 1
         joints = free_joints(tuple(map(carrying_chain, everything)), self._rows.ranks, body.layout)
         self._joints = joints if bound.by_limits else joints.without_limits
         self._freedoms = self._find_freedoms(activations[: len(asked)])
+        self._missed = np.empty((len(everything) + len(cleared), len(self._positions)))
         self._clearance = pack_clearance(
-            cleared, everything, self._held, activations[len(asked) :, window],
+            cleared, everything, self._held, activations[len(asked) :, window], self._missed[len(everything) :],
             standing.motion, window, standing.actor, standing.volume, body.still,
         )  # fmt: skip
         if cleared:
@@ -78,7 +81,6 @@ class Stretch:
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
         masses = segment_masses(body.layout), point_masses(body.layout)
         self._body = at_frames(body.rows, window), *masses, limits
-        self._misses = np.empty(self._activations.shape)
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
         """(L, n, F) how far each limb that may be recruited is a balance's of a level to turn, of what acts (C, F)."""
@@ -92,38 +94,62 @@ class Stretch:
         return np.ascontiguousarray(free[:, self._joints.limbs])
 
     def solve(self) -> bool:
-        """Solve every frame from its own pose; whether anything jolts."""
-        self.whole = self._solve_of(self._levels - 1)
-        self._pose(self._levels - 1, self.whole.noting)
-        return self.whole.jolts
+        """Solve every frame from its own pose; whether anything may jolt."""
+        self.whole = self._solve_of()
+        self._pose(None, self.whole.noting)
+        return self.whole.jolts or self._hides_jolts()
 
-    def _solve_anew(self, level: int, easing: EasingArrays) -> None:
-        """Solve with the constraints down to ``level``, from the unsolved poses."""
-        before = self.standing.positions[self.window], self.standing.rotations[self.window]
-        self._positions[:], self._rotations[:] = before
+    def _hides_jolts(self) -> bool:
+        """Whether a level may jolt that does not with those below it: where points enter areas and leave them, or where
+        only these are about legs, by which more is allowed.
+        """
+        wishes = self._rows.asked[self._held :]
         if self._clear:
-            self._unsolved[0][:], self._unsolved[1][:] = before
-        self._pose(level, easing)
+            return True
+        if wishes["rank"][0] == wishes["rank"][-1]:
+            return False
+        legs, first = wishes["ends"][:, :, 2] >= 2, wishes["rank"] == wishes["rank"][0]
+        return bool((wishes["kind"] == AREA).any() or (legs.any() and not legs[first].any()))
 
-    def _pose(self, level: int, easing: EasingArrays) -> None:
-        rows, joints, acts = self._rows, self._joints, self._activations
+    @cached_property
+    def _ranks(self) -> IntArray:
+        """(C + Q,) the levels of all that is asked, contacts first, those that keep clear last."""
+        constraints = self._asked[0]
+        priorities = [constraints[c].priority for c in self._order + self._clear]
+        return np.unique([-1] * self._held + priorities, return_inverse=True)[1]
+
+    @property
+    def _levels(self) -> int:
+        return int(self._ranks.max()) + 1
+
+    def _pose(self, level: int | None, easing: EasingArrays) -> None:
+        """Solve, or pose as eased, with the constraints down to a ``level``, or with all."""
+        rows, joints, acts, clearance = self._rows, self._joints, self._activations, self._clearance
         (mobilities, *others), usual = joints.arrays, joints.usual
-        if level < self._levels - 1:
-            acts = np.where(rows.asked["rank"][:, None] <= level, acts, 0.0)
-            down = len(rows.asked) + level + 1  # what only levels below may move stays where it is
+        if level is not None:
+            stands, count = self._ranks <= level, len(rows.asked)
+            acts = np.where(stands[:count, None], acts, 0.0)
+            down = count + self._rank_of(level + 1)  # what only levels below may move stays where it is
             mobilities, usual = mobilities[:down], np.concatenate([usual[:down], usual[-1:]])
+            if self._clear:
+                clearance = *clearance[:3], np.where(stands[count:, None], clearance[3], 0.0), *clearance[4:]
         staged = down_to_stages(acts, self._clearance) if self._clear else acts[None]
         solve_frames(
             rows.asked, rows.areas, (mobilities, *others), (joints.recruited, usual, self._freedoms),
-            self._wishes, staged, self._leash, self._stance, self._body, self._clearance, *self._unsolved,
-            easing, self._misses, self._positions, self._rotations,
+            self._wishes, staged, self._leash, self._stance, self._body, clearance, *self._unsolved,
+            easing, self._missed[: len(rows.asked)], self._positions, self._rotations,
         )  # fmt: skip
 
-    def _solve_of(self, level: int) -> Solve:
-        """To note what is solved down to ``level``."""
+    def _rank_of(self, level: int) -> int:
+        """How many levels stand above one, but for those that only keep clear."""
+        ranks = self._rows.asked["rank"]
+        return int(ranks[self._ranks[: len(ranks)] < level].max(initial=-1)) + 1
+
+    def _solve_of(self, level: int | None = None) -> Solve:
+        """To note what is solved down to a ``level``, or of all."""
         ends = self._rows.asked["ends"][:, :, 2]
-        if level < self._levels - 1:
-            ends = ends[self._rows.asked["rank"] <= level]
+        if level is not None:
+            ends = ends[self._ranks[: len(ends)] <= level]
         motion, layout = self.standing.motion, self.standing.morphology.layout
         frames, joints = len(self._positions), self._joints.joints
         return Solve.of(layout, motion.frame_rate, frames, joints, ends, int(self._held > 0))
@@ -135,7 +161,7 @@ class Stretch:
 
     def ease(self, window: slice) -> None:
         """Ease what jolts in ``window``: each run of frames that have to do with each other by itself."""
-        room, first = self._room, self.window.start
+        room, first = self._rooms[-1], self.window.start
         edges = np.flatnonzero(np.diff(room > 0.0, prepend=False, append=False))
         beyond = round(max(WIDTHS) * self.standing.motion.frame_rate)
         for begin, end in edges.reshape(-1, 2).tolist():
@@ -143,23 +169,58 @@ class Stretch:
                 wide = slice(max(begin - beyond, 0), min(end + beyond, len(room)))
                 frames = slice(first + wide.start, first + wide.stop)
                 if frames == self.window:
-                    self._ease(room)
+                    self._ease(self._solved_levels, self._rooms)
                     return
                 run = Stretch(self.standing, self._asked[0], frames, *self._asked[1:])
-                run.whole = run._solve_of(self._levels - 1)
-                for mine, theirs in zip(self._solved, run._solved, strict=True):
-                    theirs[:] = mine[wide]
-                run._ease(room[wide])
+                run._ease([level.within(wide) for level in self._solved_levels], self._rooms[:, wide])
                 for mine, theirs in zip(self._solved, run._solved, strict=True):
                     mine[begin:end] = theirs[begin - wide.start : end - wide.start]
 
     def eases(self, window: slice) -> bool:
         """Whether anything in ``window`` is to be eased."""
-        return bool(self._room[window.start - self.window.start : window.stop - self.window.start].any())
+        return bool(self._rooms[-1, window.start - self.window.start : window.stop - self.window.start].any())
 
     @cached_property
-    def _room(self) -> FloatArray:
-        return self._level(self._levels - 1).room
+    def _rooms(self) -> FloatArray:
+        """(L, F) how far levels may be eased: nowhere less than those above them, or these would not stay as they are.
+
+        Contacts are not.
+        """
+        first, levels = int(self._held > 0), self._solved_levels
+        rooms = np.zeros((len(levels), len(self._positions)))
+        for number in range(first, len(levels)):
+            rooms[number] = np.maximum(rooms[number - 1] if number else 0.0, levels[number].room)
+        return rooms
+
+    @cached_property
+    def _solved_levels(self) -> list[Level]:
+        """Every level with those above it, as it is solved without others; the last is solved already."""
+        last = self._level(self._levels - 1, self.whole)
+        levels = []
+        for number in range(self._levels - 1):
+            solve = self._solve_of(number)
+            before = self.standing.positions[self.window], self.standing.rotations[self.window]
+            self._positions[:], self._rotations[:] = before
+            if self._clear:
+                self._unsolved[0][:], self._unsolved[1][:] = before
+            self._pose(number, solve.noting)
+            levels.append(self._level(number, solve))
+        for mine, solved in zip(self._solved, last.solved, strict=True):
+            mine[:] = solved
+        return [*levels, last]
+
+    def _level(self, number: int, solve: Solve) -> Level:
+        """A level that was just solved."""
+        peak, down = max(QUIET, self.standing.peaks[: len(solve.carriers)].max()), self._ranks <= number
+        acts = np.zeros(len(self._positions), dtype=np.bool_)
+        wishes = [*self._activations, *(self._clearance[3] if self._clear else ())][self._held :]
+        for activation in (each for each, stands in zip(wishes, down[self._held :], strict=True) if stands):
+            acts |= activation > 0.0
+        asked = down[: len(self._activations)]
+        brings = self._brings[0, asked].sum(axis=0) + self._brings[1, asked].max(axis=0, initial=0.0)
+        solved, above = tuple(each.copy() for each in self._solved), self._ranks < number
+        clears = int(np.count_nonzero(~above[len(asked) :]))
+        return Level(solve, solved, above, (self._rank_of(number), clears), acts, peak + brings)
 
     @cached_property
     def _brings(self) -> FloatArray:
@@ -168,25 +229,16 @@ class Stretch:
             self.standing.motion.frame_rate,
         )  # fmt: skip
 
-    def _level(self, number: int) -> Level:
-        solve = self._solve_of(number) if number < self._levels - 1 else self.whole
-        peak, above = max(QUIET, self.standing.peaks[: len(solve.carriers)].max()), self._rows.asked["rank"] <= number
-        acts = np.asarray((self._activations[above] > 0.0).any(axis=0))
-        brings = self._brings[0, above].sum(axis=0) + self._brings[1, above].max(axis=0, initial=0.0)
-        return Level(solve, acts, peak + brings)
-
-    def _ease(self, room: FloatArray) -> None:
-        motion = *self._unsolved, self._positions, self._rotations
+    def _ease(self, levels: Sequence[Level], rooms: FloatArray) -> None:
         (measures, _, _, limits), ankles, layout = self._body, self._stance[2], self.standing.morphology.layout
         leash = RootLeash.of(self.standing.positions[self.window], measures, layout, ankles, self._leash)
-        levels = [self._level(number) for number in range(self._levels)]
-        Easing(levels, self._solve_anew, self._pose, motion, self._misses, limits, leash, room).ease()
+        charts = LimbCharts(layout, self._unsolved[1], limits, levels[-1].solve.limbs)
+        Easing(levels, self._pose, self._solved, charts, leash, rooms).ease()
 
     @property
     def _solved(self) -> tuple[FloatArray, ...]:
-        """All that a solve writes, frames first."""
-        cleared = (*self._unsolved, self._clearance[7].T) if self._clear else ()
-        return self._positions, self._rotations, self._misses.T, self.whole.states, *cleared
+        """All that a solve writes, frames first: positions, rotations, misses, and what is cleared."""
+        return self._positions, self._rotations, self._missed.T, *(self._unsolved if self._clear else ())
 
     def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some of its frames."""
@@ -198,9 +250,7 @@ class Stretch:
                 self._rotations,
             )  # fmt: skip
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
-        residuals[self._order] = self._misses[self._held :]
-        if self._clear:
-            residuals[self._clear] = self._clearance[7]
+        residuals[self._order + self._clear] = self._missed[self._held :]
         rows = slice(window.start - self.window.start, window.stop - self.window.start)
         return self._positions[rows], self._rotations[rows], residuals[:, rows]
 
