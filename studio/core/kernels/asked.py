@@ -6,8 +6,9 @@ limb and end segment; the second end of all but a distance is what it follows on
 turn in that segment's axes; ``blends`` whether its edges blend what is solved (``kernels.edges``); ``weight`` among its
 equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when balance counts heights too.
 For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it has been given up; ``second`` whether
-another wish stands before it on its limb; ``engaged`` whether an area is entered; ``pinned`` whether a look is held
-to the turn it has (``kernels.easing``);
+another wish stands before it on its limb; ``engaged`` whether an area is entered; ``pinned`` 1 where it is held to what
+it has, and 2 where that is a look's turn rather than what it misses (``kernels.easing``; of a place that follows the
+own body ``relative`` is then where it is, in that segment's axes);
 ``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be, ``begin`` (3,) where the unsolved pose has
 the centre of mass; ``helped`` whether joints beside
 its limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that
