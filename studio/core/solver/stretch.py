@@ -100,8 +100,8 @@ class Stretch:
         return self.whole.jolts or self._hides_jolts()
 
     def _hides_jolts(self) -> bool:
-        """Whether a level may jolt that does not with those below it: where points enter areas and leave them, or where
-        only these are about legs, by which more is allowed.
+        """Whether a level may jolt that does not with those below it: where arms are kept clear, points enter areas and
+        leave them, or where only these are about legs, by which more is allowed.
         """
         wishes = self._rows.asked[self._held :]
         if self._clear:
