@@ -182,11 +182,10 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
 
 
 def show_motion(document: Document) -> None:
-    """Range and rate of the motion that plays now, from its beginning."""
+    """All of the motion that plays now, from its beginning."""
     motion = document.project.motions.get(document.active_motion_id or "")
     if motion is not None:
         capture = document.project.captures[motion.capture_id]
-        document.playhead.frame_rate = capture.frame_rate
         document.playhead.set_range(capture.first_frame, capture.frame_count - 1)
         document.playhead.set_frame(capture.first_frame)
 

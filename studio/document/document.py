@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, QTimer
 
 from studio.core.errors import StudioError
 from studio.core.project import Project
@@ -15,6 +15,9 @@ from studio.document.journal import Journal, StateHash, Step
 from studio.document.recovery import Session, mark_recovered, recover
 from studio.io.archive import Stamp
 from studio.io.project_file import OpenedProject, new_document_id, read_project, write_project
+
+REST_MILLISECONDS = 500
+"""How often at most it is kept for recovery where the playhead stands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +60,10 @@ class Document(EditedProject):
         self.journal: Journal | None = None
         self._lock: FileLock | None = None
         self.opened: OpenedProject | None = None
+        self._rest = QTimer(self, singleShot=True, interval=REST_MILLISECONDS)
+        self._rest.timeout.connect(self._keep_playhead)
+        for moved in (self.playhead.changed, self.playhead.range_changed, self.playhead.playing_changed):
+            moved.connect(self._wait_for_rest)
         self._begin_session()
 
     @property
@@ -144,6 +151,9 @@ class Document(EditedProject):
         hashes = StateHash()
         if hashes.of(self.project) != hashes.of(recovered.project):
             self._become(recovered.project, session.path, session.document_id, None, "", unsaved=True)
+        if recovered.playhead is not None:
+            self.playhead.restore(recovered.playhead)
+            self._keep_playhead()
         for problem in recovered.problems:
             self.problem.emit(problem)
         if self.journal is not None and self.journal.flush():
@@ -152,6 +162,7 @@ class Document(EditedProject):
     def close(self) -> None:
         """Stop playback, end the journal, give back the lock. Unsaved edits stay in their journal."""
         self.playhead.pause()
+        self._rest.stop()
         if self.journal is not None:
             self.journal.close()
             self.journal.deleteLater()
@@ -204,7 +215,16 @@ class Document(EditedProject):
     def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
         if self.journal is not None:
             self.journal.record(Step(verb, edits, text, gesture, self.project))
+            self._keep_playhead()
             self.saved_state_changed.emit()
+
+    def _wait_for_rest(self) -> None:
+        if self.journal is not None and self.journal.unsaved and not self._rest.isActive():
+            self._rest.start()
+
+    def _keep_playhead(self) -> None:
+        if self.journal is not None and not self.playhead.playing:
+            self.journal.stand(self.playhead.state)
 
     def _replay(self, steps: tuple[Step, ...]) -> None:
         for step in steps:

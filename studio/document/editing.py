@@ -8,6 +8,7 @@ from operator import itemgetter
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoStack
 
+from studio.core.capture import Capture
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.objections import objection
@@ -212,12 +213,12 @@ class EditedProject(QObject):
         self._recorded(edits, verb, text, gesture)
 
     def _show(self, edits: tuple[Edit, ...]) -> None:
-        had_motion = self.active_motion_id is not None
+        before = self._active_capture
         self._project = applied(self._project, edits)
         self._revision += 1
         gone = {edit.item for edit in edits if edit.new is None}
         self.selection.set(*(item for item in self.selection.items if item not in gone and self._may_be_seen(item)))
-        if not had_motion and self.active_motion_id is not None:
+        if _span(self._active_capture) != _span(before):
             self._fit_playhead()
         for collection, ids in groupby(dict.fromkeys(edit.item for edit in edits), key=itemgetter(0)):
             changed = [entity_id for _, entity_id in ids]
@@ -230,13 +231,24 @@ class EditedProject(QObject):
         playing = (performer for performer in self._project.performers.values() if performer.visible)
         return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.clips)
 
+    @property
+    def _active_capture(self) -> Capture | None:
+        motion = self._project.motions.get(self.active_motion_id or "")
+        return self._project.captures.get(motion.capture_id) if motion else None
+
     def _fit_playhead(self) -> None:
         """The range and frame rate of the active motion."""
-        motion = self._project.motions.get(self.active_motion_id or "")
-        capture = self._project.captures.get(motion.capture_id) if motion else None
+        capture = self._active_capture
         if capture is not None:
             self.playhead.frame_rate = capture.frame_rate
             self.playhead.set_range(capture.first_frame, capture.frame_count - 1)
+            if not capture.first_frame <= self.playhead.frame < capture.frame_count:
+                self.playhead.set_frame(capture.first_frame)
+
+
+def _span(capture: Capture | None) -> tuple[float, int, int] | None:
+    """The ruler of a capture: another one counts frames anew, whichever edit brings it, or takes it away."""
+    return (capture.frame_rate, capture.first_frame, capture.frame_count) if capture else None
 
 
 def _objection(project: Project, constraint_id: str) -> str | None:

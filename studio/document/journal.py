@@ -11,7 +11,7 @@ import queue
 import sqlite3
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from PySide6.QtCore import QObject, Signal
 from studio.core.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
+from studio.document.playhead import PlayheadState
 from studio.io.entity_json import Members, entity_record, line, npy_parts, project_json
 
 STEPS_BETWEEN_SNAPSHOTS = 50
@@ -92,7 +93,7 @@ class Journal(QObject):
         self.unsaved = self._unsaved_base = unsaved
         self._base, self._document_id, self._path = base, document_id, path
         self._file = folder / f"{document_id}-{os.getpid()}-{time.time_ns():x}.sqlite"
-        self._queue: queue.SimpleQueue[Step | _Save | str | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[Step | _Save | PlayheadState | str | None] = queue.SimpleQueue()
         self._hash = StateHash()
         self._stored: set[str] = set(base.carried.get("members", {}))
         self._begun = threading.Event()
@@ -123,6 +124,11 @@ class Journal(QObject):
         self.unsaved = not all_of_it
         if self._thread is not None:
             self._queue.put(_Save(project, path))
+
+    def stand(self, playhead: PlayheadState) -> None:
+        """Keep where the user stands, once there is something to recover."""
+        if self._thread is not None:
+            self._queue.put(playhead)
 
     def flush(self, timeout: float = 10.0) -> bool:
         """Wait until every recorded step is acknowledged."""
@@ -171,7 +177,7 @@ class Journal(QObject):
                 " not kept for recovery any more."
             )
 
-    def _waiting(self) -> list[Step | _Save | str] | None:
+    def _waiting(self) -> list[Step | _Save | PlayheadState | str] | None:
         """All that is queued, at least one; None when the journal is closed."""
         items = [self._queue.get()]
         while not self._queue.empty():
@@ -202,7 +208,7 @@ class Journal(QObject):
         connection.execute("COMMIT")
         self._begun.set()
 
-    def _commit(self, connection: sqlite3.Connection, items: list[Step | _Save | str]) -> None:
+    def _commit(self, connection: sqlite3.Connection, items: list[Step | _Save | PlayheadState | str]) -> None:
         done = self.acknowledged
         connection.execute("BEGIN")
         for item in items:
@@ -213,8 +219,10 @@ class Journal(QObject):
                 case _Save():
                     row = (done, str(item.path), self._hash.of(item.project))
                     connection.execute("INSERT INTO saves VALUES (?, ?, ?)", row)
+                case PlayheadState():
+                    _put_fact(connection, "playhead", json.dumps(asdict(item)))
                 case str():
-                    connection.execute("INSERT OR REPLACE INTO session VALUES ('ended', ?)", (item,))
+                    _put_fact(connection, "ended", item)
         connection.execute("COMMIT")
         self.acknowledged = done
         self.acknowledged_changed.emit()
@@ -248,6 +256,10 @@ class Journal(QObject):
                         for start in range(0, len(part), _PIECE):
                             blob.write(part[start : start + _PIECE])
             self._stored.add(name)
+
+
+def _put_fact(connection: sqlite3.Connection, key: str, value: str) -> None:
+    connection.execute("INSERT OR REPLACE INTO session VALUES (?, ?)", (key, value))
 
 
 def edit_record(edit: Edit, members: Members) -> dict[str, Any]:

@@ -2,10 +2,21 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 TICK_MILLISECONDS = 8
+
+
+@dataclass(frozen=True)
+class PlayheadState:
+    """Where the user stands, by which ruler, and what plays: seconds, Hz, frames."""
+
+    time: float
+    frame_rate: float
+    first: int
+    last: int
 
 
 class Playhead(QObject):
@@ -73,6 +84,17 @@ class Playhead(QObject):
     def playing(self) -> bool:
         """Whether the clock runs."""
         return self._timer is not None
+
+    @property
+    def state(self) -> PlayheadState:
+        """All that a session that comes back needs of it."""
+        return PlayheadState(self._time, self._frame_rate, self._first, self._last)
+
+    def restore(self, state: PlayheadState) -> None:
+        """Stand where ``state`` stood. Raises ValueError as the setters."""
+        self.frame_rate = state.frame_rate
+        self.set_range(state.first, state.last)
+        self.set_time(state.time)
 
     def set_time(self, seconds: float) -> None:
         """Go to ``seconds``; while playing, go on from there."""

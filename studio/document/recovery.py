@@ -13,6 +13,7 @@ from studio.core.project import Project
 from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import StateHash, Step, lock_of, remove_session
+from studio.document.playhead import PlayheadState
 from studio.io.entity_json import array_of, entity_of, parsed, project_of
 from studio.io.value_json import Array
 
@@ -41,6 +42,8 @@ class Recovered:
     base: Project
     steps: tuple[Step, ...]
     problems: tuple[str, ...] = ()
+    playhead: PlayheadState | None = None
+    """Where the user stood; None where the session says nothing of it."""
 
 
 def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session, ...]:
@@ -81,7 +84,7 @@ def recover(session: Session) -> Recovered:
     """
     try:
         with closing(_opened(session.file)) as connection:
-            return _recovered(connection)
+            return replace(_recovered(connection), playhead=_playhead(connection))
     except sqlite3.Error as error:
         raise StudioError(f"The journal '{session.file.name}' cannot be read: {error}.") from error
 
@@ -140,6 +143,11 @@ def _recovered(connection: sqlite3.Connection) -> Recovered:
         if recovered is not None:
             return recovered
     raise StudioError("No state in the journal is whole. Open the project's file instead.")
+
+
+def _playhead(connection: sqlite3.Connection) -> PlayheadState | None:
+    row = connection.execute("SELECT value FROM session WHERE key = 'playhead'").fetchone()
+    return PlayheadState(**json.loads(row[0])) if row else None
 
 
 def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:

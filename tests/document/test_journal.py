@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -15,12 +16,12 @@ from typing import Any
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.project import Project, Prop
+from studio.core.project import Clip, Motion, Project, Prop
 from studio.document.document import Document
 from studio.document.recovery import recover, recoverable_sessions, tidy
 from studio.io.entity_json import project_json
 from studio.io.project_file import ChangedOnDisk, read_project, write_project
-from tests.builders import make_project
+from tests.builders import make_capture, make_project
 from tests.document.test_undo import edit_at_random
 
 ROOT = Path(__file__).parents[2]
@@ -87,6 +88,57 @@ def test_a_session_is_recovered_with_its_undo_history(make_document: Any, tmp_pa
     assert other.dirty
     other.undo_stack.setIndex(0)
     assert state(other.project) == first
+
+
+def import_walk(document: Document, rate: float = 30.0, frames: int = 120) -> None:
+    """As the window does: a capture of another rate and length takes the place of what is played, as one step."""
+    with document.group("Import walk.bvh"):
+        capture = document.add("captures", make_capture("walk", frames=frames, frame_rate=rate), "Import")
+        motion = document.add("motions", Motion("walk", capture), "Import")
+        for key, performer in document.project.performers.items():
+            document.replace("performers", key, replace(performer, clips=(Clip(motion, 0, frames - 1),)), "Import")
+
+
+def test_a_recovered_project_has_its_own_rate_range_and_playhead(make_document: Any, tmp_path: Path) -> None:
+    document = make_document()
+    import_walk(document)
+    document.playhead.set_range(10, 80)
+    document.playhead.set_frame(40)
+    edit(document)
+    stood = document.playhead.state
+    assert (stood.frame_rate, stood.first, stood.last) == (30.0, 10, 80)
+    for _ in range(2):  # what was recovered may die again
+        died(document)
+        (session,) = recoverable_sessions(tmp_path / "state")
+        document = make_document()
+        document.recover(session)
+        assert document.playhead.state == stood
+
+
+def test_a_session_that_says_nothing_of_the_playhead_has_the_ruler_of_its_own_motion(
+    make_document: Any, tmp_path: Path
+) -> None:
+    document = make_document()
+    import_walk(document)
+    died(document)
+    (session,) = recoverable_sessions(tmp_path / "state")
+    with closing(sqlite3.connect(session.file)) as connection, connection:
+        connection.execute("DELETE FROM session WHERE key = 'playhead'")
+    other = make_document()
+    other.recover(session)
+    assert (other.playhead.frame_rate, other.playhead.first, other.playhead.last) == (30.0, 0, 119)
+
+
+def test_where_the_playhead_rests_after_the_last_edit_is_kept_too(
+    make_document: Any, tmp_path: Path, qtbot: Any
+) -> None:
+    document = make_document()
+    edit(document)
+    document.playhead.set_frame(17)
+    qtbot.waitUntil(lambda: not document._rest.isActive())
+    died(document)
+    (session,) = recoverable_sessions(tmp_path / "state")
+    assert recover(session).playhead == document.playhead.state
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -16,10 +16,10 @@ from studio.core.constraints.keyed import KeyedPlace
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
-from studio.core.project import GROUND_ID, Prop
+from studio.core.project import GROUND_ID, Clip, Motion, Prop
 from studio.document.document import Document
 from studio.io.entity_json import project_json
-from tests.builders import make_constraint, make_contact, make_project
+from tests.builders import make_capture, make_constraint, make_contact, make_project
 
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
@@ -255,3 +255,20 @@ def test_thousands_added_at_once_are_one_step_told_by_one_signal_and_taken_back_
     assert document.history == ("Find contacts",)
     document.undo_stack.undo()
     assert state(document) == before
+
+
+def test_the_ruler_is_that_of_the_motion_that_plays_after_undo_and_redo(qapp):
+    document = Document(make_project(frames=30))
+    with document.group("Import walk.bvh"):
+        capture = document.add("captures", make_capture("walk", frames=120, frame_rate=30.0), "Import")
+        motion = document.add("motions", Motion("walk", capture), "Import")
+        for key, performer in document.project.performers.items():
+            document.replace("performers", key, replace(performer, clips=(Clip(motion, 0, 119),)), "Import")
+    ruler = document.playhead
+    assert (ruler.frame_rate, ruler.last) == (30.0, 119)
+    ruler.set_frame(100)
+    document.undo_stack.undo()
+    assert (ruler.frame_rate, ruler.last, ruler.frame) == (60.0, 29, 0)
+    document.undo_stack.redo()
+    assert (ruler.frame_rate, ruler.last) == (30.0, 119)
+    document.close()
