@@ -68,9 +68,22 @@ def smooth_union(a: FloatArray, b: FloatArray, width: float) -> FloatArray:
     return np.asarray(np.minimum(a, b) - overlap**3 * width / 6)
 
 
-def union(parts: list[tuple[Solid, float]], points: FloatArray) -> FloatArray:
-    """Parts joined one after another, each with the fillet width that stands beside it."""
-    distance = parts[0][0].distance(points)
-    for part, width in parts[1:]:
-        distance = smooth_union(distance, part.distance(points), width)
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A solid that is joined to those before it, or carved out of them, with a fillet as wide as ``fillet``."""
+
+    solid: Solid
+    fillet: float = 0.0
+    carved: bool = False
+
+
+def union(parts: list[Part], points: FloatArray) -> FloatArray:
+    """Parts joined or carved one after another; the first one begins."""
+    distance = parts[0].solid.distance(points)
+    for part in parts[1:]:
+        other = part.solid.distance(points)
+        if part.carved:
+            distance = -smooth_union(-distance, other, part.fillet)
+        else:
+            distance = smooth_union(distance, other, part.fillet)
     return distance

@@ -5,20 +5,22 @@ make the others. Only the left half is described: the field is symmetric about y
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from studio.core.canonical import BodyPart
-from studio.core.mannequin.field import Ellipsoid, Loft, Solid, smooth_union, union
+from studio.core.mannequin.field import Ellipsoid, Loft, Part, Solid, smooth_union, union
+from studio.core.mannequin.fingers import fingers
 from studio.core.mannequin.physique import Physique
+from studio.core.mannequin.surface import Triangles
 from studio.core.morphology import FloatArray
 from studio.core.rest_pose import rest_pose
 from studio.core.rotations import frame_along
 
 _FORWARD, _LEFT, _UP = np.eye(3)
-_Parts = list[tuple[Solid, float]]
+_Parts = list[Part]
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class Form:
         """(N,) signed distance of the whole body from (N, 3) world points."""
         torso, neck, skull, arm, leg = self.regions(points)
         h = self.physique.stature
-        head = smooth_union(neck, skull, 0.030 * h)
+        head = smooth_union(neck, skull, 0.018 * h)
         body = smooth_union(smooth_union(torso, head, 0.045 * h), arm, 0.070 * h)
         return smooth_union(body, leg, 0.050 * h)
 
@@ -70,10 +72,11 @@ class Form:
         return [
             (hand, 0.45 * p.hand, 0.0058 * p.hand / 0.106),
             (self.point("toe") * [1, 1, 0], 0.45 * p.foot_length, 0.0090),
+            (self.point("head joint") + _vector(0.02 * p.stature, 0, 0), 0.7 * p.head, 0.0085 * p.head / 0.088),
             (
-                self.point("head joint") + _vector(0.02 * p.stature, 0, 0),
-                0.7 * p.head,
-                0.0080 * p.head / 0.088,
+                self.point("head joint") + _vector(0.062, 0.010, 0.006) * p.stature * p.head / 0.088,
+                0.26 * p.head,
+                0.0040 * p.head / 0.088,
             ),
             (self.point("elbow"), 0.03, 0.0095),
             (self.point("knee"), 0.04, 0.0115),
@@ -114,11 +117,11 @@ class Form:
         stations = np.array([(hip + (top - hip) * t, x, 0, depth, breadth) for t, x, depth, breadth in rows]) * h
         trunk = Loft(np.zeros(3), np.eye(3), stations, power=2.25, caps=(0.012 * h, 0.02 * h))
 
-        def blob(t: float, x: float, y: float, radii: tuple[float, float, float], fillet: float) -> tuple[Solid, float]:
+        def blob(t: float, x: float, y: float, radii: tuple[float, float, float], fillet: float) -> Part:
             centre = np.array([x, y, hip + (top - hip) * t]) * h
-            return Ellipsoid(centre, np.array(radii) * h, np.eye(3)), fillet * h
+            return Part(Ellipsoid(centre, np.array(radii) * h, np.eye(3)), fillet * h)
 
-        parts: _Parts = [(trunk, 0.0)]
+        parts = [Part(trunk)]
         seat = 0.046 * p.seat
         parts.append(blob(0.00, -0.028 * p.seat, 0.041 * p.hips, (seat, 0.043 * p.hips, 0.052), 0.06))
         if p.pectorals:
@@ -134,34 +137,47 @@ class Form:
             neck + _vector(0.002 * h, 0.010 * h, 0.012 * h),
             shoulder + _vector(-0.004 * h, -0.012 * h, 0.006 * h),
         )
-        parts.append((_cone(inner, outer, 0.022 * h * p.neck_girth, 0.024 * h * p.shoulders), 0.05 * h))
+        parts.append(Part(_cone(inner, outer, 0.022 * h * p.neck_girth, 0.024 * h * p.shoulders), 0.05 * h))
         return parts
 
     @cached_property
     def _neck(self) -> _Parts:
         p, h = self.physique, self.physique.stature
         girth = 0.0335 * h * p.neck_girth
-        low = self.point("neck base") + _vector(0.004 * h, 0, -0.015 * h)
-        high = self.point("head joint") + _vector(0.016 * h, 0, 0.010 * h)
-        return [(_cone(low, high, 1.1 * girth, 0.95 * girth), 0.0)]
+        low = self.point("neck base") + _vector(-0.004 * h, 0, -0.020 * h)
+        high = self.point("head joint") + _vector(0.008 * h, 0, 0.014 * h)
+        length = float(np.linalg.norm(high - low))
+        rows = [(0.00, 1.12, 1.12), (0.35, 0.97, 0.92), (0.62, 0.92, 0.84), (0.85, 0.96, 0.82), (1.00, 0.98, 0.84)]
+        stations = np.array([(along * length, 0.0, 0.0, deep * girth, wide * girth) for along, deep, wide in rows])
+        frame = frame_along(high - low, _FORWARD)
+        return [Part(Loft(low, frame, stations))]
 
     @cached_property
     def _skull(self) -> _Parts:
         p = self.physique
         u = p.stature * p.head / 0.088
-        joint, s = self.point("head joint"), p.skull
+        joint, s, j = self.point("head joint"), p.skull, p.jaw
 
-        def blob(place: tuple[float, float, float], radii: tuple[float, float, float], tilt: float = 0.0) -> Solid:
+        def blob(x: float, y: float, z: float, *radii: float, tilt: float = 0.0, fillet: float = 0.0) -> Part:
             c, d = np.cos(tilt), np.sin(tilt)
             frame = np.array([[c, 0, d], [0, 1, 0], [-d, 0, c]])
-            return Ellipsoid(joint + np.array(place) * u, np.array(radii) * u, frame)
+            return Part(Ellipsoid(joint + _vector(x, y, z) * u, np.array(radii) * u, frame), fillet * u)
 
+        bridge, tip = (
+            joint + _vector(x, 0, z) * u for x, z in ((0.0570, 0.027), (0.0645 + 0.0045 * j, -0.001 + 0.002 * (1 - j)))
+        )
         return [
-            (blob((0.011, 0, 0.034), (0.056 * s, 0.045 * s, 0.054)), 0.0),
-            (blob((0.030, 0, 0.002), (0.034, 0.034 * s, 0.049), 0.15), 0.045 * u),
-            (blob((0.044, 0, -0.026), (0.018, 0.020, 0.016)), 0.03 * u),
-            (blob((0.065, 0, 0.005), (0.009, 0.009, 0.020), -0.30), 0.030 * u),
-            (blob((0.008, 0.043 * s, 0.008), (0.010, 0.006, 0.017), -0.2), 0.012 * u),
+            blob(0.009, 0, 0.036, 0.056 * s, 0.045 * s, 0.052),
+            blob(0.030, 0, 0.000, 0.033, 0.033 * s, 0.046, tilt=0.15, fillet=0.04),
+            blob(0.022, 0.0245 * s, -0.016, 0.025, 0.0085, 0.0110 * j, tilt=0.40, fillet=0.030),
+            blob(0.0505, 0, -0.0325, 0.0130 * j, 0.0140 * j, 0.0105, fillet=0.030),
+            blob(0.047, 0.024 * s, 0.006, 0.010, 0.009, 0.008, fillet=0.02),
+            blob(0.0520 + 0.0012 * j, 0.014, 0.0345, 0.009, 0.018, 0.0055, fillet=0.014),
+            replace(blob(0.071, 0.0175, 0.021, 0.015, 0.0125, 0.0085, fillet=0.012), carved=True),
+            Part(_cone(bridge, tip, 0.0048 * u, 0.0072 * u), 0.010 * u),
+            blob(0.0620 + 0.0035 * j, 0.0063, -0.0030, 0.0062, 0.0042, 0.0042, fillet=0.006),
+            blob(0.0580, 0, -0.0165, 0.0060, 0.0120, 0.0062, fillet=0.014),
+            blob(0.000, 0.0445 * s, 0.012, 0.0105, 0.0045, 0.0165, tilt=-0.2, fillet=0.006),
         ]
 
     @cached_property
@@ -187,7 +203,7 @@ class Form:
         lower = _limb(elbow, self.frame(BodyPart.LEFT_FOREARM), lower_rows, p.forearm * h, h)
         radii = np.array([0.034, 0.030, 0.036]) * h * p.shoulders
         deltoid = Ellipsoid(shoulder + np.array([-0.002, 0.004, -0.002]) * h, radii, np.eye(3))
-        return [(deltoid, 0.0), (upper, 0.04 * h), (lower, 0.004 * h), *self._hand(wrist)]
+        return [Part(deltoid), Part(upper, 0.04 * h), Part(lower, 0.004 * h), *self._hand(wrist)]
 
     def _hand(self, wrist: FloatArray) -> _Parts:
         p = self.physique
@@ -195,17 +211,21 @@ class Form:
         frame = self.frame(BodyPart.LEFT_HAND)
         palm_rows = [
             (-0.06, 0.000, 0.000, 0.118 * g, 0.150 * g),
-            (0.18, 0.000, -0.012, 0.115 * g, 0.190 * g),
-            (0.46, 0.000, 0.000, 0.104 * g, 0.210 * g),
-            (0.68, 0.030, 0.004, 0.084 * g, 0.185 * g),
-            (0.86, 0.080, 0.004, 0.070 * g, 0.140 * g),
+            (0.16, 0.000, -0.010, 0.112 * g, 0.180 * g),
+            (0.38, 0.000, -0.004, 0.098 * g, 0.205 * g),
+            (0.52, 0.010, 0.000, 0.074 * g, 0.192 * g),
         ]
-        palm = Loft(wrist, frame, np.array(palm_rows) * u, power=2.2, caps=(0.05 * u, 0.14 * u))
-        root, knuckle, tip = ((0.02, -0.11 * g, 0.14), (0.08, -0.25 * g, 0.33), (0.13, -0.33 * g, 0.54))
-        bones = [wrist + frame @ (np.array(place) * u) for place in (root, knuckle, tip)]
-        base = _cone(bones[0], bones[1], 0.105 * u * g, 0.086 * u * g)
-        thumb = _cone(bones[1], bones[2], 0.086 * u * g, 0.066 * u * g)
-        return [(palm, 0.03 * u), (base, 0.12 * u), (thumb, 0.03 * u)]
+        palm = Loft(wrist, frame, np.array(palm_rows) * u, power=2.3, caps=(0.05 * u, 0.05 * u))
+        root, knuckle = (
+            wrist + frame @ (_vector(*place) * u) for place in ((0.03, -0.10 * g, 0.12), (0.08, -0.180 * g, 0.27))
+        )
+        return [Part(palm, 0.03 * u), Part(_cone(root, knuckle, 0.100 * u * g, 0.078 * u * g), 0.12 * u)]
+
+    def fingers(self) -> tuple[FloatArray, Triangles]:
+        """Vertices and triangles of the left hand's thumb and fingers."""
+        p = self.physique
+        vertices, triangles = fingers(p.hand_girth)
+        return self.point("wrist") + vertices * p.stature * p.hand @ self.frame(BodyPart.LEFT_HAND).T, triangles
 
     @cached_property
     def _leg(self) -> _Parts:
@@ -229,7 +249,7 @@ class Form:
             (1.00, 0.000, -0.006, 0.0170 * c, 0.0195 * c),
         ]
         limb = _limb(self.point("hip"), self.frame(BodyPart.LEFT_THIGH), rows, leg, h)
-        return [(limb, 0.0), (self._foot(), 0.035 * h)]
+        return [Part(limb), Part(self._foot(), 0.035 * h)]
 
     def _foot(self) -> Solid:
         p = self.physique

@@ -38,6 +38,8 @@ class Physique:
     hand: float = 0.106
     foot_length: float = 0.152
     skull: float = 1.0
+    jaw: float = 1.0
+    """How strong jaw, chin, brow and nose are."""
     neck_girth: float = 1.0
     chest: float = 1.0
     chest_depth: float = 1.0

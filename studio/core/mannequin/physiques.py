@@ -33,6 +33,7 @@ BUNDLED: dict[str, tuple[str, str, Physique]] = {
             neck=0.058,
             head=0.087,
             skull=0.97,
+            jaw=0.72,
         ),
     ),
     "tall_man": (
@@ -111,7 +112,8 @@ BUNDLED: dict[str, tuple[str, str, Physique]] = {
             neck=0.045,
             head=0.113,
             skull=1.02,
-            neck_girth=1.0,
+            jaw=0.5,
+            neck_girth=0.92,
             chest=0.92,
             chest_depth=0.96,
             waist=1.0,

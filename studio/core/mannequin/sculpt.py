@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.canonical import BodyPart
 from studio.core.mannequin import binding, remesh, surface
 from studio.core.mannequin.form import Form
 from studio.core.mannequin.physique import Physique
@@ -33,6 +34,13 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
     vertices, triangles = surface.mirrored(half, half_triangles)
     vertices = surface.softened(vertices, triangles, SOFTENINGS)
     weights = binding.diffused(binding.segment_weights(form, vertices), triangles, 4)
+    tubes, tube_triangles = surface.mirrored(*form.fingers())
+    held = np.zeros((len(tubes), weights.shape[1]))
+    layout = physique.morphology().layout
+    for part, side in ((BodyPart.LEFT_HAND, tubes[:, 1] > 0), (BodyPart.RIGHT_HAND, tubes[:, 1] < 0)):
+        held[side, layout.segment(part)] = 1.0
+    triangles = np.concatenate([triangles, tube_triangles + len(vertices)])
+    vertices, weights = np.concatenate([vertices, tubes]), np.concatenate([weights, held])
     segments, chosen = binding.strongest(weights)
     return SkinnedMesh(
         vertices=_rounded(vertices, 16),
