@@ -7,6 +7,7 @@ from studio.core.capture import Capture
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.placement import Placement
@@ -58,7 +59,7 @@ def _leaders(constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRe
 def _following(
     request: AdaptRequest, motions: Mapping[str, AdaptedMotion], capture: Capture, props: Mapping[str, Prop]
 ) -> AdaptRequest:
-    tracks: dict[Follow | Support, Track] = {}
+    tracks: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in request.constraints:
         for follow in follows_of(constraint):
             match follow:

@@ -325,7 +325,7 @@ def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
     arrays["positions"][frames] = window.positions
     arrays["rotations"][frames] = window.rotations
     arrays["residuals"][:, frames] = window.residuals
-    return replace(whole, morphology=window.morphology, volume=window.volume, **arrays)
+    return replace(whole, morphology=window.morphology, volume=window.volume, unasked=window.unasked, **arrays)
 
 
 def _fits(whole: AdaptedMotion, capture: Capture, wanted: Wanted) -> bool:

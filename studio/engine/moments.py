@@ -2,16 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.balance import Support
-from studio.core.constraints.base import Constraint, Vector
+from studio.core.constraints.base import BodyPoint, Constraint, Vector
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedPlace, Quaternion
-from studio.core.constraints.target import follows_of
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.project import Project
 from studio.core.solver.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.engine.performance import Posed
@@ -32,10 +34,10 @@ class Moment:
 
     def fixed(self, constraint: Constraint) -> Constraint | None:
         """The constraint with its targets where they are now; None while what it follows is not there."""
-        follows = follows_of(constraint)
-        tracks: dict[Follow | Support, Track]
-        tracks = {follow: track for follow in follows if (track := self.track(follow)) is not None}
-        if len(tracks) < len(set(follows)):
+        moving = {*follows_of(constraint), *own_places_of(constraint)}
+        tracks: dict[Follow | OwnPlace | Support, Track]
+        tracks = {each: track for each in moving if (track := self.track(each)) is not None}
+        if len(tracks) < len(moving):
             return None
         return fixed_at(constraint, Targets(np.array([self.pose.seconds]), tracks, lambda: np.zeros((1, 3))))
 
@@ -43,11 +45,15 @@ class Moment:
         """The constraint held at ``place`` now, by a key or another offset; the same where it is held by no place."""
         name = HELD_BY.get(constraint.kind, "")
         target = getattr(constraint, name, None)
+        held: dict[str, Any]
+        if isinstance(target, OwnPlace):
+            held = {name: self._moved_own(target, place)}
+            return replace(constraint, **held)
         if not isinstance(target, tuple | KeyedPlace | Follow):
             return constraint
         track = self.track(target) if isinstance(target, Follow) else None
         flat = isinstance(target, tuple) and len(target) == 2
-        held: dict[str, Any] = {name: place[:2] if flat else moved_target(target, place, self.pose.seconds, track)}
+        held = {name: place[:2] if flat else moved_target(target, place, self.pose.seconds, track)}
         return replace(constraint, **held)
 
     def turned(self, constraint: Constraint, turn: Quaternion) -> Constraint:
@@ -57,12 +63,34 @@ class Moment:
         held: dict[str, Any] = {"target": turned_target(target, turn, self.pose.seconds, track)}
         return replace(constraint, **held)
 
-    def track(self, follow: Follow) -> Track | None:
+    def own_place(self, point: BodyPoint, place: Vector, seconds: float) -> OwnPlace | None:
+        """``place`` as each body has it by its own ``point`` at ``seconds``; None while how it stands is not known."""
+        own = OwnPlace(point, seconds)
+        return None if self.track(own) is None else self._moved_own(own, place)
+
+    def _moved_own(self, target: OwnPlace, place: Vector) -> OwnPlace:
+        track = self.track(target)
+        if track is None:
+            return target
+        x, y, z = ((np.array(place) - track.places[0]) / self.pose.motion.body.leg_length).tolist()
+        return target.moved(self.performer_id, (x, y, z))
+
+    @cached_property
+    def performer_id(self) -> str:
+        """Whose pose it is."""
+        return next(key for key, pose in self.posed.items() if pose is self.pose)
+
+    def track(self, follow: Follow | OwnPlace) -> Track | None:
         """Where a followed thing is now, in the space of this performer's motion."""
-        from studio.core.solver.following import performer_track, prop_track, tracked_track  # it loads kernels
+        from studio.core.solver.following import own_track, performer_track, prop_track, tracked_track  # loads kernels
 
         pose, own = self.pose, self.pose.placement
         match follow:
+            case OwnPlace():
+                adapted, mine = pose.motion, follow.of(self.performer_id)
+                if adapted.unasked is None:
+                    return None
+                return own_track(mine, adapted.unasked, adapted.body, adapted.frame_rate)
             case FollowBody():
                 return performer_track(follow.point, follow.turn, pose.motion, [pose.row], own, own)
             case FollowPerformer():

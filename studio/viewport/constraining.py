@@ -19,6 +19,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Project
 from studio.core.rotations import from_matrix
+from studio.engine.moments import Moment
 from studio.engine.performance import Posed
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
@@ -44,9 +45,18 @@ _WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, 
 class Here:
     """What a new constraint is made of: a body at the playhead, and the joint picked on it if there is one."""
 
-    project: Project
-    pose: Posed
+    moment: Moment
     joint: BodyJoint | None
+
+    @property
+    def project(self) -> Project:
+        """The project."""
+        return self.moment.project
+
+    @property
+    def pose(self) -> Posed:
+        """The body at the playhead."""
+        return self.moment.pose
 
     @property
     def picked(self) -> BodyJoint:
@@ -94,7 +104,9 @@ def constraint_here(here: Here, kind: str) -> Constraint:
 
 def _position(here: Here) -> Constraint:
     joint = here.picked
-    target = _vector(here.place(joint.point))
+    place = _vector(here.place(joint.point))
+    # Bodies of other measures are elsewhere in the middle of a walk: each has its own place, as long as that is known.
+    target = here.moment.own_place(joint.point, place, here.pose.seconds) or place
     return PositionConstraint(**here.common(joint.name.capitalize(), joint.point, joint.chain), target=target)
 
 

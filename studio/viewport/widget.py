@@ -180,7 +180,7 @@ class Viewport(Canvas):
         pose = self.posed.get(performer_id)
         if pose is None or pose.motion_id is None or (picked is None and kind in NEEDS_A_PICK):
             return None
-        constraint = constraint_here(Here(self._document.project, pose, picked.joint if picked else None), kind)
+        constraint = constraint_here(Here(self._moment(pose), picked.joint if picked else None), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))
@@ -243,8 +243,10 @@ class Viewport(Canvas):
         """What the gizmo moves."""
         pose = self.posed.get(self._document.active_performer_id or "")
         floor = floor_under(self._document.project, pose) if pose else 0.0
-        moment = Moment(self._document.project, self.posed, pose) if pose else None
-        return selected_movable(self._document, moment, floor)
+        return selected_movable(self._document, self._moment(pose) if pose else None, floor)
+
+    def _moment(self, pose: Posed) -> Moment:
+        return Moment(self._document.project, self.posed, pose)
 
     def handles(self) -> list[Handle]:
         """The constraint handles on show."""

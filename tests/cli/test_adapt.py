@@ -254,6 +254,18 @@ def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_othe
     assert child["constraints"][2]["residual_mm"] is None  # it would follow its own wrist
 
 
+def test_a_target_may_be_each_body_s_own_place_with_an_offset_for_one_character(capsys, kick, tmp_path):
+    offset = {"adult_woman": [0.0, 0.0, 5.0]}
+    target = {"kind": "own_place", "point": WRIST["point"], "time": 0.5, "own": list(map(list, offset.items()))}
+    file = constraint_file(tmp_path, {**WRIST, "target": target})
+    arguments = ("--character", "adult_woman", "child", "--constraints", file)
+    code, report = adapt(capsys, kick, tmp_path / "out", *arguments)
+    assert code == 0
+    woman, child = (each["constraints"][0]["residual_mm"] for each in report["characters"])
+    assert woman > 500.0  # five leg lengths up are out of reach
+    assert child < 50.0
+
+
 @pytest.mark.parametrize(("options", "carried"), [([], set(EXTRAS)), (["--body-only"], set())])
 def test_a_character_carries_the_captures_fingers_and_props_unless_told_not_to(capsys, tmp_path, options, carried):
     write_capture(with_extras(), tmp_path / "grasp.bvh")

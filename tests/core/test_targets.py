@@ -18,6 +18,7 @@ from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowPr
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
@@ -31,6 +32,7 @@ from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, hold, place_of, stand
 from studio.core.solver.following import performer_track, prop_track, tracked_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stage import concerning
 from studio.core.solver.support import outlines, smoothed, standing_points, support_margins
 from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
@@ -58,6 +60,32 @@ def same(first: AdaptedMotion, second: AdaptedMotion) -> None:
 def within_reach(body: Morphology, *further: float) -> np.ndarray:
     near = place_of(RIGHT, solved(body))[30] + [0.05, 0.02, 0.08]
     return np.add(near, further or 0.0)
+
+
+@every_body
+def test_where_a_body_has_its_own_place_nothing_moves_and_an_offset_goes_by_its_measure(body: Morphology) -> None:
+    standing, time = solved(body), 30 / RATE
+    same(
+        solved(body, ask(PositionConstraint, RIGHT, target=OwnPlace(LEFT, time))),
+        solved(body, ask(PositionConstraint, RIGHT, target=tuple(place_of(LEFT, standing)[30]))),
+    )
+    at_rest = solved(body, ask(PositionConstraint, RIGHT, target=OwnPlace(RIGHT, time)))
+    assert at_rest.residuals[0, 30] < MET
+    assert at_rest.positions[30] == pytest.approx(standing.positions[30], abs=MET)
+    offset = (0.02, 0.03, 0.05)
+    target = tuple(place_of(RIGHT, standing)[30] + body.leg_length * np.array(offset))
+    asked = ask(PositionConstraint, RIGHT, target=OwnPlace(RIGHT, time, offset))
+    same(solved(body, asked), solved(body, ask(PositionConstraint, RIGHT, target=target)))
+    same(solved(body, asked, frames=(20, 40)), solved(body, asked).frames(20, 40))
+
+
+def test_a_performer_s_own_offset_is_its_alone() -> None:
+    place = OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1), (("tall", (0.0, 0.2, 0.0)),))
+    asked = ask(PositionConstraint, RIGHT, target=place)
+    assert concerning(asked, "tall", ()).target == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
+    assert concerning(asked, "child", ()).target == OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1))  # type: ignore[attr-defined]
+    with pytest.raises(ValueError, match="two offsets"):
+        OwnPlace(RIGHT, 0.5, own=(("tall", (0.0, 0.0, 0.0)), ("tall", (0.0, 0.0, 0.1))))
 
 
 @every_body

@@ -85,6 +85,15 @@ def press(inspector, name):
     QTest.mouseClick(button, LEFT)
 
 
+def numbers_of(inspector, name):
+    return [field(inspector, f"{name} {axis}").value() for axis in "XYZ"]
+
+
+def chosen(inspector, name):
+    [box] = [each for each in inspector.editor.findChildren(QComboBox) if each.accessibleName() == name]
+    return box.currentText()
+
+
 def choose(inspector, name, text):
     [box] = [each for each in inspector.editor.findChildren(QComboBox) if each.accessibleName() == name]
     box.setCurrentText(text)
@@ -225,7 +234,7 @@ def test_dragging_an_arrow_moves_the_place_of_any_kind_in_one_step(studio, kind)
     tip = gizmo.tips[AXES.index("z")]
     begin, end = (QPoint(*np.rint(gizmo.centre + share * (tip - gizmo.centre)).astype(int)) for share in (0.7, 1.5))
     drag(viewport, begin, end)
-    way = np.array(handle_place(current(document))) - handle_place(before)
+    way = np.array(fixed(studio, current(document))) - fixed(studio, before)
     assert way[2] > 0.02
     assert way[:2] == pytest.approx([0.0, 0.0], abs=1e-9)
     assert document.undo_stack.count() == 2
@@ -247,15 +256,22 @@ def test_a_selected_constraint_is_framed_with_all_that_is_drawn_of_it(studio, ki
 def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(studio):
     for kind in KINDS:
         constraint = add(studio, kind, "left ankle")
-        place = handle_place(constraint)
+        place = fixed(studio, constraint)
         viewport, document, _ = studio
         moment = Moment(document.project, viewport.posed, viewport.posed["performer 0"])
         moved = moment.moved(constraint, (0.1, 0.2, 0.3))
         if place is None:
             assert moved is constraint
         else:
-            assert handle_place(moved, floor=0.3) == (0.1, 0.2, 0.3)
+            now = handle_place(moment.fixed(moved), floor=0.3)
+            assert now == pytest.approx((0.1, 0.2, 0.3), abs=1e-12)
         document.undo_stack.undo()
+
+
+def fixed(studio, constraint):
+    """Where it is held now."""
+    viewport, document, _ = studio
+    return handle_place(Moment(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint))
 
 
 def keyed(studio, kind="position"):
@@ -263,7 +279,7 @@ def keyed(studio, kind="position"):
     viewport, document, _ = studio
     constraint = add(studio, kind)
     name = HELD_BY[kind]
-    place = getattr(constraint, name)
+    place = fixed(studio, constraint)
     new = replace(constraint, **{name: KeyedPlace((0.1,), (place,))})
     document.replace("constraints", document.selection.current[1], new, "Key")
     viewport.frame_selection()
@@ -308,23 +324,24 @@ def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag
 
 def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studio):
     _, document, inspector = studio
-    constraint = add(studio, "position")
+    add(studio, "position")
+    place = numbers_of(inspector, "Target")
     choose(inspector, "Target is", "Keyed over time")
     assert current(document).target.times == pytest.approx([0.2])
-    assert current(document).target.values[0] == pytest.approx(constraint.target)
+    assert current(document).target.values[0] == pytest.approx(place, abs=1e-3)
     document.playhead.set_time(0.4)
     enter(inspector, "Target Z", "1.5")
     assert current(document).target.times == pytest.approx([0.2, 0.4])
     document.playhead.set_time(0.3)
     between = field(inspector, "Target Z").value()
-    assert min(constraint.target[2], 1.5) < between < max(constraint.target[2], 1.5)
+    assert min(place[2], 1.5) < between < max(place[2], 1.5)
     press(inspector, "Set key")
     assert current(document).target.times == pytest.approx([0.2, 0.3, 0.4])
     press(inspector, "Key before")
     assert document.playhead.time == pytest.approx(0.2)
     press(inspector, "Delete key")
     assert current(document).target.times == pytest.approx([0.3, 0.4])
-    choose(inspector, "Target is", "Fixed")
+    choose(inspector, "Target is", "One place for all")
     assert isinstance(current(document).target, tuple)
 
 
@@ -332,14 +349,15 @@ def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
     _, document, inspector = studio
     told = []
     document.problem.connect(told.append)
-    place = add(studio, "position").target
+    target = add(studio, "position").target
+    place = numbers_of(inspector, "Target")
     choose(inspector, "Target is", "Follows a prop")
     assert "no prop" in told[-1]
-    assert current(document).target == place
+    assert current(document).target == target
     prop_id = document.add("props", Prop("Box", position=(1.0, 0.0, 0.5)), "Add box")
     choose(inspector, "Target is", "Follows a prop")
     assert current(document).target.prop_id == prop_id
-    assert [field(inspector, f"Target {axis}").value() for axis in "XYZ"] == pytest.approx(place, abs=1e-3)
+    assert numbers_of(inspector, "Target") == pytest.approx(place, abs=1e-3)
     choose(inspector, "Target is", "Follows a performer")
     assert current(document).target.performer_id == "performer 1"
     choose(inspector, "Point followed", "Head")
@@ -353,7 +371,27 @@ def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
     count = document.undo_stack.count()
     for _ in range(count - 1):
         document.undo_stack.undo()
-    assert current(document).target == place
+    assert current(document).target == target
+
+
+def test_the_form_says_whether_each_body_has_its_own_place_and_who_has_an_offset_of_its_own(studio):
+    _, document, inspector = studio
+    add(studio, "position")
+    place = numbers_of(inspector, "Target")
+    assert chosen(inspector, "Target is") == "Each at its own place"
+    press(inspector, "Body 0 has an offset of its own")
+    assert current(document).target.own == (("performer 0", (0.0, 0.0, 0.0)),)
+    enter(inspector, "Target Z", f"{place[2] + 0.1:.2f}")
+    assert numbers_of(inspector, "Target")[2] == pytest.approx(place[2] + 0.1, abs=0.006)
+    assert current(document).target.offset == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
+    press(inspector, "Body 0 has an offset of its own")
+    assert current(document).target.own == ()
+    choose(inspector, "Target is", "One place for all")
+    assert current(document).target == pytest.approx(place, abs=0.006)
+    document.playhead.set_time(0.45)  # beyond the time of the constraint: it is told by where the body is within
+    choose(inspector, "Target is", "Each at its own place")
+    assert current(document).target.time == pytest.approx(current(document).activation.full_end)
+    assert numbers_of(inspector, "Target") == pytest.approx(place, abs=0.006)
 
 
 def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_forms(studio):

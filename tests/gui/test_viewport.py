@@ -112,13 +112,55 @@ def test_c_constrains_the_picked_joint_where_it_is_as_one_undo_step(studio):
     assert collection == "constraints"
     assert (constraint.name, constraint.priority) == ("Left wrist", 1)
     layout = place.motion.morphology.layout
-    assert constraint.target == pytest.approx(place.motion.positions[place.row, layout.wrist(0)])
+    [handle] = [one for one in viewport.handles() if one.main and one.constraint_id == constraint_id]
+    assert handle.target == pytest.approx(place.motion.positions[place.row, layout.wrist(0)])
     assert constraint.activation.at(0.2) == 1.0
     assert constraint.activation.start >= 0.0
     assert constraint.activation.end <= 29 / 60 + 1e-12
     assert document.undo_stack.count() == 1
     document.undo_stack.undo()
     assert list(document.project.constraints) == ["constraint 0"]
+
+
+def wrists(viewport):
+    """Where each performer has the right wrist on the stage."""
+    return {key: pose.points[pose.motion.morphology.layout.wrist(1)] for key, pose in viewport.posed.items()}
+
+
+def targets_of(viewport, constraint_id):
+    return {one.performer_id: one.target for one in viewport.handles() if one.constraint_id == constraint_id}
+
+
+def test_each_body_has_the_new_target_at_its_own_joint(studio):
+    viewport, _, _ = studio
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "right wrist"))
+    constraint_id = viewport.add_constraint_at_pick()
+    places = targets_of(viewport, constraint_id)
+    for performer_id, wrist in wrists(viewport).items():
+        assert places[performer_id] == pytest.approx(wrist)
+
+
+def test_a_drag_moves_it_for_every_body_by_its_measure_and_one_with_its_own_offset_alone(studio):
+    viewport, document, _ = studio
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "right wrist"))
+    constraint_id = viewport.add_constraint_at_pick()
+    before = targets_of(viewport, constraint_id)
+    viewport.movable().move(before["performer 0"] + [0.0, 0.0, 0.1], document.new_gesture())
+    after = targets_of(viewport, constraint_id)
+    legs = [viewport.posed[f"performer {k}"].motion.morphology.leg_length for k in range(2)]
+    assert after["performer 0"] - before["performer 0"] == pytest.approx([0.0, 0.0, 0.1])
+    assert after["performer 1"] - before["performer 1"] == pytest.approx([0.0, 0.0, 0.1 * legs[1] / legs[0]])
+    constraint = document.project.constraints[constraint_id]
+    apart = constraint.target.with_own("performer 0", (0.0, 0.0, 0.0))
+    document.replace("constraints", constraint_id, replace(constraint, target=apart), "Own offset")
+    viewport.movable().move(after["performer 0"] + [0.2, 0.0, 0.0], document.new_gesture())
+    alone = targets_of(viewport, constraint_id)
+    assert alone["performer 0"] - after["performer 0"] == pytest.approx([0.2, 0.0, 0.0])
+    assert alone["performer 1"] == pytest.approx(after["performer 1"])
+    for _ in range(3):
+        document.undo_stack.undo()
+    for performer_id, place in targets_of(viewport, constraint_id).items():
+        assert place == pytest.approx(before[performer_id])
 
 
 def test_a_double_click_on_a_joint_constrains_it(studio):

@@ -18,6 +18,7 @@ from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowPr
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
 from studio.core.project import Prop
@@ -68,8 +69,10 @@ def test_a_record_of_a_constraint_file_or_of_s4d_describes_the_same_constraint(c
 
 KEYED = KeyedPlace((0.1, 0.5), ((0.1, 0.2, 0.3), (0.4, 0.5, 0.6)))
 HAND = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.1, 0.0))
+APART = (("performer 1", (0.0, 0.0, 0.3)),)
 TARGETS: tuple[Constraint, ...] = (
     PositionConstraint("motion", "Keyed", WRIST, *COMMON, target=KEYED),
+    PositionConstraint("motion", "Own place", WRIST, *COMMON, target=OwnPlace(WRIST, 0.4, (0.0, 0.1, 0.2), APART)),
     PositionConstraint("motion", "Own", WRIST, *COMMON, target=FollowBody(HAND)),
     PositionConstraint("motion", "Other", WRIST, *COMMON, target=FollowPerformer("performer 1", HAND)),
     LookAtConstraint("motion", "Prop", EYES, *COMMON, target=FollowProp("box", (0.0, 0.1, 0.2))),
@@ -100,11 +103,11 @@ def test_a_target_in_a_constraint_file_is_written_as_in_a_project_and_misspelt_m
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "asked.json"
-    record = entity_record("constraints", "", TARGETS[2], {})
+    record = entity_record("constraints", "", TARGETS[3], {})
     path.write_text(json.dumps({"constraints": [record]}))
-    assert read_constraints(path, "motion").constraints == (TARGETS[2],)
+    assert read_constraints(path, "motion").constraints == (TARGETS[3],)
     for change, sentence in (
-        ({"kind": "follow_wind"}, "target: kind: one of keyed, follow_body"),
+        ({"kind": "follow_wind"}, "target: kind: one of keyed, own_place, follow_body"),
         ({"performer": "x"}, "'target.performer' is not known here"),
         ({"point": {"part": "tail"}}, "target: point: part"),
     ):

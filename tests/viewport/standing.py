@@ -9,7 +9,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Project
 from studio.core.rest_pose import rest_pose
-from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.viewport.body_points import point_path
 
 FRAMES, RATE = 30, 60.0
@@ -24,7 +24,8 @@ def standing(project: Project, performer_id: str) -> AdaptedMotion:
     motion = AdaptedMotion(morphology, RATE, 0, positions, rotations, np.zeros((0, FRAMES)))
     asked = [one for one in project.constraints_of("motion").values() if one.enabled]
     residuals = [_misses(motion, one) for one in asked]
-    return AdaptedMotion(morphology, RATE, 0, positions, rotations, np.reshape(residuals, (-1, FRAMES)))
+    misses, unasked = np.reshape(residuals, (-1, FRAMES)), Unasked(positions, rotations)
+    return AdaptedMotion(morphology, RATE, 0, positions, rotations, misses, unasked=unasked)
 
 
 def _misses(motion: AdaptedMotion, constraint: Constraint) -> Any:

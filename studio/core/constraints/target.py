@@ -1,10 +1,11 @@
-"""Where a constraint's target may be: fixed (plain numbers), keyed over time, or following something that moves."""
+"""Where a target may be: fixed (plain numbers), keyed over time, each body's own, or following what moves."""
 
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowBody
 from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
+from studio.core.constraints.own_place import OwnPlace
 
-Place = Vector | KeyedPlace | Follow
+Place = Vector | KeyedPlace | OwnPlace | Follow
 """Metres in the motion's space (before a performer's placement)."""
 Turn = Quaternion | KeyedTurn | Follow
 """A rotation in the motion's space."""
@@ -12,7 +13,7 @@ Turn = Quaternion | KeyedTurn | Follow
 
 def checked_place(place: object, constraint: Constraint, what: str) -> Place:
     """``place`` as a value that cannot be wrong; ValueError naming the constraint and ``what`` otherwise."""
-    if isinstance(place, KeyedPlace | Follow):
+    if isinstance(place, KeyedPlace | OwnPlace | Follow):
         if isinstance(place, FollowBody) and place.point == constraint.point:
             raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another one to follow.")
         return place
@@ -34,6 +35,11 @@ def checked_turn(turn: object, constraint: Constraint) -> Turn:
 def follows_of(constraint: Constraint) -> list[Follow]:
     """All that a constraint follows."""
     return [value for value in vars(constraint).values() if isinstance(value, FOLLOWS)]
+
+
+def own_places_of(constraint: Constraint) -> list[OwnPlace]:
+    """All places of a constraint that are each body's own."""
+    return [value for value in vars(constraint).values() if isinstance(value, OwnPlace)]
 
 
 def key_times(constraint: Constraint) -> tuple[float, ...]:

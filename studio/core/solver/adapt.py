@@ -22,7 +22,7 @@ from studio.core.solver.carrying import Hold, find_carrying
 from studio.core.solver.easing import LOOKED
 from studio.core.solver.footing import Footing, find_footing
 from studio.core.solver.packing import point_indices
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
 from studio.core.solver.settling import Arms, settle
 from studio.core.solver.stretch import Stretch, legs_of
 from studio.core.solver.tracks import Tracks
@@ -47,6 +47,11 @@ class Standing:
     volume: BodyVolume | None = None
     actor: Morphology | None = None
     limited: bool = True
+
+    @property
+    def unasked(self) -> Unasked:
+        """Its poses."""
+        return Unasked(self.positions, self.rotations)
 
     def around(self, window: slice, seconds: float) -> slice:
         """``window`` and ``seconds`` on either side, as far as there are frames."""
@@ -156,7 +161,9 @@ def _answer(
 ) -> AdaptedMotion:
     body, rate = standing.morphology, standing.motion.frame_rate
     animated = body if isinstance(body, AnimatedMorphology) else None
-    return AdaptedMotion(body.still, rate, first, positions, rotations, residuals, animated, standing.volume)
+    return AdaptedMotion(
+        body.still, rate, first, positions, rotations, residuals, animated, standing.volume, standing.unasked
+    )
 
 
 def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:

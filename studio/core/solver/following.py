@@ -6,16 +6,17 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.capture import Capture
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.follow import FollowProp, FollowTracked
+from studio.core.constraints.follow import UNTURNED, FollowProp, FollowTracked
 from studio.core.constraints.keyed import Quaternion
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.kinematics import joint_world
-from studio.core.morphology import Morphology
+from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.placement import Placement
 from studio.core.pose import PoseSequence
 from studio.core.project import Prop
 from studio.core.rotations import to_matrix
 from studio.core.solver.packing import point_indices
-from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.solver.tracks import Track
 
 FloatArray = NDArray[np.float64]
@@ -28,6 +29,14 @@ def point_track(
     origin, segment = point_indices(point, body.layout)
     axes = rotations[:, segment]
     return Track(positions[:, origin] + axes @ np.array(point.offset), axes @ to_matrix(np.array(turn)))
+
+
+def own_track(place: OwnPlace, unasked: Unasked, body: AnyMorphology, frame_rate: float) -> Track:
+    """A place that is the body's own, one frame for all: the body stands as ``unasked`` has it."""
+    row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
+    frame = slice(row, row + 1)
+    track = point_track(place.point, UNTURNED, unasked.positions[frame], unasked.rotations[frame], body.still)
+    return Track(track.places + body.leg_length * np.array(place.offset), np.eye(3)[None])
 
 
 def performer_track(

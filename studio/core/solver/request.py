@@ -41,13 +41,21 @@ class AdaptRequest:
 
 
 @dataclass(frozen=True, eq=False)
+class Unasked:
+    """All frames of a motion on a body as it stands before anything is asked of it, in the motion's space."""
+
+    positions: FloatArray
+    rotations: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class AdaptedMotion:
     """Frames ``first_frame`` and on of a motion on one body, in the motion's space (metres, Z up).
 
     ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals``
     (C, F) is by how much each constraint is missed, in its ``unit`` (metres or radians), in the order of the request,
     NaN where the constraint is not active. ``morphology`` of a body that changes is its beginning, ``animated`` is all;
-    ``volume`` is the room that the body takes up, where it was asked for.
+    ``volume`` is the room that the body takes up, where it was asked for; ``unasked`` is known of what the solver made.
     """
 
     morphology: Morphology
@@ -58,6 +66,7 @@ class AdaptedMotion:
     residuals: FloatArray
     animated: AnimatedMorphology | None = None
     volume: BodyVolume | None = None
+    unasked: Unasked | None = None
 
     @property
     def body(self) -> AnyMorphology:

@@ -9,6 +9,7 @@ import numpy as np
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
 from studio.core.placement import Placement
 from studio.core.project import Clip, Project
@@ -32,7 +33,7 @@ def asked_of(project: Project, performer_id: str) -> tuple[Constraint, ...]:
     """The constraints on a performer that are on, highest priority first, as they concern that performer.
 
     One that follows the performer itself follows a point of the same body; where that is the very point, or who is
-    followed plays nothing, nothing is asked.
+    followed plays nothing, nothing is asked. A place that is each body's own has this one's offset.
     """
     clips = project.performers[performer_id].clips
     constraints = project.constraints_of(clips[0].motion_id).values() if clips else ()
@@ -171,6 +172,8 @@ def concerning(constraint: Constraint, performer_id: str, playing: Container[str
     changes: dict[str, Any] = {}
     for name in (each.name for each in fields(constraint)):
         value = getattr(constraint, name)
+        if isinstance(value, OwnPlace):
+            changes[name] = value.of(performer_id)
         if not isinstance(value, FollowPerformer):
             continue
         same = value.point.part == constraint.point.part if constraint.kind == "orientation" else (

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody
-from studio.core.constraints.target import follows_of
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.joint_limits import limits_of
@@ -23,6 +24,7 @@ from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.chains import carrying_chain, free_joints, point_masses, segment_masses
 from studio.core.solver.clearance import down_to_stages, lowest_first, pack_clearance
 from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
+from studio.core.solver.following import own_track
 from studio.core.solver.footing import Footing
 from studio.core.solver.holding import held_points, place_held, release_hands
 from studio.core.solver.limb_charts import LimbCharts
@@ -258,8 +260,10 @@ class Stretch:
 def _targets(standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
     """What gives the constraints' targets their numbers: all that is known before anything is solved."""
     motion, body = standing.motion, standing.morphology.still
-    known: dict[Follow | Support, Track] = {}
+    known: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in constraints:
+        for place in own_places_of(constraint):
+            known[place] = own_track(place, standing.unasked, standing.morphology, motion.frame_rate)
         for follow in follows_of(constraint):
             track = tracks.get(follow)
             if track is not None:

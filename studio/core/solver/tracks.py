@@ -12,6 +12,7 @@ from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import Place, Turn
 from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
 
@@ -30,7 +31,7 @@ class Track:
         return self if len(self.places) == 1 else Track(self.places[window], self.rotations[window])
 
 
-Tracks = Mapping[Follow | Support, Track]
+Tracks = Mapping[Follow | OwnPlace | Support, Track]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,7 @@ class Targets:
         """(F or 1, 3) metres."""
         if isinstance(target, KeyedPlace):
             return target.at(self.times)
-        if isinstance(target, (*FOLLOWS, Support)):
+        if isinstance(target, (*FOLLOWS, OwnPlace, Support)):
             return self.tracks[target].places
         return np.array(target, dtype=np.float64)[None]
 
@@ -99,7 +100,7 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
         value = getattr(constraint, name)
         if isinstance(value, KeyedTurn) or (isinstance(value, FOLLOWS) and constraint.kind == "orientation"):
             changes[name] = tuple(from_matrix(targets.turns(value)[0]).tolist())
-        elif isinstance(value, (KeyedPlace, *FOLLOWS)):
+        elif isinstance(value, (KeyedPlace, OwnPlace, *FOLLOWS)):
             changes[name] = tuple(targets.places(value)[0].tolist())
         elif isinstance(value, KeyedNumber):
             changes[name] = float(targets.numbers(value)[0])

@@ -11,6 +11,7 @@ from studio.core.capture import Capture
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.core.constraints.own_place import OwnPlace
 from studio.engine.moments import Moment
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINTS, point_words
@@ -19,8 +20,10 @@ from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button
 
 FIXED, KEYED = "fixed", Keys.kind
+OWN = OwnPlace.kind
 KINDS = (
-    (FIXED, "Fixed"),
+    (OWN, "Each at its own place"),
+    (FIXED, "One place for all"),
     (KEYED, "Keyed over time"),
     (FollowBody.kind, "Follows the own body"),
     (FollowPerformer.kind, "Follows a performer"),
@@ -37,7 +40,7 @@ class TargetRows:
 
     def __init__(self, editor: Editor, section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
-        self._kind = Choice("Target is", KINDS)
+        self._kind = Choice("Target is", [kind for kind in KINDS if kind[0] != OWN or not turns])
         self._kind.chosen.connect(self._choose)
         self._kind_caption = section.add_row("Target is", self._kind)
         self._thing = Choice("Follows", ())
@@ -46,6 +49,10 @@ class TargetRows:
         self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINTS.items()])
         self._point.chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Its point", self._point)
+        self._apart = QCheckBox()
+        self._apart.setToolTip("Its handle then moves for this character alone.")
+        self._apart.clicked.connect(self._set_apart)
+        self._apart_caption = section.add_row("Offset", self._apart)
         self._keys = KeyRow(editor, section, field)
 
     @property
@@ -91,7 +98,26 @@ class TargetRows:
             if not self._point.offers((point.part, point.at_end)):
                 self._point.add((point.part, point.at_end), point_words(point).capitalize())
             self._point.show_value((point.part, point.at_end))
+        self._show_apart(target)
         self._keys.refresh(known)
+
+    def _show_apart(self, target: Any) -> None:
+        """Whether the active character has an offset of its own, where each has its own place."""
+        document = self._editor.document
+        performer = document.project.performers.get(document.active_performer_id or "")
+        shown = isinstance(target, OwnPlace) and performer is not None
+        for widget in (self._apart, self._apart_caption):
+            widget.setVisible(shown)
+        if shown and performer is not None:
+            self._apart.setText(f"{performer.name} has its own")
+            self._apart.setAccessibleName(f"{performer.name} has an offset of its own")
+            self._apart.setChecked(document.active_performer_id in dict(target.own))
+
+    def _set_apart(self, apart: bool) -> None:
+        editor, performer_id = self._editor, self._editor.document.active_performer_id or ""
+        name = editor.document.project.performers[performer_id].name
+        text = f"{'Own' if apart else 'Common'} offset for {name}"
+        self._change(self.target.with_own(performer_id, (0.0, 0.0, 0.0) if apart else None), text)
 
     def _things(self, kind: str) -> Sequence[tuple[object, str]]:
         """What there is to follow, by id and name."""
@@ -142,9 +168,20 @@ class TargetRows:
             raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
         if kind == FIXED:
             return now
+        if kind == OWN:
+            return self._own_place(now, moment)
         if moment is None:
             raise ValueError("Nobody performs yet, so there is no moment for a key.")
         return (KeyedTurn if self._turns else KeyedPlace)((moment.pose.seconds,), (_full(now),))
+
+    def _own_place(self, now: Any, moment: Moment | None) -> OwnPlace:
+        """By what the body does at the playhead, or nearest to it while the constraint is whole."""
+        entity, curve = self._editor.entity, self._editor.entity.activation
+        seconds = min(max(moment.pose.seconds, curve.full), curve.full_end) if moment else 0.0
+        own = moment.own_place(entity.point, _full(now), seconds) if moment else None
+        if own is None:
+            raise ValueError("Where each body has it is not known yet. Wait until the bodies are adapted.")
+        return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: Moment | None) -> Any:
         """A prop takes the target along from where it is."""

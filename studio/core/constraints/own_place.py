@@ -1,0 +1,52 @@
+"""Each body's own place: where a point of that very body is at one moment, before anything is asked of it."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+from studio.core.constraints.base import BodyPoint, Vector, finite_vector
+
+
+@dataclass(frozen=True)
+class OwnPlace:
+    """Where ``point`` of the body itself is at ``time`` (seconds of the motion), on the ground and without constraints.
+
+    A body that goes farther in its steps has it farther on. ``offset`` from there is counted in leg lengths of the
+    body (thigh and shank), as its travel is; ``own`` are the further offsets of single performers, by id.
+    """
+
+    kind: ClassVar[str] = "own_place"
+    point: BodyPoint
+    time: float
+    offset: Vector = (0.0, 0.0, 0.0)
+    own: tuple[tuple[str, Vector], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.time):
+            raise ValueError(f"The time of an own place is a finite number of seconds, got {self.time}.")
+        object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from an own place"))
+        own = tuple((str(key), finite_vector(each, f"The offset of '{key}'")) for key, each in self.own)
+        object.__setattr__(self, "own", own)
+        if len(dict(own)) < len(own):
+            raise ValueError("An own place gives a performer two offsets. Keep one of them.")
+
+    def of(self, performer_id: str) -> Self:
+        """As one performer has it: with its own offset added, and without those of others."""
+        own = dict(self.own).get(performer_id)
+        return replace(self, offset=_sum(self.offset, own) if own else self.offset, own=())
+
+    def with_own(self, performer_id: str, offset: Vector | None) -> Self:
+        """The same with another own offset of a performer; None for none of its own."""
+        rest = tuple((key, each) for key, each in self.own if key != performer_id)
+        return replace(self, own=rest if offset is None else (*rest, (performer_id, offset)))
+
+    def moved(self, performer_id: str, further: Vector) -> Self:
+        """``further`` on, in leg lengths: for a performer that has its own offset by that, for the others by theirs."""
+        own = dict(self.own).get(performer_id)
+        if own is None:
+            return replace(self, offset=_sum(self.offset, further))
+        return self.with_own(performer_id, _sum(own, further))
+
+
+def _sum(first: Vector, second: Vector) -> Vector:
+    return first[0] + second[0], first[1] + second[1], first[2] + second[2]
