@@ -12,7 +12,7 @@ from benchmarks.clips import ROOT
 _COLD = """
 import json, resource, time
 start = time.perf_counter()
-from studio.engine.warm_up import WarmUp
+from studio.cli.warm_up import WarmUp
 WarmUp().join()
 by_the_clock = time.perf_counter() - start
 used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]

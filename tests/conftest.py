@@ -36,7 +36,9 @@ def pytest_sessionstart() -> None:
 
     In this process, where the parts of kernels then serve the tests that call them by themselves.
     """
-    import_module("studio.engine.first_run").run()
+    first_run = import_module("studio.cli.first_run")
+    first_run.run()
+    first_run.run_seldom()
 
 
 @pytest.fixture(scope="session")

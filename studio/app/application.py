@@ -15,11 +15,11 @@ from studio.app.problems import ProblemHooks, start_log
 from studio.app.settings import Settings
 from studio.app.theme import apply_theme
 from studio.app.workbench import Workbench
+from studio.cli.warm_up import WarmUp
 from studio.document.document import Document
 from studio.document.file_lock import journal_folder
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
-from studio.engine.warm_up import WarmUp
 
 
 def main(argv: Sequence[str] | None = None) -> int:

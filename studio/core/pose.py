@@ -28,7 +28,7 @@ class PoseSequence:
     """(F, J, 3) metres, in the parent's axes: the root's travel, the bones of the others."""
 
     def __post_init__(self) -> None:
-        rotations = np.asarray(self.local_rotations, dtype=np.float64)
+        rotations = np.array(self.local_rotations, dtype=np.float64, order="C")
         translations = unwritten(self.local_translations)
         if rotations.ndim != 3 or rotations.shape[2] != 4 or translations.shape != (*rotations.shape[:2], 3):
             raise StudioError(
@@ -43,9 +43,8 @@ class PoseSequence:
                 raise StudioError(f"The {kind} of joint {joint} in frame {frame} is not a finite number.")
         if (np.einsum("fjk,fjk->fj", rotations, rotations) < 1e-12).any():
             raise StudioError("A rotation has a quaternion of length zero.")
-        united = np.empty(rotations.shape)
-        unite_signs(rotations, united)
-        for field, array in (("local_rotations", united), ("local_translations", translations)):
+        unite_signs(rotations)
+        for field, array in (("local_rotations", rotations), ("local_translations", translations)):
             array.setflags(write=False)
             object.__setattr__(self, field, array)
 

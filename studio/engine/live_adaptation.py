@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
+from studio.cli.warm_up import WarmUp
 from studio.core.capture import Capture
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
@@ -25,7 +26,6 @@ from studio.core.volume import BodyVolume
 from studio.document.document import Document
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
-from studio.engine.warm_up import WarmUp
 
 if TYPE_CHECKING:
     from studio.core.solver.adapt import Standing

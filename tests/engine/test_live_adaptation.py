@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QTimer
 
+from studio.cli.warm_up import WarmUp
 from studio.core.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
@@ -20,7 +21,6 @@ from studio.core.project import GROUND_ID
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
-from studio.engine.warm_up import WarmUp
 from tests.builders import make_capture, make_constraint, make_morphology, make_project
 
 FRAMES = 400

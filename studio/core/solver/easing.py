@@ -248,7 +248,8 @@ class Easing:
             return first
         level.solve.states[:] = _blend(first[0], second[0], share)
         turns = self._charts.turns(_blend(first[1], second[1], share))
-        self._pose(number, level.solve.easing(frames, turns, level.stands, meets, holds, self._told.T, self._kept))
+        told = np.ascontiguousarray(self._told.T)  # kernels are compiled for no other
+        self._pose(number, level.solve.easing(frames, turns, level.stands, meets, holds, told, self._kept))
         return level.solve.states.copy(), self._posed_limbs(first[1])
 
     def _changed(self, number: int) -> FloatArray:

@@ -4,26 +4,36 @@ import numpy as np
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
+from studio.core.grounds.surface_mesh import SurfaceMesh
 from studio.core.joint_limits import limits_of
 from studio.core.kernels import layout as at
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rest_pose import rest_pose
-from studio.core.solver.adapt import Standing, adapt, hold, standing_of
+from studio.core.solver.adapt import Bound, Standing, adapt, hold, standing_of
 from studio.core.solver.easing import Solve
 from studio.core.solver.footing import Footing
 from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stretch import Stretch
+from studio.core.triangle_mesh import TriangleMesh
 
 FRAMES = 4
+HAND = BodyPoint(BodyPart.LEFT_HAND)
+ALWAYS = ActivationCurve(0.0, 0.0, 1.0, 1.0)
+ABOVE = 0.3
+"""Parts of a leg by which a body stands too high for its feet."""
+CORNERS = (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)
 
 
 def warm_up(morphology: Morphology) -> AdaptedMotion:
-    """Adapt four still frames to ``morphology`` with a contact and a constraint: every kernel runs once."""
+    """Adapt four still frames to ``morphology`` with a contact and a constraint: what most scenes call."""
     contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, FRAMES - 1)
     warm_up_easing(morphology)
     return adapt(AdaptRequest(_still_motion(), morphology, (contact,), (_reach(),)))
@@ -52,9 +62,22 @@ def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
     return hold(standing, (_reach(),))
 
 
-def _still_motion() -> NormalizedMotion:
+def warm_up_seldom(morphology: Morphology) -> None:
+    """What only some scenes call before they are solved: hands, knees and seat that stand, feet too high, meshes."""
+    points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
+    contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in points)
+    mesh = TriangleMesh(np.array(CORNERS), np.array([[0, 1, 2]]))
+    what = "warm-up", "", HAND, Chain(), 0, ALWAYS
+    asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=mesh)
+    ground = SurfaceMesh(vertices=mesh.vertices, triangles=mesh.triangles)
+    standing_of(AdaptRequest(_still_motion(ABOVE), morphology, contacts[:1]))
+    standing = standing_of(AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology))
+    Stretch(standing, asked, slice(0, FRAMES), {}, Bound())
+
+
+def _still_motion(above: float = 0.0) -> NormalizedMotion:
     channels = np.zeros((FRAMES, at.SPINE + 4))
-    channels[:, at.HIPS + 2] = 0.9
+    channels[:, at.HIPS + 2] = 0.9 + above
     for column in at.TURNS:
         channels[:, column + 3] = 1.0
     channels[:, at.SPINE + 3] = 1.0
@@ -67,9 +90,9 @@ def _reach() -> PositionConstraint:
     return PositionConstraint(
         "warm-up",
         "Reach",
-        BodyPoint(BodyPart.LEFT_HAND),
+        HAND,
         Chain(trunk=1.0, root=1.0),
         0,
-        ActivationCurve(0.0, 0.0, 1.0, 1.0),
+        ALWAYS,
         target=(1.0, 0.5, 1.0),
     )

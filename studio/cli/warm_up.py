@@ -1,6 +1,6 @@
 """Kernels are compiled or fetched from their cache in the background while the window opens.
 
-Compiled once a machine, by two processes beside the window's: ``python -m studio.engine.warm_up HALF``, which tells
+Compiled once a machine, by two processes beside the window's: ``python -m studio.cli.warm_up HALF``, which tells
 how far it is, a share of one a line.
 """
 
@@ -25,7 +25,7 @@ LONG = 3.0
 TRANSLATED = 0.8
 """How far it is when every kernel has been translated and what constraints call is optimised, in one go."""
 HALVES = ("standing", "constraints")
-CHILD = (sys.executable, "-m", "studio.engine.warm_up")
+CHILD = (sys.executable, "-m", "studio.cli.warm_up")
 LONGEST_TO_COMPILE = "adapt.solve_frames-*.nbc"
 """What stands in a cache that is full."""
 
@@ -34,7 +34,7 @@ class WarmUp:
     """Begins at once; whoever needs a kernel sooner waits for that one only. Stop it before the process ends."""
 
     def __init__(self) -> None:
-        self._stopped = threading.Event()
+        self._stopped, self._ready = threading.Event(), threading.Event()
         self._shares = dict.fromkeys(HALVES, 0.0)
         # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
@@ -46,8 +46,8 @@ class WarmUp:
         return self._thread.is_alive()
 
     def join(self) -> None:
-        """Wait until all kernels are there. Raises CancelledError when they are not to be any more."""
-        self._thread.join()
+        """Wait until every scene's kernels are there. Raises CancelledError when they are not to be any more."""
+        self._ready.wait()
         if self._stopped.is_set():
             raise CancelledError
 
@@ -65,15 +65,26 @@ class WarmUp:
             time.sleep(LOOKED_AT_EVERY)
 
     def _run(self) -> None:
-        if is_cold():
-            with ExitStack() as stack:
-                children = [stack.enter_context(child_process((*CHILD, half), stdout=PIPE)) for half in HALVES]
-                for half, child in zip(HALVES, children, strict=True):
-                    threading.Thread(target=self._listen, args=(half, child.stdout), daemon=True).start()
-                while any(child.poll() is None for child in children) and not self._stopped.wait(LOOKED_AT_EVERY):
-                    pass
+        try:
+            if is_cold():
+                self._compile_beside()
+            if not self._stopped.is_set():
+                self._first_run("run")  # what a child failed in fails here again, and is told
+        finally:
+            self._ready.set()
         if not self._stopped.is_set():
-            import_module("studio.engine.first_run").run()  # what a child failed in fails here again, and is told
+            self._first_run("run_seldom")
+
+    def _first_run(self, part: str) -> None:
+        getattr(import_module("studio.cli.first_run"), part)()
+
+    def _compile_beside(self) -> None:
+        with ExitStack() as stack:
+            children = [stack.enter_context(child_process((*CHILD, half), stdout=PIPE)) for half in HALVES]
+            for half, child in zip(HALVES, children, strict=True):
+                threading.Thread(target=self._listen, args=(half, child.stdout), daemon=True).start()
+            while any(child.poll() is None for child in children) and not self._stopped.wait(LOOKED_AT_EVERY):
+                pass
 
     def _listen(self, half: str, lines: Iterable[bytes]) -> None:
         with suppress(ValueError):  # of a process that is ended the last line is cut, or its stream closed
@@ -98,7 +109,7 @@ def main() -> None:
     """Compile one half, for the process that listens."""
     gc.set_threshold(50_000, 20, 20)  # what a compiler makes it keeps: looking for what is lost costs a tenth
     threading.Thread(target=_tell, daemon=True).start()
-    getattr(import_module("studio.engine.first_run"), f"run_{sys.argv[1]}")()
+    getattr(import_module("studio.cli.first_run"), f"run_{sys.argv[1]}")()
 
 
 def _tell() -> None:
