@@ -134,7 +134,7 @@ def detect_contacts(
             if lows[side] < lows.min() + ON_THE_FLOOR:
                 ground = _drifting_low(track[:, 2], lows[side], round(DRIFT_WINDOW * frame_rate))
                 standing = (track[:, 2] < ground + HEIGHT_MARGIN) & (_speeds(track, frame_rate) < STILL_SPEED)
-            spans = _without_flicker(_spans(standing), round(SHORTEST * frame_rate))
+            spans = _without_flicker(spans_of(standing), round(SHORTEST * frame_rate))
             found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
 
@@ -151,7 +151,7 @@ def detect_body_contacts(
     for point, track in tracks.items():
         near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
         standing = near & (_speeds(track[first_frame:], frame_rate) < BODY_SPEEDS[point.member]) if near.any() else near
-        spans = _without_flicker(_spans(standing), round(SHORTEST * frame_rate))
+        spans = _without_flicker(spans_of(standing), round(SHORTEST * frame_rate))
         stays = (staying(track[first_frame:], first, last) for first, last in spans)
         found[point] = [(a + first_frame, b + first_frame) for a, b in stays if b - a + 1 > SHORTEST * frame_rate]
     for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
@@ -170,7 +170,7 @@ def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) ->
             return first, last
         if not near.any():  # round its middle, and never in it
             return first, first
-        begin, end = max(_spans(near), key=lambda run: run[1] - run[0])
+        begin, end = max(spans_of(near), key=lambda run: run[1] - run[0])
         first, last = first + begin, first + end
 
 
@@ -200,11 +200,12 @@ def without(spans: list[tuple[int, int]], mask: NDArray[np.bool_], shortest: int
     """What of ``spans`` lies outside ``mask`` (F,) and lasts longer than ``shortest`` frames; all of them if none."""
     if not any(mask[first : last + 1].any() for first, last in spans):
         return spans
-    rest = _spans(contact_mask(spans, len(mask)) & ~mask)
+    rest = spans_of(contact_mask(spans, len(mask)) & ~mask)
     return [(first, last) for first, last in rest if last - first + 1 > shortest]
 
 
-def _spans(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def spans_of(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """The (first, last) spans in which ``mask`` (F,) is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 

@@ -1,0 +1,207 @@
+"""A row of clips as one motion: trimmed, retimed, mirrored, placed and blended where channels hold no lengths.
+
+What comes out is a motion like any other, scaled, set on the ground and solved for any body. Where two clips overlap
+one fades into the other; where they meet, or where nothing plays between them, what was different dies away
+(``transition``). What stands in both clips stands through their blend as one contact, so it is one footprint.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.activation import EaseShape, ease
+from studio.core.contacts import FOOT_POINTS, ContactInterval, spans_of
+from studio.core.kernels import layout as at
+from studio.core.normalized.differences import blended, difference, moved
+from studio.core.normalized.joining import Join, Planar, join
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.pieces import POINTS, Held, Mask, Piece, PieceSource, Played, Source
+from studio.core.normalized.resample import common_spine
+from studio.core.normalized.transition import Transition, joint_peaks
+from studio.core.timing import Timing
+
+FloatArray = NDArray[np.float64]
+
+FEET = [POINTS.index(point) for point in FOOT_POINTS]
+OLD_UNTIL, NEW_FROM = 0.1, 0.9
+"""Parts of a blend until which a contact of the old clip alone still holds, and from which one of the new."""
+STEP_SECONDS = 0.4
+"""Seconds that a step takes in a transition, and one more for each leg length of it."""
+STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
+"""How high a foot is lifted for a step, in parts of its length, and the least and the most in leg lengths."""
+
+
+@dataclass(frozen=True, eq=False)
+class Composite:
+    """What a row of pieces comes to: a motion with its contacts, when it plays, and where each piece is in it."""
+
+    motion: NormalizedMotion
+    contacts: tuple[ContactInterval, ...]
+    timing: Timing
+    played: tuple[Played, ...]
+
+
+@lru_cache(maxsize=64)
+def compose(pieces: tuple[Piece, ...]) -> Composite:
+    """One motion out of pieces, in the order of their start; the same pieces give the same value.
+
+    A single piece that plays a motion as it is gives that motion itself, whole. The frame rate is the highest.
+    """
+    ordered = sorted(pieces, key=lambda piece: piece.start)
+    first = ordered[0]
+    if len(ordered) == 1 and first.is_plain:
+        rate = first.motion.frame_rate
+        timing = Timing(first.start - first.first / rate, rate, first.first, first.last)
+        whole = Played(first, 0, first.motion.frame_count - 1, Planar())
+        return Composite(first.motion, first.contacts, timing, (whole,))
+    row = _Row(common_spine([piece.motion for piece in ordered]), timing_of_pieces(ordered))
+    for piece in ordered:
+        row.add(piece)
+    name = " + ".join(dict.fromkeys(piece.motion.name for piece in ordered))
+    row.channels.setflags(write=False)
+    motion = NormalizedMotion(name, row.timing.frame_rate, row.channels, row.spine_places)
+    return Composite(motion, row.contacts(), row.timing, tuple(row.played))
+
+
+def timing_of_pieces(pieces: Sequence[Piece]) -> Timing:
+    """When a row plays, at the highest frame rate among its pieces."""
+    rate = max(piece.motion.frame_rate for piece in pieces)
+    begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)
+    return Timing(begin, rate, 0, round((end - begin) * rate))
+
+
+@dataclass
+class _Row:
+    """Filled from left to right: ``channels`` (F, C) and what ``stands`` (9, F), as far as ``end``, not included."""
+
+    spine_places: FloatArray
+    timing: Timing
+    channels: FloatArray = field(init=False)
+    stands: Mask = field(init=False)
+    end: int = 0
+    placement: Planar = Planar()
+    played: list[Played] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        count = self.timing.last + 1
+        self.channels = np.empty((count, at.SPINE + 4 * (len(self.spine_places) - 1)))
+        self.stands = np.zeros((len(POINTS), count), dtype=bool)
+
+    def add(self, piece: Piece) -> None:
+        """Play a piece from its start on, over or behind what is there."""
+        first = round((piece.start - self.timing.begin) * self.timing.frame_rate)
+        last = max(round((piece.end - self.timing.begin) * self.timing.frame_rate), first)
+        source = PieceSource(piece, self.spine_places, self.timing)
+        if self.played and first > self.end:  # nothing plays between them: the last pose holds
+            held = Held(self.channels[self.end - 1], self.stands[:, self.end - 1])
+            self._take_over(held, self.end, first - 1, 0.0, Join(self.placement))
+        if not self.played:
+            self.placement = source.around(first, piece.own)
+            self._put(source.placed(self.placement), first, last)
+        else:
+            first = min(max(first, 1), self.end)
+            shared = (first, min(self.end - 1, last)) if first < self.end - 1 else (self.end - 1, self.end - 1)
+            found = self._join(source, *shared)
+            self.placement, takes_over = found.placement, source.placed(found.placement)
+            if self._fades(takes_over, first, last, found):
+                self._fade(takes_over, first, last, found)
+            else:
+                self.end = first
+                self._take_over(takes_over, first, last, piece.ease, found)
+        self.played.append(Played(piece, first, last, self.placement))
+
+    def contacts(self) -> tuple[ContactInterval, ...]:
+        """What stands, as intervals."""
+        return tuple(
+            ContactInterval("", point, first, last)
+            for point, mask in zip(POINTS, self.stands, strict=True)
+            for first, last in spans_of(mask)
+        )
+
+    def _join(self, source: PieceSource, first: int, last: int) -> Join:
+        """How a piece that follows is placed, from what both play in frames ``first`` to ``last``."""
+        frames = np.arange(first, last + 1)
+        both = (self.stands[FEET][:, frames] & source.stands(frames)[FEET]).T
+        shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
+        weights = shares * (1.0 - shares) + 1e-3
+        if not source.piece.joined:
+            return Join(source.around(first, source.piece.own))
+        found = join(self.channels[frames], source.channels(frames), both, self.spine_places, weights)
+        return replace(found, placement=source.around(first, source.piece.own, found.placement))
+
+    def _put(self, source: Source, first: int, last: int) -> None:
+        frames = np.arange(first, last + 1)
+        self.channels[frames], self.stands[:, frames] = source.channels(frames), source.stands(frames)
+        self.end = last + 1
+
+    def _fade(self, source: Source, first: int, last: int, found: Join) -> None:
+        """From what is there to a piece that begins before it ends."""
+        stop = min(self.end, last + 1)
+        frames = np.arange(first, last + 1)
+        channels, over = source.channels(frames), stop - first
+        shares = ease(np.arange(1, over + 1) / (over + 1.0), EaseShape.QUINTIC)
+        channels[:over] = blended(self.channels[first:stop], channels[:over], shares)
+        self._go_on(channels, source.stands(frames), first, over, found)
+
+    def _take_over(self, source: Source, first: int, last: int, seconds: float, found: Join) -> None:
+        """A piece takes over at ``first``, the end of what is there; what was different dies away."""
+        rate, frames = self.timing.frame_rate, np.arange(first, last + 1)
+        transition = self._transition(source, first, last, seconds)
+        seconds = seconds or max(transition.seconds, _step_seconds(found))
+        if seconds != transition.seconds:
+            transition = self._transition(source, first, last, seconds)
+        channels = source.channels(frames)
+        fading = min(round(seconds * rate), len(frames))
+        channels[:fading] = moved(channels[:fading], transition.left(np.arange(1, fading + 1) / rate))
+        self._go_on(channels, source.stands(frames), first, fading, found)
+
+    def _transition(self, source: Source, first: int, last: int, seconds: float = 0.0) -> Transition:
+        """From what is there to a piece that takes over at ``first``."""
+        rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
+        gaps = difference(source.channels(before), self.channels[before])
+        both = self.channels[:first], source.channels(np.arange(first, last + 1))
+        peaks = np.maximum(*(joint_peaks(each, rate) for each in both))
+        return Transition.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks, seconds)
+
+    def _fades(self, source: Source, first: int, last: int, found: Join) -> bool:
+        """Whether a piece overlaps what is there for as long as a blend needs."""
+        if first > self.end - 2:
+            return False
+        needed = max(self._transition(source, first, last).seconds, _step_seconds(found))
+        return needed <= (min(self.end, last + 1) - first) / self.timing.frame_rate
+
+    def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: Join) -> None:
+        """Put ``channels`` and what ``stands`` from ``first`` on, of which ``blending`` frames are a blend."""
+        old_until, new_from = first + int(OLD_UNTIL * blending), first + int(np.ceil(NEW_FROM * blending))
+        if found.stepping is not None:
+            air = np.arange(old_until, new_from + 1)
+            height = np.clip(STEP_HEIGHT * found.step, *STEP_HEIGHTS)
+            rise = height * np.sin(np.pi * (air - old_until) / max(len(air) - 1, 1)) ** 2
+            channels[air - first, at.LIMB_SLACK + 2 + found.stepping] += rise[: len(channels)]
+        self._merge(stands, first, old_until, new_from, found.stepping)
+        last = first + len(channels) - 1
+        self.channels[first : last + 1], self.end = channels, last + 1
+
+    def _merge(self, stands: Mask, first: int, old_until: int, new_from: int, stepping: int | None) -> None:
+        """Contacts across a blend: one that goes on in the new clip is one; others keep clear of it."""
+        new, old = np.zeros_like(self.stands), np.array(self.stands)
+        new[:, first : first + stands.shape[1]] = stands
+        old[:, self.end :] = False
+        self.stands[:, first:] = False
+        for row, point in enumerate(POINTS):
+            olds, news = spans_of(old[row]), spans_of(new[row])
+            steps = point.is_foot and point.side == stepping
+            for a, b in olds:
+                meets = not steps and any(c <= b + 1 and d >= a for c, d in news)
+                self.stands[row, a : (b if meets else min(b, max(old_until, a))) + 1] = True
+            for c, d in news:
+                meets = not steps and any(c <= b + 1 and d >= a for a, b in olds)
+                self.stands[row, (c if meets else max(c, new_from)) : d + 1] = True
+
+
+def _step_seconds(found: Join) -> float:
+    """Seconds that a foot needs for the step it has to do."""
+    return 0.0 if found.stepping is None else STEP_SECONDS + found.step

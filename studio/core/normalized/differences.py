@@ -1,0 +1,100 @@
+"""Frames of channels as points that have differences: what blends and transitions are made of.
+
+Angles and lengths differ by numbers, rotations by the rotation vector that leads from one to the other. How far a limb
+is folded and to which side is one vector: elbows and knees of blended slacks and signs would snap where limbs are
+nearly straight.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.kernels import layout as at
+from studio.core.rotations import inverse, multiply, normalized, sign_continuous
+
+FloatArray = NDArray[np.float64]
+
+ANGLES = (at.YAW, *range(at.LIMB_TWIST, at.HAND))
+"""Columns that are angles: a full turn more or less is the same."""
+SLACKS = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE)
+OFF_PLANES = slice(at.LIMB_OFF_PLANE, at.LIMB_BEND)
+BENDS = slice(at.LIMB_BEND, at.LIMB_TWIST)
+
+
+def turn_columns(width: int) -> NDArray[np.int64]:
+    """(T,) where quaternions begin in channels of ``width`` columns."""
+    return np.array([*at.TURNS, *range(at.SPINE, width, 4)])
+
+
+def turns_of(channels: FloatArray) -> FloatArray:
+    """(..., T, 4) the quaternions of channels (..., C)."""
+    return np.asarray(channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)])
+
+
+def put_turns(channels: FloatArray, turns: FloatArray) -> None:
+    """Write quaternions (..., T, 4) where they belong in channels (..., C)."""
+    channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)] = turns
+
+
+def difference(start: FloatArray, end: FloatArray) -> FloatArray:
+    """(..., C) what leads from channels ``start`` to ``end``: ``moved(start, difference(start, end))`` is ``end``.
+
+    Rotation vectors stand in the first three columns of their quaternions, folds in those of slacks and off-planes,
+    what is beyond a limb's length in those of bends. The shorter way round is taken, in the first of frames (F, C)
+    only: from there on it goes on, or a blend would whirl where two ways are as long.
+    """
+    between = end - start
+    for columns, a, b in zip(_FOLDS, _folds(start), _folds(end), strict=True):
+        between[..., columns] = b - a
+    angles = np.array(ANGLES)
+    between[..., angles] = _continuous((between[..., angles] + np.pi) % (2 * np.pi) - np.pi)
+    turn = multiply(turns_of(end), inverse(turns_of(start)))
+    nearest = turn[:1] if turn.ndim == 3 else turn
+    nearest *= np.where(nearest[..., 3:] < 0.0, -1.0, 1.0)
+    put_turns(between, _vectors(sign_continuous(turn) if turn.ndim == 3 else turn))
+    return np.asarray(between)
+
+
+def moved(channels: FloatArray, by: FloatArray) -> FloatArray:
+    """(..., C) channels with a ``difference`` added."""
+    summed = channels + by
+    aside, along, beyond = (a + by[..., columns] for columns, a in zip(_FOLDS, _folds(channels), strict=True))
+    fold = np.minimum(np.hypot(aside, along), np.pi)
+    summed[..., SLACKS] = 2.0 * np.sin(fold / 2.0) ** 2 + beyond
+    summed[..., OFF_PLANES] = 0.5 * np.sin(fold) * aside / np.maximum(fold, 1e-12)
+    summed[..., BENDS] = np.where(along < 0.0, -1.0, np.where(along > 0.0, 1.0, channels[..., BENDS]))
+    vectors = turns_of(by)[..., :3]
+    turn = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_quat().reshape(*vectors.shape[:-1], 4)
+    put_turns(summed, normalized(multiply(turn, turns_of(channels))))
+    return np.asarray(summed)
+
+
+def blended(first: FloatArray, second: FloatArray, shares: FloatArray) -> FloatArray:
+    """(F, C) from channels ``first`` (share 0) to ``second`` (share 1), ``shares`` (F,) of the way."""
+    return moved(first, shares[:, None] * difference(first, second))
+
+
+def _continuous(angles: FloatArray) -> FloatArray:
+    return np.unwrap(angles, axis=0) if angles.ndim == 2 else angles
+
+
+def _vectors(turns: FloatArray) -> FloatArray:
+    """(..., 4) rotation vectors, then 0, of quaternions (..., 4): more than half a turn where w is below 0."""
+    sine = np.linalg.norm(turns[..., :3], axis=-1, keepdims=True)
+    scale = np.where(sine > 1e-12, 2.0 * np.arctan2(sine, turns[..., 3:]) / np.maximum(sine, 1e-12), 2.0)
+    return np.concatenate([scale * turns[..., :3], np.zeros_like(sine)], axis=-1)
+
+
+_FOLDS = (OFF_PLANES, SLACKS, BENDS)
+
+
+def _folds(channels: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """How limbs are folded, (..., 4) each: out of their plane and within it, and beyond.
+
+    The length of the first two together is the angle of which 1 - cos is a limb's slack, half of what a limb of equal
+    bones is bent; the last is the slack below 0 of one stretched beyond its length, as captured ones are now and then.
+    """
+    slack = channels[..., SLACKS]
+    fold = 2.0 * np.arcsin(np.sqrt(np.clip(slack, 0.0, 2.0) / 2.0))
+    share = np.clip(2.0 * channels[..., OFF_PLANES] / np.maximum(np.sin(fold), 1e-12), -1.0, 1.0)
+    return fold * share, channels[..., BENDS] * fold * np.sqrt(1.0 - share * share), np.minimum(slack, 0.0)

@@ -1,0 +1,124 @@
+"""Where a motion has to stand so that it goes on where another one is (Kovar et al. 2002, equation 1)."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.contacts import FOOT_POINTS, touching_points
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import realize
+
+FloatArray = NDArray[np.float64]
+
+STANDING, BODY, SWINGING = 20.0, 1.0, 0.05
+"""How much points count: of feet that stand in both motions, hips and shoulders, feet in the air."""
+SAME_PLACE = 0.06
+"""Leg lengths by which a foot may stand beside itself and still be held in one place through a blend."""
+
+
+@dataclass(frozen=True)
+class Planar:
+    """A turn about Z in radians, then a way over the ground in leg lengths."""
+
+    turn: float = 0.0
+    offset: tuple[float, float] = (0.0, 0.0)
+
+    def after(self, first: "Planar") -> "Planar":
+        """This one done after ``first``."""
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        x, y = first.offset
+        moved = float(c * x - s * y + self.offset[0]), float(s * x + c * y + self.offset[1])
+        return Planar(self.turn + first.turn, moved)
+
+
+@dataclass(frozen=True)
+class Join:
+    """How the new motion has to be placed, and the foot (0 left, 1 right) that has ``step`` leg lengths to go then."""
+
+    placement: Planar
+    stepping: int | None = None
+    step: float = 0.0
+
+
+def join(
+    first: FloatArray, second: FloatArray, both_stand: NDArray[np.bool_], spine_places: FloatArray, shares: FloatArray
+) -> Join:
+    """How channels ``second`` (F, C) have to be placed to lie on ``first`` (F, C), frame on frame.
+
+    ``both_stand`` (F, 4) tells which of ``FOOT_POINTS`` stand in both; ``shares`` (F,) how much each frame counts. The
+    turn and the way over the ground that leave the least weighted sum of squared distances between the points of an
+    average body: feet that stand lie on each other before anything else does. Where both cannot, one does, and the
+    other has to step.
+    """
+    old, new = (_points(channels, spine_places) for channels in (first, second))
+    placement = _least_squares(old, new, shares[:, None] * _weights(both_stand))
+    misses = [_miss(old, new, placement, both_stand, side) for side in range(2)]
+    if max(misses) < SAME_PLACE:
+        return Join(placement)
+    alone = [both_stand & (np.arange(4) // 2 == side) for side in range(2)]
+    tries = [_least_squares(old, new, shares[:, None] * _weights(each)) for each in alone]
+    left = [_miss(old, new, placement, both_stand, 1 - kept) for kept, placement in enumerate(tries)]
+    kept = int(left[1] < left[0])  # the foot that leaves the other the shorter way
+    return Join(tries[kept], 1 - kept, left[kept])
+
+
+def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:
+    """(F, 8, 2) where hips, shoulders and ``FOOT_POINTS`` of an average body are over the ground, in leg lengths."""
+    body = average_body()
+    layout = body.layout
+    points = [layout.hip(0), layout.hip(1), layout.collar(0) + 1, layout.collar(1) + 1]
+    points += [touching_points(each, layout)[0] for each in FOOT_POINTS]
+    positions, _ = realize(NormalizedMotion("", 1.0, channels, spine_places), body)
+    return np.asarray(positions[:, points, :2] / body.leg_length)
+
+
+def _weights(both_stand: NDArray[np.bool_]) -> FloatArray:
+    feet = np.where(both_stand, STANDING, SWINGING)
+    return np.concatenate([np.full((len(feet), 4), BODY), feet], axis=1)
+
+
+def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> Planar:
+    w = weights.reshape(-1) / weights.sum()
+    a, b = old.reshape(-1, 2), new.reshape(-1, 2)
+    middle_a, middle_b = w @ a, w @ b
+    a, b = a - middle_a, b - middle_b
+    turn = float(np.arctan2(w @ (b[:, 0] * a[:, 1] - b[:, 1] * a[:, 0]), w @ (a * b).sum(axis=1)))
+    x, y = middle_a - _turned(middle_b, turn)
+    return Planar(turn, (float(x), float(y)))
+
+
+def _miss(old: FloatArray, new: FloatArray, placed: Planar, both_stand: NDArray[np.bool_], side: int) -> float:
+    """Leg lengths by which a foot that stands in both would stand beside itself; 0 where it does not."""
+    standing = both_stand & (np.arange(4) // 2 == side)
+    aside = np.linalg.norm(_turned(new, placed.turn) + placed.offset - old, axis=2)[:, 4:]
+    return float(np.median(aside[standing])) if standing.any() else 0.0
+
+
+def _turned(places: FloatArray, turn: float) -> FloatArray:
+    c, s = np.cos(turn), np.sin(turn)
+    return np.asarray(places @ np.array([[c, s], [-s, c]]))
+
+
+@cache
+def average_body() -> Morphology:
+    """A body of usual proportions: motions are laid on each other by where its points are."""
+    both, sides = np.ones(2), np.array([[1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
+    return Morphology(
+        spine=np.tile([0.0, 0.0, 0.16], (3, 1)),
+        neck=0.10,
+        head=0.18,
+        collar_base=sides * [0.0, 0.03, -0.03],
+        clavicle=0.15 * both,
+        arm=np.tile([0.29, 0.26], (2, 1)),
+        hand=np.tile([0.0, 0.0, 0.18], (2, 1)),
+        hip_offset=sides * [0.0, 0.09, -0.04],
+        leg=np.tile([0.43, 0.41], (2, 1)),
+        foot=np.tile([0.13, 0.0, -0.06], (2, 1)),
+        toe=np.tile([0.07, 0.0, -0.01], (2, 1)),
+        ankle_height=0.08 * both,
+        toe_height=0.02 * both,
+        heel_length=0.05 * both,
+    )

@@ -1,0 +1,61 @@
+"""Left for right: a motion seen in the plane through the middle of the body."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.kernels import layout as at
+from studio.core.normalized.motion import NormalizedMotion
+
+_SIDED = ((at.CLAVICLE, 4), (at.LIMB_FRAME, 4), (at.LIMB_FRAME + 8, 4), (at.LIMB_SLACK, 1), (at.LIMB_SLACK + 2, 1),
+          (at.LIMB_OFF_PLANE, 1), (at.LIMB_OFF_PLANE + 2, 1), (at.LIMB_BEND, 1), (at.LIMB_BEND + 2, 1),
+          (at.LIMB_TWIST, 2), (at.LIMB_TWIST + 4, 2), (at.HAND, 4), (at.FOOT, 4), (at.TOE, 4),
+          (at.HIP_PLAY, 3))  # fmt: skip
+"""Column of the left side and how many there are; the right side's come next."""
+_OPPOSITE = (at.HIPS + 1, at.YAW, at.HIP_PLAY + 1, at.HIP_PLAY + 4, at.HEAD_PLAY + 1,
+             *range(at.LIMB_OFF_PLANE, at.LIMB_BEND), *range(at.LIMB_TWIST, at.HAND))  # fmt: skip
+"""Columns that change their sign: ways to the left, turns to the left, twists."""
+_HINGED = range(at.LIMB_FRAME, at.LIMB_SLACK, 4)
+"""Limb frames: their x is a hinge axis, which a mirror turns round."""
+_HANDS = (at.HAND, at.HAND + 4)
+"""Hands turn in a forearm's axes, of which x is a hinge as well."""
+
+
+@lru_cache(maxsize=32)
+def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
+    """The motion with left and right exchanged: y becomes -y.
+
+    With M = diag(1, -1, 1) a rotation R between anatomical axes becomes M R M; axes whose x is a hinge have D =
+    diag(-1, 1, 1) on their side instead, because the product of two mirrored vectors points the other way.
+    """
+    channels = np.array(motion.channels)
+    for left, count in _SIDED:
+        own, other = slice(left, left + count), slice(left + count, left + 2 * count)
+        channels[:, own], channels[:, other] = motion.channels[:, other], motion.channels[:, own]
+    channels[:, _OPPOSITE] *= -1.0
+    for column in (*at.TURNS, *range(at.SPINE, channels.shape[1], 4)):
+        x, y, z, w = channels[:, column : column + 4].T
+        if column in _HINGED:  # M R D = M R M (M D), and M D is half a turn about z
+            turned = [y, x, w, z]
+        elif column in _HANDS:
+            turned = [x, -y, -z, w]
+        else:
+            turned = [-x, y, -z, w]
+        channels[:, column : column + 4] = np.stack(turned, axis=1)
+    channels.setflags(write=False)
+    return replace(motion, channels=channels)
+
+
+def mirrored_contacts(contacts: Sequence[ContactInterval]) -> tuple[ContactInterval, ...]:
+    """The contacts of the other side; the seat's stay."""
+    return tuple(replace(each, point=other_side(each.point)) for each in contacts)
+
+
+def other_side(point: ContactPoint) -> ContactPoint:
+    """The same of the other side."""
+    swaps = {"left": "right", "right": "left"}
+    side, _, member = point.value.partition("_")
+    return ContactPoint(f"{swaps[side]}_{member}") if side in swaps else point

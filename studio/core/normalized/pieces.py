@@ -1,0 +1,128 @@
+"""Pieces of motions: what is to be played of each, and how, in the frames of a row."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.kernels import layout as at
+from studio.core.normalized.joining import Planar
+from studio.core.normalized.mirror import mirrored, mirrored_contacts
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.resample import Resampled
+from studio.core.normalized.transition import placed
+from studio.core.timing import Timing
+
+FloatArray = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+POINTS = tuple(ContactPoint)
+AS_IT_IS = Planar()
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Frames ``first`` to ``last`` of a motion from ``start`` seconds on, ``speed`` times as fast.
+
+    ``own`` turns it about where its root begins, then moves it; ``joined`` begins it where what came before is.
+    ``ease`` is the seconds of a transition where it does not overlap what came before; 0 as many as it needs.
+    """
+
+    motion: NormalizedMotion
+    contacts: tuple[ContactInterval, ...]
+    first: int
+    last: int
+    start: float = 0.0
+    speed: float = 1.0
+    mirrored: bool = False
+    own: Planar = AS_IT_IS
+    joined: bool = True
+    ease: float = 0.0
+
+    @property
+    def end(self) -> float:
+        """Seconds at which its last frame plays."""
+        return self.start + (self.last - self.first) / (self.motion.frame_rate * self.speed)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it plays the motion as it is."""
+        return self.speed == 1.0 and not self.mirrored and self.own == AS_IT_IS
+
+
+@dataclass(frozen=True)
+class Played:
+    """Where a piece is in the motion made of a row: frames ``first`` to ``last``, placed by ``placement``."""
+
+    piece: Piece
+    first: int
+    last: int
+    placement: Planar
+
+    def motion_frames(self, frames: NDArray[Any], timing: Timing) -> FloatArray:
+        """(N,) the piece's own frames, not rounded, that play in ``frames`` (N,) of the whole."""
+        own = self.piece
+        seconds = timing.begin + frames / timing.frame_rate - own.start
+        return np.asarray(own.first + seconds * own.speed * own.motion.frame_rate)
+
+
+class Source:
+    """What is to be played in the frames of the row."""
+
+    def channels(self, frames: NDArray[np.int64]) -> FloatArray:
+        """(N, C) in ``frames`` (N,) of the row."""
+        raise NotImplementedError
+
+    def stands(self, frames: NDArray[np.int64]) -> Mask:
+        """(9, N)."""
+        raise NotImplementedError
+
+
+@dataclass
+class Held(Source):
+    """One pose for ever."""
+
+    pose: FloatArray
+    standing: Mask
+
+    def channels(self, frames: NDArray[np.int64]) -> FloatArray:
+        return np.tile(self.pose, (len(frames), 1))
+
+    def stands(self, frames: NDArray[np.int64]) -> Mask:
+        return np.tile(self.standing[:, None], (1, len(frames)))
+
+
+class PieceSource(Source):
+    """A piece in the frames of the row."""
+
+    def __init__(self, piece: Piece, spine_places: FloatArray, timing: Timing, placement: Planar = AS_IT_IS) -> None:
+        self.piece, self._timing, self._places, self.placement = piece, timing, spine_places, placement
+        motion = mirrored(piece.motion) if piece.mirrored else piece.motion
+        self._motion = Resampled(motion, spine_places)
+        self._motion_frames = Played(piece, 0, 0, placement).motion_frames
+
+    def placed(self, placement: Planar) -> "PieceSource":
+        """The same, placed."""
+        return PieceSource(self.piece, self._places, self._timing, placement)
+
+    def channels(self, frames: NDArray[np.int64]) -> FloatArray:
+        sampled = self._motion.at(self._motion_frames(frames, self._timing))
+        return placed(sampled, self.placement.turn, np.array(self.placement.offset))
+
+    def stands(self, frames: NDArray[np.int64]) -> Mask:
+        own = np.rint(self._motion_frames(frames, self._timing)).clip(0, self.piece.motion.frame_count - 1)
+        contacts = mirrored_contacts(self.piece.contacts) if self.piece.mirrored else self.piece.contacts
+        standing = np.zeros((len(POINTS), len(frames)), dtype=bool)
+        for contact in contacts:
+            standing[POINTS.index(contact.point)] |= (own >= contact.first) & (own <= contact.last)
+        return standing
+
+    def around(self, frame: int, own: Planar, first: Planar = AS_IT_IS) -> Planar:
+        """``first``, then turned about the root as it is then in ``frame`` and moved, as ``own`` says."""
+        channels = placed(self.channels(np.array([frame])), first.turn, np.array(first.offset))
+        place = channels[0, at.HIPS : at.HIPS + 2]
+        c, s = np.cos(own.turn), np.sin(own.turn)
+        x, y = place - [c * place[0] - s * place[1], s * place[0] + c * place[1]] + np.array(own.offset)
+        return Planar(own.turn, (float(x), float(y))).after(first)

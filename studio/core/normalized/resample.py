@@ -1,0 +1,79 @@
+"""A motion at other frames than its own: between them, faster or slower, and a little beyond its ends."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from studio.core.kernels import layout as at
+from studio.core.normalized.differences import ANGLES, BENDS, difference, moved, put_turns, turns_of
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import normalized, sign_continuous
+
+FloatArray = NDArray[np.float64]
+
+BESIDE = 8
+"""Frames to each side of what is asked that a spline is led through, so that its own ends are not felt."""
+
+
+@dataclass(frozen=True, eq=False)
+class Resampled:
+    """A motion whose spine has its joints at ``spine_places`` (K,), to be had at any frame."""
+
+    motion: NormalizedMotion
+    spine_places: FloatArray
+
+    def at(self, frames: FloatArray) -> FloatArray:
+        """(N, C) channels at ``frames`` (N,), not rounded; beyond the ends it goes on as fast as it did there.
+
+        Frames of its own come back to the bit; between them a cubic spline leads through every channel, so that
+        neither place nor speed nor acceleration jumps.
+        """
+        last = self.motion.frame_count - 1
+        within = np.clip(frames, 0, last)
+        first = max(int(within.min()) - BESIDE, 0)
+        source = self._with_spine(self.motion.channels[first : int(np.ceil(within.max())) + BESIDE + 1])
+        rows = within - first
+        sampled = source[np.rint(rows).astype(np.int64)]
+        between = np.abs(rows - np.rint(rows)) > 1e-6
+        if between.any():
+            sampled[between] = _splined(source, rows[between])
+        for end, near, beyond in ((0, 1, frames < 0), (last, last - 1, frames > last)):
+            if beyond.any() and last > 0:
+                ends = self._with_spine(self.motion.channels[[near, end]])
+                steps = np.abs(frames - end)[beyond]
+                sampled[beyond] = moved(sampled[beyond], steps[:, None] * difference(ends[0], ends[1]))
+        return sampled
+
+    def _with_spine(self, channels: FloatArray) -> FloatArray:
+        own = self.motion.spine_places
+        if len(own) == len(self.spine_places) and np.array_equal(own, self.spine_places):
+            return np.array(channels)
+        turns = channels[:, at.SPINE :].reshape(len(channels), -1, 4)
+        turns = np.concatenate([np.tile([0.0, 0.0, 0.0, 1.0], (len(channels), 1, 1)), turns], axis=1)
+        places = np.clip(self.spine_places[1:], own[0], own[-1])
+        before = np.clip(np.searchsorted(own, places, "right") - 1, 0, len(own) - 2)
+        share = ((places - own[before]) / (own[before + 1] - own[before]))[:, None]
+        low, high = turns[:, before], turns[:, before + 1]
+        high = np.where(np.sum(low * high, axis=2, keepdims=True) < 0.0, -high, high)
+        spine = normalized((1.0 - share) * low + share * high)
+        return np.concatenate([channels[:, : at.SPINE], spine.reshape(len(channels), -1)], axis=1)
+
+
+def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
+    """(N, C) channels (F, C) between their rows."""
+    smooth = np.array(channels)
+    smooth[:, ANGLES] = np.unwrap(smooth[:, ANGLES], axis=0)
+    put_turns(smooth, sign_continuous(turns_of(smooth)))
+    sampled = np.asarray(CubicSpline(np.arange(len(smooth)), smooth, axis=0)(rows))
+    put_turns(sampled, normalized(turns_of(sampled)))
+    sampled[:, BENDS] = channels[np.rint(rows).astype(np.int64), BENDS]
+    return sampled
+
+
+def common_spine(motions: Sequence[NormalizedMotion]) -> FloatArray:
+    """(K,) places along the trunk of all joints that any of the motions has."""
+    places = np.unique(np.concatenate([motion.spine_places for motion in motions]))
+    return np.asarray(places[np.concatenate([[True], np.diff(places) > 1e-6])])

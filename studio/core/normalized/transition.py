@@ -1,0 +1,95 @@
+"""From one motion to another: what was different when it took over dies away, so that neither place nor speed jumps.
+
+Inertialisation (Bollo 2018): the new motion plays at once, and the difference to the old one, with its speed, is added
+to it and eased to nothing. Only the moment of the change has to be known, so it may be decided at any frame.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.kernels import layout as at
+from studio.core.normalized.differences import OFF_PLANES, SLACKS, difference, turn_columns
+
+FloatArray = NDArray[np.float64]
+
+SHORTEST, LONGEST = 0.2, 1.0
+"""Seconds that a transition takes when nobody says how many."""
+ADDED = 0.25
+"""What dies away, place and speed each, may add so much to a joint's acceleration: parts of its greatest in either
+motion.
+"""
+QUIET = 20.0
+"""Radians a second squared: a joint that moves less counts as moving so."""
+_PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
+"""Greatest second derivatives of the two ways to die away below, over one second."""
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """What was different when one motion took over from another, and how it dies away.
+
+    ``offset`` (C,) as a ``difference``, changing by ``speed`` (C,) a second; the offset dies in ``seconds``, the speed
+    of each column in ``halts`` (C,): no later than it must, or a fast limb would swing far past.
+    """
+
+    offset: FloatArray
+    speed: FloatArray
+    seconds: float
+    halts: FloatArray
+
+    @classmethod
+    def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray, seconds: float = 0.0) -> "Transition":
+        """One that takes ``seconds``, or as many as it needs to add no more to any joint than it may.
+
+        ``peaks`` as ``joint_peaks`` gives them: the greater one of either motion.
+        """
+        room = ADDED * np.maximum(peaks, QUIET)
+        places, speeds = (np.linalg.norm(_joints(each), axis=-1) for each in (offset, speed))
+        needed = float(np.clip(np.sqrt(_PLACE_PEAK * places / room).max(), SHORTEST, LONGEST))
+        seconds = seconds or needed
+        halts = np.full(len(offset), seconds)
+        halting = np.clip(_SPEED_PEAK * speeds / room, min(0.1, seconds), seconds)
+        turns = turn_columns(len(offset))
+        halts[turns[:, None] + np.arange(3)] = halting[: len(turns), None]
+        halts[OFF_PLANES] = halts[SLACKS] = halting[len(turns) :]
+        return cls(offset, speed, seconds, halts)
+
+    def left(self, times: FloatArray) -> FloatArray:
+        """(N, C) what is left ``times`` (N,) seconds after.
+
+        Of an offset x and a speed v the quintics with that value, or that speed, and nothing else at 0, and with
+        nothing at T: x (1 - 10 s^3 + 15 s^4 - 6 s^5) and v T (s - 6 s^3 + 8 s^4 - 3 s^5), s = t / T.
+        """
+        s = np.clip(times / self.seconds, 0.0, 1.0)[:, None]
+        place = 1.0 - s**3 * (10.0 - s * (15.0 - 6.0 * s))
+        s = np.clip(times[:, None] / self.halts, 0.0, 1.0)
+        pace = s - s**3 * (6.0 - s * (8.0 - 3.0 * s))
+        return np.asarray(place * self.offset + pace * self.halts * self.speed)
+
+
+def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:
+    """(T + 4,) radians a second squared: the greatest acceleration of each turn of channels (F, C), and each fold."""
+    if len(channels) < 3:
+        return np.zeros(len(turn_columns(channels.shape[1])) + 4)
+    speeds = _joints(difference(channels[:-1], channels[1:]))
+    return np.asarray(np.linalg.norm(np.diff(speeds, axis=0), axis=-1).max(axis=0) * frame_rate**2)
+
+
+def _joints(between: FloatArray) -> FloatArray:
+    """(..., T + 4, 3) the rotation vectors in a ``difference`` (..., C), and how far elbows and knees are bent."""
+    turns = between[..., turn_columns(between.shape[-1])[:, None] + np.arange(3)]
+    folds = 2.0 * np.stack([between[..., OFF_PLANES], between[..., SLACKS], 0.0 * between[..., SLACKS]], axis=-1)
+    return np.concatenate([turns, folds], axis=-2)
+
+
+def placed(channels: FloatArray, turn: float, offset: FloatArray) -> FloatArray:
+    """(F, C) channels turned by ``turn`` radians about Z, then moved by ``offset`` (2,) leg lengths."""
+    c, s = np.cos(turn), np.sin(turn)
+    moved = np.array(channels)
+    x, y = channels[:, at.HIPS], channels[:, at.HIPS + 1]
+    moved[:, at.HIPS] = c * x - s * y + offset[0]
+    moved[:, at.HIPS + 1] = s * x + c * y + offset[1]
+    moved[:, at.YAW] += turn
+    return moved

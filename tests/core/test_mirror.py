@@ -1,0 +1,46 @@
+"""Left for right: what is mirrored moves as its reflection does."""
+
+import numpy as np
+
+from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.normalized.mirror import mirrored, mirrored_contacts
+from studio.core.normalized.normalize import normalize
+from studio.core.normalized.realize import realize
+from tests.builders import make_morphology
+from tests.core.motions import swaying
+
+REFLECTED = np.array([1.0, -1.0, 1.0])
+
+
+def test_a_mirrored_motion_is_the_reflection_with_left_and_right_exchanged() -> None:
+    motion, _ = normalize(swaying(3, hinged=True))
+    body = make_morphology(spine_count=4)
+    layout = body.layout
+    other_side = list(range(layout.point_count))
+    for first in (layout.collar, layout.hip):
+        left, right = (range(first(side), first(side) + 5) for side in range(2))
+        for a, b in zip(left, right, strict=True):
+            other_side[a], other_side[b] = b, a
+    plain, _ = realize(motion, body)
+    seen, rotations = realize(mirrored(motion), body)
+    np.testing.assert_allclose(seen[:, other_side] * REFLECTED, plain, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.det(rotations), 1.0, atol=1e-12)
+
+
+def test_hands_and_feet_turn_as_their_reflections_do() -> None:
+    motion, _ = normalize(swaying(5, hinged=True))
+    body = make_morphology()
+    spine = body.layout.spine_count
+    (_, plain), (_, seen) = realize(motion, body), realize(mirrored(motion), body)
+    for left, right, axes in ((spine + 5, spine + 9, [-1.0, 1.0, 1.0]), (spine + 12, spine + 16, [1.0, -1.0, 1.0])):
+        np.testing.assert_allclose(np.diag(REFLECTED) @ seen[:, right] @ np.diag(axes), plain[:, left], atol=1e-12)
+
+
+def test_mirrored_twice_is_the_motion_itself() -> None:
+    motion, _ = normalize(swaying(1))
+    np.testing.assert_array_equal(mirrored(mirrored(motion)).channels, motion.channels)
+
+
+def test_contacts_are_those_of_the_other_side() -> None:
+    seat, heel = (ContactInterval("m", point, 2, 5) for point in (ContactPoint.SEAT, ContactPoint.LEFT_HEEL))
+    assert mirrored_contacts((seat, heel)) == (seat, ContactInterval("m", ContactPoint.RIGHT_HEEL, 2, 5))
