@@ -15,6 +15,15 @@ class Live(Protocol):
     solve_milliseconds: float | None
     """A body's whole clip, as of late; None while it is not known."""
 
+    told_changed: Any
+    """Signal(): what ``told`` gives is to be read anew."""
+
+    def told(self, performer_id: str) -> AdaptedMotion | None:
+        """The motion by which every view tells how well constraints hold, so that all say one number at one moment.
+
+        None while what is asked now is not solved for the whole clip; while something is dragged, the newest answers.
+        """
+
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest adapted motion."""
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 WINDOW_SECONDS = 0.75
 KEPT_STANDING = 16
+TELL_MILLISECONDS = 100
 TIMES_KEPT = 7
 _SOURCE, _EXPECTED = "source ", "expected "
 
@@ -93,9 +94,10 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A worker's answer, how long the solver took, and whether for the whole clip."""
+    """A worker's answer, to what, how long the solver took, and whether for the whole clip."""
 
     adapted: AdaptedMotion
+    wanted: Wanted
     milliseconds: float
     whole: bool
 
@@ -104,6 +106,7 @@ class LiveAdaptation(QObject):
     """Asks for a solve whenever something changes that a visible performer depends on."""
 
     adapted = Signal(str)
+    told_changed = Signal()
     busy_changed = Signal(bool)
 
     def __init__(
@@ -124,6 +127,8 @@ class LiveAdaptation(QObject):
         self._warm_up = warm_up
         self._wanted: dict[str, Wanted] = {}
         self._results: dict[str, AdaptedMotion] = {}
+        self._answered: dict[str, Wanted] = {}
+        self._told: dict[str, AdaptedMotion] = {}
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
         self._busy = False
         self._leaders: set[str] = set()
@@ -137,6 +142,10 @@ class LiveAdaptation(QObject):
         self._turn = QTimer(self)
         self._turn.setSingleShot(True)
         self._turn.timeout.connect(self._refresh)
+        self._telling = QTimer(self)
+        self._telling.setSingleShot(True)
+        self._telling.setInterval(TELL_MILLISECONDS)
+        self._telling.timeout.connect(self._tell_results)
         document.entity_changed.connect(self._schedule)
         document.project_opened.connect(self._begin_anew)
         self._refresh()
@@ -149,6 +158,27 @@ class LiveAdaptation(QObject):
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest whole-clip result; while dragging, with the newest window in its place."""
         return self._results.get(performer_id)
+
+    def told(self, performer_id: str) -> AdaptedMotion | None:
+        """As ``Live.told``: read anew a tenth of a second after results have come, or have become out of date."""
+        told = self._told.get(performer_id)
+        if self.interactive:
+            return told
+        return told if told is self._results.get(performer_id) and self._is_current(performer_id) else None
+
+    def _is_current(self, performer_id: str) -> bool:
+        """Whether the newest result answers, for the whole clip, what is asked now."""
+        wanted = self._wanted.get(performer_id)
+        if wanted is None or self._answered.get(performer_id) is not wanted:
+            return False
+        if not self._turn.isActive():
+            return True
+        performer = self._document.project.performers.get(performer_id)
+        return performer is not None and bool(performer.clips) and self._wanted_of(performer_id, performer) == wanted
+
+    def _tell_results(self) -> None:
+        self._told = dict(self._results)
+        self.told_changed.emit()
 
     def source(self, motion_id: str) -> AdaptedMotion | None:
         """The capture on its actor's own body; None until it is ready, then ``adapted`` is emitted."""
@@ -171,18 +201,22 @@ class LiveAdaptation(QObject):
             self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepare(capture))
 
     def wait(self, timeout: float = 10.0) -> bool:
-        """Run the event loop until nothing is pending; False when ``timeout`` seconds are not enough."""
+        """Run the event loop until all is solved and told; False when ``timeout`` seconds are not enough."""
         end = time.monotonic() + timeout
         while self._turn.isActive() or self._scheduler.busy:
             if time.monotonic() > end:
                 return False
             QCoreApplication.processEvents()
             time.sleep(0.0005)
+        if self._telling.isActive():
+            self._telling.stop()
+            self._tell_results()
         return True
 
     def close(self) -> None:
-        """Stop the timer, drop requests, join the workers."""
+        """Stop the timers, drop requests, join the workers."""
         self._turn.stop()
+        self._telling.stop()
         self._document.entity_changed.disconnect(self._schedule)
         self._document.project_opened.disconnect(self._begin_anew)
         if self._warm_up is not None:
@@ -197,7 +231,7 @@ class LiveAdaptation(QObject):
     def _begin_anew(self) -> None:
         for key in (*self._wanted, *(_SOURCE + motion_id for motion_id in self._sources)):
             self._scheduler.forget(key)
-        for held in (self._wanted, self._results, self._sources, self._times):
+        for held in (self._wanted, self._results, self._answered, self._told, self._sources, self._times):
             held.clear()
         self._refresh()
 
@@ -215,13 +249,15 @@ class LiveAdaptation(QObject):
             self._scheduler.forget(key)
             del self._wanted[key]
             self._results.pop(key, None)
+            self._answered.pop(key, None)
             self._times.pop(key, None)
         selected = self._document.selection.of("performers")
         for key in sorted(playing, key=lambda key: key not in selected):  # first the body that is worked on
             self._request(key, playing[key])
         self._tell_busy()
 
-    def _request(self, key: str, performer: Performer) -> None:
+    def _wanted_of(self, key: str, performer: Performer) -> Wanted | None:
+        """None while someone it follows is not there yet."""
         project = self._document.project
         motion_id = performer.clips[0].motion_id
         capture = project.captures[project.motions[motion_id].capture_id]
@@ -232,13 +268,20 @@ class LiveAdaptation(QObject):
         constraints = asked_of(project, key)
         # The skin is measured only for who asks: a moved slider would pay for it every time.
         asks = any(isinstance(item, ClearConstraint) for item in constraints)
-        wanted = Wanted(
-            capture, id(capture), character.morphology, contacts, constraints, ground, followed or (),
+        if followed is None:
+            return None
+        return Wanted(
+            capture, id(capture), character.morphology, contacts, constraints, ground, followed,
             character.volume if asks else None, performer.limited, performer.eased,
         )  # fmt: skip
-        if followed is None or self._wanted.get(key) == wanted:
+
+    def _request(self, key: str, performer: Performer) -> None:
+        wanted = self._wanted_of(key, performer)
+        if wanted is None or self._wanted.get(key) == wanted:
             return
-        self._wanted[key] = wanted
+        self._wanted[key], capture = wanted, wanted.capture
+        if not self._telling.isActive():
+            self._telling.start()
         previous = self._results.get(key)
 
         def whole() -> Solved:
@@ -267,7 +310,7 @@ class LiveAdaptation(QObject):
         )  # fmt: skip
         begin = time.thread_time()  # waiting for others, who may be compiling, is no part of it
         answer = self._solve(request, first, last)
-        return Solved(answer, 1000.0 * (time.thread_time() - begin), last is None)
+        return Solved(answer, wanted, 1000.0 * (time.thread_time() - begin), last is None)
 
     def _standing(self, project: Project, performer_id: str) -> AdaptedMotion:
         """A performer without any constraint: what those follow who are followed by it in turn."""
@@ -292,7 +335,10 @@ class LiveAdaptation(QObject):
             return
         if isinstance(answer, Solved):
             self._results[key] = answer.adapted
+            if not self._telling.isActive():
+                self._telling.start()
             if answer.whole:
+                self._answered[key] = answer.wanted
                 self._times.setdefault(key, deque(maxlen=TIMES_KEPT)).append(answer.milliseconds)
             self.adapted.emit(key)
             if key in self._leaders:

@@ -45,9 +45,11 @@ def is_value(sheet: Sheet, position: QPointF) -> bool:
 def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) -> str:
     """``Child: 42 mm at frame 23``; nothing where the constraint is not active."""
     strip = sheet.shown.strip(constraint_id, performer_id)
-    if strip is None or strip.state_at(frame) == StripState.INACTIVE:
-        return ""
     name = sheet.shown.project.performers[performer_id].name
+    if strip is None:
+        return f"{name}: {StripState.UNKNOWN}" if sheet.shown.project.constraints[constraint_id].enabled else ""
+    if strip.state_at(frame) == StripState.INACTIVE:
+        return ""
     if strip.state_at(frame) == StripState.YIELDING:
         return f"{name}: gives way to a contact at frame {frame}"
     return f"{name}: {strip.measure.words(strip.error_at(frame))} at frame {frame}"

@@ -100,12 +100,12 @@ class Shown:
         return self.live.result(performer_id)
 
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
-        """How well a constraint holds on a body."""
-        return strip_of(self.project, self.result(performer_id), constraint_id)
+        """How well a constraint holds on a body; None while that is not known, or nothing is asked."""
+        return strip_of(self.project, self.live.told(performer_id), constraint_id)
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
         """The worst miss of a constraint on a body."""
-        return worst_residual(self.project, performer_id, self.result(performer_id), constraint_id)
+        return worst_residual(self.project, performer_id, self.live.told(performer_id), constraint_id)
 
 
 def within(point: QPointF, x: float, y: float, reach: float) -> bool:

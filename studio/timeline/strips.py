@@ -21,6 +21,7 @@ class StripState(StrEnum):
     HELD = "held"
     PARTLY = "partly held"
     NOT_REACHED = "not reached"
+    UNKNOWN = "not solved yet"
 
 
 @dataclass(frozen=True, eq=False)

@@ -83,7 +83,7 @@ class Timeline(QWidget):
     def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:
         """What a body's strip shows at a frame of the motion."""
         strip = self._sheet().shown.strip(constraint_id, performer_id)
-        return strip.state_at(frame) if strip else StripState.INACTIVE
+        return strip.state_at(frame) if strip else StripState.UNKNOWN
 
     def fit(self) -> None:
         """Show all of time."""

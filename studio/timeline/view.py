@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from PySide6.QtCore import QPointF, QRect, QSignalBlocker, QSize, Qt, QTimer
+from PySide6.QtCore import QPointF, QRect, QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QScrollBar, QWidget
 
@@ -17,8 +17,6 @@ from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import RIGHT_MARGIN, Sheet, rows_of
 from studio.timeline.shown import LABEL_WIDTH, Part, Shown
 from studio.timeline.subject import stage_extent, subject_of
-
-FOLLOW_MILLISECONDS = 100
 
 
 class TrackView(QWidget):
@@ -37,7 +35,6 @@ class TrackView(QWidget):
         self._playhead_area = QRect()
         self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
         self.scroll_bar.setAccessibleName("Scroll the timeline's rows")
-        self._follow = QTimer(self, singleShot=True, interval=FOLLOW_MILLISECONDS)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setAccessibleName("Timeline")
         self._connect()
@@ -50,8 +47,7 @@ class TrackView(QWidget):
         document.selection.changed.connect(self._show_selection)
         playhead.changed.connect(self._move_playhead)
         playhead.range_changed.connect(self.lay_out)
-        self.live.adapted.connect(self._expect_results)
-        self._follow.timeout.connect(self._show_results)
+        self.live.told_changed.connect(self._show_results)
         self.axis.changed.connect(self._redraw_all)
         self.picture.plot.arrived.connect(partial(self._redraw, PLOT))
         self.scroll_bar.valueChanged.connect(self.lay_out)
@@ -59,13 +55,12 @@ class TrackView(QWidget):
     def leave(self) -> None:
         """Stop following the document and the results, for good."""
         document, playhead = self.document, self.document.playhead
-        self._follow.stop()
         document.entity_changed.disconnect(self._show_change)
         document.project_opened.disconnect(self._show_project)
         document.selection.changed.disconnect(self._show_selection)
         playhead.changed.disconnect(self._move_playhead)
         playhead.range_changed.disconnect(self.lay_out)
-        self.live.adapted.disconnect(self._expect_results)
+        self.live.told_changed.disconnect(self._show_results)
         self.picture.close()
 
     @property
@@ -136,10 +131,6 @@ class TrackView(QWidget):
             self._redraw(*((row.kind, row.id) for row in self.sheet.rows if row.kind == "lane"))
         else:
             self._redraw(("constraints", entity_id))
-
-    def _expect_results(self) -> None:
-        if not self._follow.isActive():
-            self._follow.start()
 
     def _show_results(self) -> None:
         rows = self.sheet.rows if self.sheet else ()

@@ -70,7 +70,6 @@ class Viewport(Canvas):
         self._opening: OrbitCamera | None = None
         self._opening_size = self.view_size
         self._problem: Problem | None = None
-        self._problem_stale = True
         self._glide = Glide(self.set_camera, self)
         self._chips = Chips(
             self,
@@ -85,6 +84,7 @@ class Viewport(Canvas):
             },
         )
         self._links = self._connect()
+        self._tell_problem()
         self.setAccessibleName("3D viewport")
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
@@ -270,13 +270,15 @@ class Viewport(Canvas):
             self._open()
         elif self.resting and not self._framed:
             self._open()
-        if self._problem_stale:
-            self._problem, self._problem_stale = worst_problem(project, self._live.result), False
         self._recorded = self.recording.at(self._document, self.posed, shown=self.markers_shown)
         pose = self.posed.get(self._document.active_performer_id or "")
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         scene.sync(project, self.posed | self.resting, self._bones, self._paths())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
+
+    def _tell_problem(self) -> None:
+        """As the strips have it: at the same moment by the same answers."""
+        self._problem = worst_problem(self._document.project, self._live.told)
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
     def _open(self) -> None:
@@ -376,6 +378,7 @@ class Viewport(Canvas):
             (document.selection.changed, self._selection_changed),
             (document.playhead.changed, self._playhead_moved),
             (self._live.adapted, self._adapted),
+            (self._live.told_changed, self._tell_problem),
         )
         for signal, slot in links:
             signal.connect(slot)
@@ -385,14 +388,16 @@ class Viewport(Canvas):
         if self.gesture is not None and self._document.project.get(collection, entity_id) is None:
             self.gesture.finish()  # what was dragged may be gone
             self.gesture = None
-        self._problem_stale = True
+        if not self._live.interactive:
+            self._tell_problem()  # what was told before this edit is not known any more
         if collection in ADAPTED_FIRST:
             self.update()
         else:
             self.show_again()
 
     def _project_opened(self) -> None:
-        self._framed, self._problem_stale = False, True
+        self._framed = False
+        self._tell_problem()
         if self.gesture is not None:
             self.gesture.finish()  # there is nothing left to take back
             self.gesture = None
@@ -411,7 +416,6 @@ class Viewport(Canvas):
             self.show_again()
 
     def _adapted(self, performer_id: str) -> None:
-        self._problem_stale = True
         if self.gesture is None or not self._looks_the_same(performer_id):
             self.show_soon()
 

@@ -208,6 +208,39 @@ def test_during_a_drag_the_newest_edit_wins_and_the_last_is_solved_whole(make_sc
     assert len(scene.solver.windows) < 30
 
 
+def test_what_is_asked_anew_is_not_told_of_before_it_is_solved(make_scene: Any) -> None:
+    scene = make_scene(characters=2)
+    scene.live.wait()
+    assert scene.live.told("performer 0") is scene.live.result("performer 0")
+    scene.solver.hold.clear()
+    document, asked = scene.document, scene.document.project.constraints["constraint 0"]
+    document.replace("constraints", "constraint 0", replace(asked, target=(9.0, 9.0, 9.0)), "Move target")
+    assert scene.live.told("performer 0") is None  # at once, before the engine has had its turn
+    scene.live.wait(0.3)
+    assert scene.live.told("performer 0") is None
+    assert scene.live.result("performer 0") is not None  # the old pose stays on show
+    scene.solver.hold.set()
+    scene.live.wait()
+    assert scene.live.told("performer 0") is scene.live.result("performer 0")
+    document.replace("performers", "performer 0", replace(document.project.performers["performer 0"], name="X"), "X")
+    assert scene.live.told("performer 0") is not None  # a name asks nothing
+
+
+def test_all_views_are_told_of_one_answer_at_one_moment(make_scene: Any) -> None:
+    scene = make_scene(characters=1)
+    scene.live.wait()
+    before = scene.live.told("performer 0")
+    scene.live.interactive = True
+    scene.raise_ground(0.2)
+    heard: list[AdaptedMotion | None] = []
+    scene.live.adapted.connect(lambda key: heard.append(scene.live.told(key)))
+    told: list[AdaptedMotion | None] = []
+    scene.live.told_changed.connect(lambda: told.append(scene.live.told("performer 0")))
+    scene.live.wait()
+    assert heard == [before, before]  # a newer pose; what is told of the constraints changes for all views together
+    assert told == [scene.live.result("performer 0")]
+
+
 def test_a_hidden_performer_is_not_solved(make_scene: Any) -> None:
     scene = make_scene(characters=2)
     scene.live.wait()

@@ -4,13 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 
 from studio.core.project import Project
 from studio.engine.empty_stage import HIDDEN
 from studio.timeline.curves import Quantity
+from studio.timeline.hover import hover_text
 from studio.timeline.strips import StripState
+from studio.timeline.tracks import constraint
 from tests.builders import make_constraint
 from tests.gui.hand import LEFT, NONE, RATE, frames, pixels
 
@@ -46,8 +48,28 @@ def strip_colour(timeline, frame):
 def test_strips_are_painted_anew_soon_after_a_result(qtbot, timeline, live):
     held = strip_colour(timeline, 40)
     live.errors["performer 1"] = {"kick": 0.042}
-    live.adapted.emit("performer 1")
+    live.told_changed.emit()
     qtbot.waitUntil(lambda: strip_colour(timeline, 40).red() > 150 > held.red())
+
+
+def test_a_body_that_is_not_solved_yet_is_hatched_and_nobody_says_held(timeline, live):
+    green = strip_colour(timeline, 40)
+    live.unsolved.add("performer 1")
+    live.told_changed.emit()
+    place = timeline.strip_point("kick", "performer 1", 40)
+    picture = timeline.tracks.grab().toImage()
+    line = {picture.pixelColor(place + QPoint(dx, 0)).name() for dx in range(12)}
+    assert green.name() not in line
+    assert len(line) > 1  # a hatch, no plain line
+    assert timeline.strip_state("kick", "performer 1", 40) == StripState.UNKNOWN
+    shown = timeline.tracks.shown
+    assert constraint.verdict(shown, "kick")[0] == "not solved yet for 1 of 2"
+    text = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place))
+    assert text == "Body 1: not solved yet"
+    live.unsolved.add("performer 0")
+    assert constraint.verdict(shown, "kick")[0] == "not solved yet"
+    live.unsolved.clear()
+    assert constraint.verdict(shown, "kick")[0] == "held by all"
 
 
 def test_a_moved_playhead_draws_no_row_again(document, timeline, monkeypatch):

@@ -26,6 +26,7 @@ class FakeLive(QObject):
     """Results as a test wants them."""
 
     adapted = Signal(str)
+    told_changed = Signal()
 
     def __init__(self):
         super().__init__()
@@ -34,6 +35,8 @@ class FakeLive(QObject):
 
     def result(self, performer_id):
         return self.results.get(performer_id)
+
+    told = result
 
 
 def segment_place(part):
@@ -279,7 +282,7 @@ def test_residuals_tell_who_misses_the_target_by_how_much_and_when(document, liv
     nothing = np.zeros((30, 26, 3))
     live.results["performer 1"] = AdaptedMotion(make_morphology(), 60.0, 0, nothing, nothing, residuals)
     first, second = residuals_of(document.project, live, "constraint 0")
-    assert words_of(first) == "not active"
+    assert words_of(first) == "not solved yet"
     assert words_of(second) == "short by 42 mm at 15"
 
 

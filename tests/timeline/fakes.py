@@ -28,11 +28,13 @@ def make_result(project, errors, motion_id="motion"):
 
 class FakeLive(QObject):
     adapted = Signal(str)
+    told_changed = Signal()
 
     def __init__(self, document):
         super().__init__()
         self.document = document
         self.errors = {}
+        self.unsolved = set()
         self.interactive_history = [False]
 
     @property
@@ -42,6 +44,9 @@ class FakeLive(QObject):
     @interactive.setter
     def interactive(self, value):
         self.interactive_history.append(value)
+
+    def told(self, performer_id):
+        return None if performer_id in self.unsolved else self.result(performer_id)
 
     def result(self, performer_id):
         return make_result(self.document.project, self.errors.get(performer_id, {}))

@@ -39,6 +39,7 @@ class StandingLive(QObject):
     """The engine's part, played by bodies that stand."""
 
     adapted = Signal(str)
+    told_changed = Signal()
 
     def __init__(self, document: Any) -> None:
         super().__init__()
@@ -50,6 +51,9 @@ class StandingLive(QObject):
         """Performers whose results are not there yet."""
         document.entity_changed.connect(lambda *_: self.was_interactive.append(self.interactive))
 
+    def told(self, performer_id: str) -> AdaptedMotion | None:
+        return self.result(performer_id)
+
     def result(self, performer_id: str) -> AdaptedMotion | None:
         return None if performer_id in self.late else standing(self._document.project, performer_id)
 
@@ -59,6 +63,7 @@ class StandingLive(QObject):
     def adapt(self) -> None:
         for performer_id in self._document.project.performers:
             self.adapted.emit(performer_id)
+        self.told_changed.emit()
 
 
 def results_of(project: Project) -> dict[str, AdaptedMotion]:

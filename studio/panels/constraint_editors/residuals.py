@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from studio.core.project import Project
 from studio.document import colours
 from studio.engine.live import Live
-from studio.engine.residuals import Residual, worst_residual
+from studio.engine.residuals import Residual, residual_row, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
@@ -18,15 +18,18 @@ ROW, COLUMNS, BETWEEN = 18, 2, 16
 
 @dataclass(frozen=True)
 class BodyResidual:
-    """A body and the worst miss on it; None while that is not known."""
+    """A body and the worst miss on it, None where nothing is asked; whether that is known."""
 
     name: str
     colour: str
     worst: Residual | None
+    known: bool = True
 
     @property
     def state(self) -> tuple[str, str]:
         """(word, colour): so that neither stands alone."""
+        if not self.known:
+            return "not solved yet", colours.TEXT_THIRD
         if self.worst is None:
             return "not active", colours.TEXT_THIRD
         if self.worst.held:
@@ -38,12 +41,13 @@ class BodyResidual:
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
     """One for each visible performer that plays the constraint's motion."""
-    motion_id = project.constraints[constraint_id].motion_id
+    motion_id, enabled = project.constraints[constraint_id].motion_id, project.constraints[constraint_id].enabled
     return [
         BodyResidual(
             performer.name,
             project.characters[performer.character_id].colour,
-            worst_residual(project, key, live.result(key), constraint_id),
+            worst_residual(project, key, live.told(key), constraint_id),
+            not enabled or residual_row(project, live.told(key), constraint_id) is not None,
         )
         for key, performer in project.performers.items()
         if performer.visible and any(clip.motion_id == motion_id for clip in performer.clips)
@@ -107,6 +111,8 @@ def words_of(residual: BodyResidual) -> str:
 def short_words_of(residual: BodyResidual) -> str:
     """``42 mm``, or that it holds, or that it is not active; a star where it is never fully active."""
     word, _ = residual.state
+    if not residual.known:
+        return "…"
     if residual.worst is None or word == "held":
         return word
     return f"{residual.worst.words}{'*' if residual.worst.remark else ''}"
@@ -121,9 +127,9 @@ class ResidualSection(Section):
         self._table = ResidualTable()
         self._table.setAccessibleName("How well it holds on each body")
         self.add_wide(self._table)
-        editor.live.adapted.connect(self._adapted)
+        editor.live.told_changed.connect(self._told_changed)
 
-    def _adapted(self, _: str) -> None:
+    def _told_changed(self) -> None:
         if self._editor.entity is not None:
             self.refresh()
 

@@ -9,7 +9,7 @@ from studio.core.constraints.target import key_times
 from studio.document import colours
 from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
-from studio.timeline.tracks.strip import PITCH, paint_strip
+from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
 
 ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 2, 3
 HANDLE_REACH = 6.0
@@ -130,12 +130,14 @@ def strip_top(row: QRect, place: int) -> int:
 
 
 def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
-    curve = shown.project.constraints[constraint_id].activation
-    left, right = shown.x_of_motion_time(curve.start), shown.x_of_motion_time(curve.end)
-    for place, body in enumerate(shown.subject.bodies):
-        strip = shown.strip(constraint_id, body.performer_id)
+    constraint = shown.project.constraints[constraint_id]
+    left, right = (shown.x_of_motion_time(time) for time in (constraint.activation.start, constraint.activation.end))
+    for place, body in enumerate(shown.subject.bodies if constraint.enabled else ()):
+        strip, top = shown.strip(constraint_id, body.performer_id), strip_top(row, place)
         if strip is not None:
-            paint_strip(painter, shown, strip, left, right, strip_top(row, place), body.colour)
+            paint_strip(painter, shown, strip, left, right, top, body.colour)
+        else:
+            paint_unknown(painter, shown.axis.right, left, right, top, body.colour)
 
 
 def strip_body(shown: Shown, row: QRect, y: float) -> str | None:
@@ -145,12 +147,14 @@ def strip_body(shown: Shown, row: QRect, y: float) -> str | None:
 
 
 def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
-    """``Child 42 mm at frame 23`` in the state's colour, or that all hold it."""
+    """``Child 42 mm at frame 23`` in the state's colour, that all hold it, or that this is not known."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
     strips = [shown.strip(constraint_id, body.performer_id) for body in shown.subject.bodies]
-    if not any(strips):
-        return "", colours.TEXT_THIRD
+    unknown = strips.count(None)
+    if unknown:
+        who = "" if unknown == len(strips) else f" for {unknown} of {len(strips)}"
+        return f"not solved yet{who}", colours.TEXT_THIRD
     found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in shown.subject.bodies]
     missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
     if not missed:

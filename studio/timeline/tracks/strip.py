@@ -2,13 +2,13 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QColor, QPainter
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QPainter
 
 from studio.document import colours
 from studio.timeline.shown import LABEL_WIDTH, Shown
 from studio.timeline.strips import Strip, strip_heights
-from studio.timeline.tracks.brush import paint_dot
+from studio.timeline.tracks.brush import paint_dot, translucent
 
 PITCH = 5
 ROOM_FOR_DOT = 10
@@ -21,6 +21,16 @@ COLOURS = (
     colours.PARTLY,
     colours.NOT_REACHED,
 )
+
+
+def paint_unknown(painter: QPainter, axis_right: float, left: float, right: float, top: int, colour: str) -> None:
+    """A hatched line where it is not known yet how a constraint holds."""
+    begin, end = max(left, LABEL_WIDTH + ROOM_FOR_DOT), min(right, axis_right + 20)
+    if begin < end:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        hatch = QBrush(translucent(colours.TEXT_THIRD, 0.7), Qt.BrushStyle.BDiagPattern)
+        painter.fillRect(QRectF(begin, top + 1, end - begin, PITCH - 1), hatch)
+        paint_dot(painter, QPointF(max(left - 8.0, LABEL_WIDTH + 4.0), top + PITCH - 0.5), 2.0, colour)
 
 
 def paint_strip(
