@@ -1,0 +1,182 @@
+"""Search in a motion library: which clip, played from which of its frames, hits a target best (P09 section 3.3).
+
+Poses are compared modulo a turn about Z and a shift (Kovar et al. 2002), hits by how near the path of the hit point
+comes to the target. The answer is exact: the same as trying every frame. METHOD (37) has the equations.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.canonical import BodyLayout
+from studio.core.kernels import retrieval as at
+
+FloatArray = NDArray[np.float64]
+Rows = NDArray[np.float32]
+IntArray = NDArray[np.int64]
+
+BLOCK = 8
+"""Frames that are judged together by the one in their middle."""
+BYTES_A_FRAME = 4 * at.WIDTH + (4 * at.WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK
+"""In the table of poses (on disk, as far as nobody asks for them), and of the blocks (in memory)."""
+
+
+def searched_points(layout: BodyLayout) -> IntArray:
+    """(20,) the canonical points by which poses are compared."""
+    arms = [layout.collar(side) + k for side in (0, 1) for k in (1, 2, 3, 4)]
+    legs = [layout.hip(side) + k for side in (0, 1) for k in (0, 1, 2, 3)]
+    return np.array([0, layout.neck_base, layout.head_joint, layout.head_end, *arms, *legs])
+
+
+def pose_rows(positions: FloatArray, layout: BodyLayout) -> Rows:
+    """(F, 64) the rows that are searched, of bodies (F, P, 3) above the ground; all points weigh the same."""
+    points = positions[:, searched_points(layout)]
+    rows = np.zeros((len(points), at.WIDTH), dtype=np.float32)
+    middle = points[..., :2].mean(axis=1)
+    rows[:, at.MIDDLE : at.MIDDLE + 2] = middle
+    weight = np.sqrt(1.0 / at.JOINTS)
+    rows[:, : at.Y] = weight * (points[..., 0] - middle[:, :1])
+    rows[:, at.Y : at.Z] = weight * (points[..., 1] - middle[:, 1:])
+    rows[:, at.Z : at.SQUARE] = weight * points[..., 2]
+    rows[:, at.SQUARE] = np.square(rows[:, : at.SQUARE], dtype=np.float64).sum(axis=1)
+    return rows
+
+
+def pose_distances(query: ArrayLike, rows: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Distance (F,) in metres of ``rows`` (F, 64) from ``query`` (64,), and the turns (F,) that bring them nearest."""
+    one, all_rows = np.asarray(query, dtype=np.float64), np.asarray(rows, dtype=np.float64)
+    planar = (all_rows[:, : at.Y] - 1j * all_rows[:, at.Y : at.Z]) @ (one[: at.Y] + 1j * one[at.Y : at.Z])
+    rest = np.square(all_rows[:, : at.Z]).sum(axis=1) + np.square(one[: at.Z]).sum()
+    rest = rest + np.square(all_rows[:, at.Z : at.SQUARE] - one[at.Z : at.SQUARE]).sum(axis=1)
+    return np.sqrt(np.maximum(rest - 2.0 * np.abs(planar), 0.0)), np.angle(planar)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchTable:
+    """All that is searched. ``rows`` (F, 64) may lie on disk; ``frame_counts`` (C,) of each clip, one after another.
+
+    ``paths`` (T, 3) where the hit point goes while it can hit, metres in the space of its clip, ``path_counts`` (C,)
+    places of each; ``actors`` and ``limbs`` (C,) who played a clip, and with which limb it hits.
+    """
+
+    rows: Rows
+    frame_counts: IntArray
+    paths: FloatArray
+    path_counts: IntArray
+    actors: IntArray
+    limbs: IntArray
+
+    def __post_init__(self) -> None:
+        rows = np.asarray(self.rows).view()
+        rows.flags.writeable = False  # what is mapped from disk cannot be written; a kernel is compiled for one of both
+        object.__setattr__(self, "rows", rows)
+
+    @property
+    def clip_count(self) -> int:
+        return len(self.frame_counts)
+
+    @cached_property
+    def clips(self) -> IntArray:
+        """(C, 4) actor, limb, first row and count of the path."""
+        begins = np.cumsum(self.path_counts) - self.path_counts
+        return np.column_stack([self.actors, self.limbs, begins, self.path_counts]).astype(np.int64)
+
+    @cached_property
+    def first_rows(self) -> IntArray:
+        """(C,) the row of each clip's first frame."""
+        return np.asarray(np.cumsum(self.frame_counts) - self.frame_counts, dtype=np.int64)
+
+    @cached_property
+    def blocks(self) -> "Blocks":
+        """What is looked at first."""
+        return Blocks.of(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Runs of frames of one clip: ``spans`` (B, 3) clip, first row and count, and what bounds the cost of their frames.
+
+    ``middles`` (B, 64), ``radii`` (B,) metres from there to the farthest frame; ``rings`` (B, 4) least and greatest
+    distance of the hit from a pose's middle, lowest and highest hit.
+    """
+
+    spans: IntArray
+    clips: IntArray
+    middles: Rows
+    radii: FloatArray
+    rings: FloatArray
+
+    @classmethod
+    def of(cls, table: SearchTable) -> "Blocks":
+        """Judge every frame once by its block's middle."""
+        counts, begins = table.frame_counts, table.first_rows
+        spans = np.array(
+            [
+                (clip, begins[clip] + start, min(BLOCK, count - start))
+                for clip, count in enumerate(counts.tolist())
+                for start in range(0, count, BLOCK)
+            ],
+            dtype=np.int64,
+        ).reshape(-1, 3)
+        middles = np.ascontiguousarray(table.rows[spans[:, 1] + spans[:, 2] // 2])
+        radii, rings = np.empty(len(spans)), np.empty((len(spans), 4))
+        at.judge_blocks(spans, table.rows, table.paths, table.clips, middles, radii, rings)
+        return cls(spans, np.ascontiguousarray(spans[:, 0]), middles, radii, rings)
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """What is searched for: ``poses`` (A, 64) the performer's pose on every actor, ``targets`` (A, 4, 3) where each
+    limb of each is to hit, in metres about the middle of that pose, heights above the ground.
+    """
+
+    poses: Rows
+    targets: FloatArray
+    posture_weight: float = 1.0
+    reach_weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Found:
+    """One clip that was found, and why: ``posture`` and ``reach`` are distances in metres, ``cost`` their weighted sum.
+
+    It is to be played from ``frame`` of the clip, turned by ``turn`` (rad) about Z, and hits at place ``contact`` of
+    the path of its hit point.
+    """
+
+    clip: int
+    frame: int
+    contact: int
+    cost: float
+    posture: float
+    reach: float
+    turn: float
+
+
+def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike | None = None) -> list[Found]:
+    """The best frame of each of the ``count`` clips that cost least, the best first; ``allowed`` (C,) leaves some out.
+
+    Exactly those that trying every frame finds, apart from ties.
+    """
+    blocks, weights = table.blocks, np.array([query.posture_weight, query.reach_weight])
+    among = np.ones(table.clip_count, dtype=np.bool_) if allowed is None else np.asarray(allowed, dtype=np.bool_)
+    bounds = np.empty(len(blocks.spans))
+    asked = query.poses, query.targets, weights
+    if not len(bounds) or count < 1:
+        return []
+    at.bound_blocks(blocks.middles, blocks.radii, blocks.rings, blocks.clips, table.clips, among, *asked, bounds)
+    begin = min(2 * count, len(bounds))
+    first = np.argpartition(bounds, begin - 1)[:begin]
+    found, places = np.empty((count, 4)), np.empty((count, 3), dtype=np.int64)
+    first = first[np.argsort(bounds[first])]
+    at.search_blocks(
+        first, bounds, blocks.spans, blocks.rings, table.rows, table.paths, table.clips, *asked, found, places
+    )
+    begins = table.first_rows
+    return [
+        Found(clip, frame - int(begins[clip]), contact - int(table.clips[clip, 2]), *numbers)
+        for (clip, frame, contact), numbers in zip(places.tolist(), found.tolist(), strict=True)
+        if clip >= 0
+    ]

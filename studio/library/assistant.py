@@ -1,0 +1,186 @@
+"""Proposes which stretches of a motion are strikes, of which limb, and when they hit: by speed and by reach.
+
+A strike goes out fast from a bent limb to where it is stretched farthest across the ground, and that is taken for the
+hit. What is fast without it is none: blocks and waves reach not far out from where they began, jumps and runs carry
+both arms or the whole body, victory poses go up. While a leg kicks, arms only keep the balance.
+Speeds are in limb lengths a second, reaches and heights in limb lengths; all numbers were chosen on real captures.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from studio.core.canonical import BodyLayout
+from studio.core.morphology import Morphology
+from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SWING, AROUND, APART = 0.45, 0.15, 0.4
+"""Seconds in which a limb goes out, in which a hit is the farthest, and that two hits of a limb lie apart at least."""
+BEFORE, AFTER = 0.6, 0.5
+"""Seconds of a clip before and after its hit."""
+KICKING = 0.6
+"""Seconds round a raised leg in which arms keep the balance."""
+ARM = {"reach": 0.6, "rise": 0.36, "speed": 6.8, "outward": 3.3, "bent": 0.66}
+LEG = {"reach": 0.75, "rise": 0.3, "speed": 2.8, "outward": 1.5}
+"""The least reach, how much of it was gained, and how fast, as a whole and outward; an arm was bent at least so far."""
+PUNCH_HEIGHTS, KICK_HEIGHT = (-0.55, 0.5), -0.35
+"""Of the wrist about the shoulder, of the ankle about the hip."""
+BEHIND = -0.3
+"""How far behind its shoulder a fist may hit."""
+STANDING, UPRIGHT = 0.6, {True: 0.45, False: 0.3}
+"""Hips above the ground in leg lengths; head above the hips in metres a metre of trunk and neck, for arms and legs."""
+SUPPORT = -0.7
+"""The ankle of the other leg about its hip: farther up, both legs are in the air."""
+RUNNING = 2.0
+"""Leg lengths a second."""
+ALIKE = 0.6
+"""Part of a reach and a speed that the other arm may have at the same time: more, and both do one thing together."""
+RETRACTED = 0.6
+"""Part of its reach below which an arm has come back, and may hit again at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimbTrack:
+    """One limb over F frames: ``reach`` across the ground and ``stretch`` from its root, ``speed`` about the hips (all
+    (F,)), ``from_root`` (F, 3); in limb lengths.
+    """
+
+    reach: FloatArray
+    stretch: FloatArray
+    speed: FloatArray
+    outward: FloatArray
+    from_root: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class BodyTrack:
+    """A body over F frames, as far as the assistant asks: all four limbs, headings (F, 2), and how it stands (F,)."""
+
+    limbs: tuple[LimbTrack, ...]
+    heading: FloatArray
+    hip_height: FloatArray
+    head_height: FloatArray
+    hip_speed: FloatArray
+    rate: float
+
+    def window(self, frame: int, before: float, after: float = 0.0) -> slice:
+        """Frames from ``before`` seconds before ``frame`` to ``after`` seconds after it, both included."""
+        return slice(max(frame - int(before * self.rate), 0), frame + int(after * self.rate) + 1)
+
+
+def propose(
+    positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float, first_frame: int = 0
+) -> list[ClipLabel]:
+    """Strikes of a motion on its own actor's body, in time; positions (F, K+23, 3) and rotations (F, K+18, 3, 3)."""
+    if len(positions) < 2:
+        return []
+    track = body_track(positions, rotations, body, rate)
+    hits: list[tuple[int, Limb]] = []
+    for limb in Limb:
+        likely = [frame for frame in _peaks(track, limb, first_frame) if _strikes(track, limb, frame)]
+        hits += [(frame, limb) for frame in _apart(track, limb, likely)]
+    return [_clip(track, frame, limb, first_frame, len(positions) - 1) for frame, limb in sorted(hits)]
+
+
+def body_track(positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float) -> BodyTrack:
+    """Read off a body what the assistant asks."""
+    layout = body.layout
+    hips = 0.5 * (positions[:, layout.hip(0)] + positions[:, layout.hip(1)])
+    forward = rotations[:, 0, :2, 0]
+    heading = forward / np.maximum(np.linalg.norm(forward, axis=1, keepdims=True), 1e-9)
+    trunk = body.spine_length + body.neck
+    return BodyTrack(
+        tuple(_limb_track(positions, layout, limb, hips, rate) for limb in Limb),
+        heading,
+        hips[:, 2] / body.leg_length,
+        (positions[:, layout.head_end, 2] - hips[:, 2]) / (trunk + body.head),
+        np.linalg.norm(np.gradient(hips[:, :2], axis=0), axis=1) * rate / body.leg_length,
+        rate,
+    )
+
+
+def _limb_track(positions: FloatArray, layout: BodyLayout, limb: Limb, hips: FloatArray, rate: float) -> LimbTrack:
+    root = layout.collar(limb.side) + 1 if limb.is_arm else layout.hip(limb.side)
+    bones = np.linalg.norm(np.diff(positions[:, root : root + 3], axis=1), axis=2)
+    length = float(np.median(bones.sum(axis=1)))
+    end = positions[:, root + 2]
+    away = (end - positions[:, root]) / length
+    reach = np.linalg.norm(away[:, :2], axis=1)
+    speed = np.linalg.norm(np.gradient(end - hips, axis=0), axis=1) * rate / length
+    return LimbTrack(reach, np.linalg.norm(away, axis=1), speed, np.gradient(reach) * rate, away)
+
+
+def _peaks(track: BodyTrack, limb: Limb, first_frame: int) -> list[int]:
+    """Frames in which a limb is stretched farthest for some time."""
+    reach = track.limbs[limb].reach
+    farthest = maximum_filter1d(reach, 2 * max(round(AROUND * track.rate), 1) + 1, mode="nearest")
+    frames = np.flatnonzero(reach >= farthest)
+    return [int(frame) for frame in frames if first_frame + 2 < frame < len(reach) - 1]
+
+
+def _strikes(track: BodyTrack, limb: Limb, frame: int) -> bool:
+    own, least = track.limbs[limb], ARM if limb.is_arm else LEG
+    swing = track.window(frame, SWING)
+    thrown = slice(swing.start, frame + 2)  # the speed of a hit is seen a frame later
+    gained = own.reach[frame] - own.reach[swing].min()
+    fast = own.speed[thrown].max() >= least["speed"] and own.outward[thrown].max() >= least["outward"]
+    far = own.reach[frame] >= least["reach"] and gained >= least["rise"]
+    if not (fast and far and _stands(track, limb, frame)):
+        return False
+    return _punches(track, limb, frame, swing, gained) if limb.is_arm else _kicks(track, limb, frame)
+
+
+def _stands(track: BodyTrack, limb: Limb, frame: int) -> bool:
+    return bool(track.hip_height[frame] > STANDING and track.head_height[frame] > UPRIGHT[limb.is_arm])
+
+
+def _kicks(track: BodyTrack, limb: Limb, frame: int) -> bool:
+    other = track.limbs[limb ^ 1].from_root[frame, 2]
+    return bool(track.limbs[limb].from_root[frame, 2] > KICK_HEIGHT and other < SUPPORT)
+
+
+def _punches(track: BodyTrack, limb: Limb, frame: int, swing: slice, gained: float) -> bool:
+    own, other = track.limbs[limb], track.limbs[limb ^ 1]
+    low, high = PUNCH_HEIGHTS
+    ahead = own.from_root[frame, :2] @ track.heading[frame]
+    if not low < own.from_root[frame, 2] < high or ahead < BEHIND or own.stretch[swing].min() > ARM["bent"]:
+        return False
+    if track.hip_speed[track.window(frame, 0.5, 0.5)].mean() > RUNNING or _raises_a_leg(track, frame):
+        return False
+    thrown = slice(swing.start, frame + 2)
+    together = other.reach[track.window(frame, 0.1, 0.1)].max() - other.reach[swing].min()
+    return not (together > ALIKE * gained and other.speed[thrown].max() > ALIKE * own.speed[thrown].max())
+
+
+def _raises_a_leg(track: BodyTrack, frame: int) -> bool:
+    around = track.window(frame, KICKING, KICKING)
+    legs = (track.limbs[limb] for limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG))
+    return any(
+        bool(((leg.reach[around] > LEG["reach"]) & (leg.from_root[around, 2] > KICK_HEIGHT)).any()) for leg in legs
+    )
+
+
+def _apart(track: BodyTrack, limb: Limb, frames: list[int]) -> list[int]:
+    """Of hits too near each other the farthest; an arm that came back between them hit twice."""
+    reach, kept = track.limbs[limb].reach, list[int]()
+
+    def one_with(frame: int, other: int) -> bool:
+        between = reach[min(frame, other) : max(frame, other) + 1]
+        came_back = limb.is_arm and between.min() < RETRACTED * reach[frame]
+        return abs(frame - other) < APART * track.rate and not came_back
+
+    for frame in sorted(frames, key=lambda each: -reach[each]):
+        if not any(one_with(frame, other) for other in kept):
+            kept.append(frame)
+    return kept
+
+
+def _clip(track: BodyTrack, frame: int, limb: Limb, first_frame: int, last_frame: int) -> ClipLabel:
+    span = track.window(frame, BEFORE, AFTER)
+    kind, segment = (Kind.PUNCH, HitSegment.FIST) if limb.is_arm else (Kind.KICK, HitSegment.BALL)
+    return ClipLabel(max(span.start, first_frame), min(span.stop - 1, last_frame), frame, limb, kind, segment)

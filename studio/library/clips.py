@@ -1,0 +1,98 @@
+"""What the library knows of a clip: a stretch of a take in which a limb does something."""
+
+from dataclasses import dataclass
+from enum import IntEnum, StrEnum
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.morphology import Morphology
+
+
+class Limb(IntEnum):
+    """The limb that hits; the number is that of the limb everywhere."""
+
+    LEFT_ARM = 0
+    RIGHT_ARM = 1
+    LEFT_LEG = 2
+    RIGHT_LEG = 3
+
+    @property
+    def words(self) -> str:
+        """``left arm``."""
+        return self.name.lower().replace("_", " ")
+
+    @property
+    def is_arm(self) -> bool:
+        return self < Limb.LEFT_LEG
+
+    @property
+    def side(self) -> int:
+        """0 left, 1 right."""
+        return self % 2
+
+
+class Kind(StrEnum):
+    """What a clip is for (P09 section 3.3.1)."""
+
+    PUNCH = "punch"
+    KICK = "kick"
+    WARD_OFF = "ward off"
+    GRASP = "grasp"
+
+
+class HitSegment(StrEnum):
+    """What of the limb meets the target."""
+
+    FIST = "fist"
+    ELBOW = "elbow"
+    BALL = "ball of the foot"
+    HEEL = "heel"
+    KNEE = "knee"
+
+
+SEGMENTS = {True: (HitSegment.FIST, HitSegment.ELBOW), False: (HitSegment.BALL, HitSegment.HEEL, HitSegment.KNEE)}
+"""Those that an arm has (True), and those of a leg."""
+
+
+def hit_point(limb: Limb, segment: HitSegment, body: Morphology) -> BodyPoint:
+    """The point of ``body`` that meets the target; a fist is in the middle of the hand."""
+    side = ("left", "right")[limb.side]
+    match segment:
+        case HitSegment.FIST:
+            x, y, z = (0.5 * body.hand[limb.side]).tolist()
+            return BodyPoint(BodyPart(f"{side}_hand"), (x, y, z))
+        case HitSegment.ELBOW:
+            return BodyPoint(BodyPart(f"{side}_forearm"))
+        case HitSegment.BALL:
+            return BodyPoint(BodyPart(f"{side}_foot"), at_end=True)
+        case HitSegment.HEEL:
+            below = (-float(body.heel_length[limb.side]), 0.0, -0.5 * float(body.ankle_height[limb.side]))
+            return BodyPoint(BodyPart(f"{side}_foot"), below)
+        case HitSegment.KNEE:
+            return BodyPoint(BodyPart(f"{side}_shank"))
+
+
+@dataclass(frozen=True)
+class ClipLabel:
+    """Frames ``first`` to ``last`` of a motion, both included, in which ``limb`` hits at frame ``hit``.
+
+    Raises ValueError when the frames are not in order or the limb has no such segment.
+    """
+
+    first: int
+    last: int
+    hit: int
+    limb: Limb
+    kind: Kind
+    segment: HitSegment
+    tags: tuple[str, ...] = ()
+    confirmed: bool = False
+    """Whether somebody said so, or it was proposed."""
+
+    def __post_init__(self) -> None:
+        for name, kind in (("limb", Limb), ("kind", Kind), ("segment", HitSegment)):
+            object.__setattr__(self, name, kind(getattr(self, name)))
+        if not 0 <= self.first < self.hit <= self.last:
+            raise ValueError(f"A clip hits between its frames: {self.first}, {self.hit}, {self.last} are not in order.")
+        if self.segment not in SEGMENTS[self.limb.is_arm]:
+            raise ValueError(f"The {self.limb.words} has no {self.segment}.")
