@@ -17,6 +17,11 @@ def example_captures_folder() -> Path:
     return _bundled("examples/captures")
 
 
+def help_file() -> Path:
+    """What is said of the command line."""
+    return _bundled("docs") / "headless.md"
+
+
 def _bundled(name: str) -> Path:
     """The wheel carries the folder inside the package; a checkout has it beside the package."""
     for folder in (PACKAGE / name, PACKAGE.parent / name):

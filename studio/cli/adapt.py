@@ -18,21 +18,24 @@ from studio.cli.batch_summary import rows_of, write_rows
 from studio.cli.export_options import add_export_options, export_options
 from studio.cli.following import with_tracks
 from studio.cli.import_options import add_import_options, import_options
+from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json, print_table
 from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptRequest
 from studio.io.constraint_file import ConstraintFile, read_constraints
-from studio.io.export import format_for, take_of_actor, take_of_adapted, write_take
+from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import ImportOptions
+from studio.io.registry import known_formats
 from studio.io.report_file import write_json
+from studio.resources_folder import help_file
 
 ACTOR = "actor"
 SPACE = """
 Targets of constraints are metres in the motion's own space: X forward, Y left, Z up, the origin on the ground
 under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
-FILE.json is told in docs/headless.md.
+FILE.json is told in
 """
 
 
@@ -45,7 +48,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def add_shared_arguments(parser: ArgumentParser) -> None:
     """What holds for one capture as for many: characters, constraints, where to write, how to read."""
     parser.formatter_class = RawDescriptionHelpFormatter
-    parser.epilog = SPACE
+    parser.epilog = SPACE + str(help_file())
     parser.add_argument(
         "--character",
         nargs="+",
@@ -69,20 +72,31 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
     parser.add_argument("--by-frame", action="store_true", help="put into the report what happens in every frame, too")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
+    add_output_options(parser)
     add_export_options(parser)
     add_import_options(parser)
 
 
 def run(arguments: Namespace) -> int:
     """Adapt, export, report."""
-    report = adapt_file(arguments.capture, import_options(arguments), asked_by(arguments), arguments.out)
-    write_json(arguments.out / "report.json", report)
-    write_rows(arguments.out / "report.csv", rows_of([{**report, "name": arguments.capture.stem}]))
+    asked = asked_by(arguments)
+    told = [arguments.out / name for name in ("report.json", "report.csv")]
+    motions = [arguments.out / file_name(arguments.capture, key, asked) for key in asked.characters]
+    refuse_replacing([*motions, *told], arguments.capture, arguments.overwrite)
+    report = adapt_file(arguments.capture, import_options(arguments), asked, arguments.out)
+    write_json(told[0], report)
+    write_rows(told[1], rows_of([{**report, "name": arguments.capture.stem}]))
     if arguments.json:
         print_json(report)
     else:
         print_report(report)
+        print("\nWritten:", *motions, *told, sep="\n  ")
     return 0
+
+
+def file_name(capture: Path, key: str, asked: "Asked") -> str:
+    """Of the motion of one character."""
+    return f"{capture.stem}_{key}{asked.suffix}"
 
 
 @dataclass(frozen=True)
@@ -103,9 +117,10 @@ class Asked:
 def asked_by(arguments: Namespace) -> Asked:
     """The arguments of ``adapt`` as they hold for any capture; StudioError for a character or format there is not."""
     suffix = f".{arguments.format.lower().lstrip('.')}"
-    kind = Path(f"'{arguments.format}'").with_suffix(suffix)
-    format_for(kind)
-    export_options(arguments).check(kind)
+    known = known_formats().suffixes("motion_writer")
+    if suffix not in known:
+        raise StudioError(f"'{arguments.format}' is no kind of file for motions: choose {', '.join(known)}.")
+    export_options(arguments).check(Path(f"motion{suffix}"))
     others = [name for name in arguments.character if name != ACTOR]
     characters: dict[str, Character | None] = {ACTOR: None} if ACTOR in arguments.character else {}
     if others or not characters:
@@ -161,16 +176,16 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
         "contacts": "detected" if given.contacts is None else "given",
         "cleaning": cleaning_records(ready.capture),
         "characters": [
-            adapt_to(character, key, ready, requests[key], asked, folder) for key, character in asked.characters.items()
+            adapt_to(character, key, ready, requests[key], asked, folder / file_name(path, key, asked))
+            for key, character in asked.characters.items()
         ],
     }
 
 
 def adapt_to(
-    character: Character | None, key: str, ready: ReadyCapture, request: AdaptRequest, asked: Asked, folder: Path
+    character: Character | None, key: str, ready: ReadyCapture, request: AdaptRequest, asked: Asked, path: Path
 ) -> Record:
     """One character's file, or the actor's own for None, and its part of the report."""
-    path = folder / f"{ready.capture.name}_{key}{asked.suffix}"
     adapted, record = character_report(request, ready.source, ready.capture.first_frame, by_frame=asked.by_frame)
     if character is None:
         take = take_of_actor(adapted, ready.actor, ready.capture, request)
@@ -204,7 +219,6 @@ def print_report(report: Record) -> None:
     if lines:
         print()
         print_table(("constraint", "character", "residual", "reached", "kept off by"), lines)
-    print("\nWritten:", *(record["file"] for record in report["characters"]), sep="\n  ")
 
 
 def _residual(record: Record) -> str:

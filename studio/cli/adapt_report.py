@@ -1,10 +1,10 @@
 """What is measured of a motion adapted to one character."""
 
 import math
-import statistics
 import time
 from collections import Counter
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactPoint
-from studio.core.metrics import acceleration_ratio, contact_quality, knee_speeds
-from studio.core.rotations import from_matrix, inverse, multiply
+from studio.core.metrics import acceleration_ratio, knee_speeds, worst_of
+from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt
 from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.packing import limb_of
 from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.warm_up import warm_up
 
 Record = dict[str, Any]
 FloatArray = NDArray[np.float64]
@@ -31,23 +32,25 @@ OTHERS = {NOBODY: None, CONTACTS: "contacts", LIMITS: "joint limits", REACH: "re
 """Who else than another constraint keeps one from being met."""
 QUIET = 1.0
 """Radians a second: a source peak below it counts as this."""
-TIMED_RUNS = 3
 
 
 def character_report(
     request: AdaptRequest, source: AdaptedMotion, first_frame: int, *, by_frame: bool = False
 ) -> tuple[AdaptedMotion, Record]:
     """The adapted motion from ``first_frame`` on, and the figures that are reported of it."""
+    warm(request.morphology.still)
+    start = time.perf_counter()
     adapted = adapt(request, first_frame)
-    quality = contact_quality(adapted, request.contacts, request.ground)
+    seconds = time.perf_counter() - start
     report = report_of(request, adapted)
+    quality = worst_of(report.slides, report.heights)
     record: Record = {
         "slide_mm": 1000.0 * quality.slide,
         "float_mm": 1000.0 * max(quality.rise, 0.0),
         "penetration_mm": 1000.0 * max(quality.penetration, 0.0),
         "acceleration_ratio": acceleration_ratio(adapted, source),
         "speed_ratio": speed_ratio(adapted, source),
-        "microseconds_per_frame": 1e6 * seconds_to_adapt(request) / request.motion.frame_count,
+        "microseconds_per_frame": 1e6 * seconds / adapted.frame_count,
         "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
         "knee_speed_ratio": knee_speed_ratio(adapted, source),
         "mass_margin_mm": _least(1000.0 * report.mass_margins),
@@ -58,14 +61,10 @@ def character_report(
     return adapted, record
 
 
-def seconds_to_adapt(request: AdaptRequest) -> float:
-    """Median over a few runs of the whole clip; the kernels are compiled by the time it is asked."""
-    times = []
-    for _ in range(TIMED_RUNS):
-        start = time.perf_counter()
-        adapt(request)
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
+@lru_cache(maxsize=16)
+def warm(body: Morphology) -> None:
+    """Have the kernels loaded, so that no time is measured in which they are."""
+    warm_up(body)
 
 
 def frame_records(report: Report) -> Record:
@@ -139,16 +138,11 @@ def full_activity(request: AdaptRequest) -> NDArray[np.bool_]:
 
 def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     """Worst peak speed of any joint's turning, beside the same joint's peak in the source; 1 for a single frame."""
-    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    first = adapted.first_frame
     if adapted.frame_count < 2:
         return 1.0
-    ratios = []
-    for part in BodyPart:
-        segments = [motion.morphology.layout.segment(part) for motion in (adapted, source)]
-        ours = peak_turning(adapted.rotations[:, segments[0]], adapted.frame_rate)
-        theirs = peak_turning(source.rotations[window, segments[1]], source.frame_rate)
-        ratios.append(max(ours, QUIET) / max(theirs, QUIET))
-    return max(ratios)
+    ours, theirs = peak_turnings(adapted), source_turnings(source, first, first + adapted.frame_count - 1)
+    return float((np.maximum(ours, QUIET) / np.maximum(theirs, QUIET)).max())
 
 
 def knee_speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
@@ -160,9 +154,16 @@ def knee_speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     return float((np.maximum(ours, QUIET) / np.maximum(theirs, QUIET)).max())
 
 
-def peak_turning(rotations: FloatArray, frame_rate: float) -> float:
-    """Greatest angular speed in rad/s of one segment's world rotations (F, 3, 3)."""
-    quaternions = from_matrix(rotations)
-    steps = multiply(inverse(quaternions[:-1]), quaternions[1:])
-    angles = 2.0 * np.arctan2(np.linalg.norm(steps[:, :3], axis=1), np.abs(steps[:, 3]))
-    return float(angles.max() * frame_rate)
+def peak_turnings(motion: AdaptedMotion) -> FloatArray:
+    """(P,) greatest angular speed in rad/s of each ``BodyPart``'s world rotations."""
+    rotations = motion.rotations[:, [motion.morphology.layout.segment(part) for part in BodyPart]]
+    turns = np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:]
+    axes = [turns[..., row, column] - turns[..., column, row] for row, column in ((2, 1), (0, 2), (1, 0))]
+    angles = np.arctan2(np.linalg.norm(axes, axis=0), np.trace(turns, axis1=-2, axis2=-1) - 1.0)
+    return np.asarray(angles.max(axis=0) * motion.frame_rate)
+
+
+@lru_cache(maxsize=4)
+def source_turnings(source: AdaptedMotion, first: int, last: int) -> FloatArray:
+    """``peak_turnings`` of frames of the source: the same for all characters."""
+    return peak_turnings(source.frames(first, last))

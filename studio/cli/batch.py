@@ -4,18 +4,20 @@ import signal
 import sys
 import threading
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from pathlib import Path
 
 from studio.cli import adapt
 from studio.cli.adaptation import make_folder
-from studio.cli.batch_cluster import cluster, run_jobs
-from studio.cli.batch_jobs import Job, Record, done_before, find_jobs
+from studio.cli.batch_cluster import run_there
+from studio.cli.batch_jobs import REPORTS, Job, Record, done_before, find_jobs
 from studio.cli.batch_summary import rows_of, write_summary
-from studio.cli.printing import print_json
-from studio.core.errors import StudioError
+from studio.cli.batch_workers import run_here
+from studio.cli.printing import counted, print_json
+from studio.core.errors import Stopped, StudioError
 
-_OWN = ("folder", "out", "json", "scheduler", "workers", "run", "capture")
+_OWN = ("folder", "out", "overwrite", "json", "scheduler", "workers", "run", "capture")
 """Arguments on which no result depends."""
 
 
@@ -35,26 +37,40 @@ def run(arguments: Namespace) -> int:
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     asked = {key: value for key, value in vars(arguments).items() if key not in _OWN}
-    make_folder(arguments.out)
     jobs = find_jobs(arguments.folder, arguments.out, _absolute(asked))
+    _refuse_others_folder(arguments.out, arguments.overwrite)
+    make_folder(arguments.out / REPORTS)
     records = {job.name: record for job in jobs if (record := done_before(job)) is not None}
     unchanged = len(records)
     for number, name in enumerate(records, 1):
         _tell(number, len(jobs), name, "unchanged")
     waiting = [job for job in jobs if job.name not in records]
     try:
-        if waiting:
-            with cluster(arguments.scheduler, arguments.workers) as client:
-                for record in run_jobs(client, waiting):
-                    records[record["name"]] = record
-                    _tell(len(records), len(jobs), record["name"], record.get("error") or "done")
+        with closing(_run(waiting, arguments.scheduler, arguments.workers)) as done:
+            for record in done:
+                records[record["name"]] = record
+                _tell(len(records), len(jobs), record["name"], record.get("error") or "done")
     except KeyboardInterrupt:
         sentence = f"Stopped after {len(records)} of {len(jobs)} files; the same command goes on from there."
-        raise StudioError(sentence) from None
+        raise Stopped(sentence) from None
     finally:
         ordered = [records[job.name] for job in jobs if job.name in records]
         write_summary(arguments.out, ordered)
     return _conclude(arguments, jobs, ordered, unchanged)
+
+
+def _run(jobs: Sequence[Job], scheduler: str | None, workers: int | None) -> Generator[Record, None, None]:
+    if jobs:
+        yield from run_here(jobs, workers) if scheduler is None else run_there(jobs, scheduler)
+
+
+def _refuse_others_folder(out: Path, overwrite: bool) -> None:
+    """Raise StudioError where files are that no batch has written, and one might replace."""
+    if out.is_dir() and any(out.iterdir()) and not (out / REPORTS).is_dir() and not overwrite:
+        raise StudioError(
+            f"'{out}' holds files that no batch has written. Choose another folder, or have those of its names replaced"
+            " with --overwrite."
+        )
 
 
 def _absolute(asked: dict[str, object]) -> dict[str, object]:
@@ -84,6 +100,9 @@ def _conclude(arguments: Namespace, jobs: Sequence[Job], records: Sequence[Recor
             }
         )
     else:
-        print(f"{len(jobs)} files: {len(jobs) - unchanged - len(failed)} adapted, {unchanged} unchanged", end=", ")
+        print(
+            f"{counted(len(jobs), 'file')}: {len(jobs) - unchanged - len(failed)} adapted, {unchanged} unchanged",
+            end=", ",
+        )
         print(f"{len(failed)} failed. Summary: {arguments.out / 'summary.csv'}, {arguments.out / 'summary.html'}")
     return 1 if failed else 0

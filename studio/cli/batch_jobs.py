@@ -16,6 +16,8 @@ from studio.core.errors import StudioError
 from studio.io.registry import known_formats
 
 Record = dict[str, Any]
+REPORTS = "reports"
+"""The folder, in that of the batch, of a report for each capture."""
 FILES_ASKED_FOR = ("constraints", "body_map", "marker_map")
 
 
@@ -30,6 +32,8 @@ class Job:
     """Where the adapted files go."""
     report: Path
     """A JSON file that tells what was done; it is written last."""
+    size: int
+    """Bytes of the capture."""
     digest: str
     """Of capture, characters, constraints and options: the same digest means the same result."""
     arguments: Mapping[str, Any]
@@ -41,6 +45,8 @@ def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Job
     if not source.is_dir():
         raise StudioError(f"'{source}' is no folder. Name the folder that holds the captures.")
     suffixes, own = known_formats().suffixes("capture_reader"), out.resolve()
+    if source.resolve() == own:
+        raise StudioError(f"'{source}' holds the captures. Name another folder with --out for what is adapted.")
     found = (path for path in sorted(source.rglob("*")) if path.suffix.lower() in suffixes and path.is_file())
     captures = [path for path in found if own not in path.resolve().parents]
     if not captures:
@@ -51,9 +57,10 @@ def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Job
     for path in captures:
         name = path.relative_to(source)
         folder = out / (name if stems[path.with_suffix("")] > 1 else name.parent)
-        digest = hashlib.sha256(asked + _content(path)).hexdigest()
-        report = out / "reports" / f"{name}.json"
-        jobs.append(Job(name.as_posix(), path.resolve(), folder.resolve(), report.resolve(), digest, arguments))
+        content, report = _content(path), out / REPORTS / f"{name}.json"
+        digest = hashlib.sha256(asked + content).hexdigest()
+        places = path.resolve(), folder.resolve(), report.resolve()
+        jobs.append(Job(name.as_posix(), *places, len(content), digest, arguments))
     return jobs
 
 
@@ -93,6 +100,11 @@ def work(job: Job) -> Record:
 def failure(job: Job, error: str) -> Record:
     """The record of a capture that could not be adapted."""
     return {"name": job.name, "digest": job.digest, "error": error, "characters": []}
+
+
+def died(job: Job) -> Record:
+    """The record of a capture of which the processes died that read it."""
+    return failure(job, f"{job.name}: every worker that was given this file died of it. Look at it alone.")
 
 
 def _digest_of_asked(arguments: Mapping[str, Any]) -> bytes:

@@ -9,6 +9,7 @@ import numpy as np
 from studio.cli.adaptation import MOTION_ID, cleaning_records, ready_capture
 from studio.cli.export_options import add_export_options, export_options
 from studio.cli.import_options import add_import_options, import_options
+from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json
 from studio.io.character_file import actor_character
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
@@ -21,6 +22,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("source", type=Path, metavar="IN", help="any capture or character that the studio reads")
     parser.add_argument("target", type=Path, metavar="OUT", help="the new file; its suffix says the format")
     parser.add_argument("--json", action="store_true", help="one object: what was written, guessed and repaired")
+    add_output_options(parser)
     add_export_options(parser)
     add_import_options(parser)
 
@@ -28,9 +30,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Read, write, and say what had to be guessed or repaired on the way."""
     if _writes_characters(arguments.target):
+        refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
         return _convert_character(arguments)
     format_for(arguments.target)
     export_options(arguments).check(arguments.target)
+    refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
     read = _take_of(arguments.source, import_options(arguments))
     capture = read.capture
     written = write_take(export_options(arguments).applied_to(read, arguments.target), arguments.target)

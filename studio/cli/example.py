@@ -16,5 +16,5 @@ def run_example() -> int:
     if capture is None:
         raise StudioError("No example capture is bundled. Make them with `make examples`.")
     picture = OUT / f"{capture.stem}.png"
-    code = main(["adapt", str(capture), "--out", str(OUT)])
-    return code or main(["render", str(capture), "--out", str(picture)])
+    code = main(["adapt", str(capture), "--out", str(OUT), "--overwrite"])
+    return code or main(["render", str(capture), "--out", str(picture), "--overwrite"])

@@ -1,5 +1,6 @@
 """``info``: what was read from files and what was guessed, with the error of the round trip."""
 
+import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable
 from math import degrees
@@ -53,11 +54,14 @@ def run(arguments: Namespace) -> int:
     """Describe every file; 1 when any cannot be read."""
     options = import_options(arguments)
     records = [described(path, options) for path in arguments.files]
+    failed = [record for record in records if not record["ok"]]
     if arguments.json:
         print_json(records)
     else:
-        print("\n\n".join("\n".join(lines_of(record)) for record in records))
-    return 0 if all(record["ok"] for record in records) else 1
+        print("\n\n".join("\n".join(lines_of(record)) for record in records if record["ok"]))
+        for record in failed:
+            print(f"morpho-studio: {record['error']}", file=sys.stderr)
+    return 1 if failed else 0
 
 
 def described(path: Path, options: ImportOptions) -> Record:
@@ -156,7 +160,7 @@ def _project(path: Path, _options: ImportOptions) -> Record:
 
 def lines_of(record: Record) -> list[str]:
     """One file for a person to read."""
-    facts = [("error", record["error"])] if record["error"] else [("kind", record["kind"])]
+    facts = [("kind", record["kind"])]
     facts += [(_label(key), _words(record, key)) for key in _SHOWN if record.get(key) not in (None, {}, [])]
     facts += [(key[:-1], sentence) for key in ("assumptions", "repairs") for sentence in record[key]]
     return [record["file"], *(_wrapped(label, text) for label, text in facts)]

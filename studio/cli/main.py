@@ -10,7 +10,7 @@ from importlib.metadata import entry_points
 
 from studio import __version__
 from studio.cli.process import has_display, prepare_process
-from studio.core.errors import StudioError
+from studio.core.errors import Stopped, StudioError
 from studio.io.registry import known_formats
 
 VERBS = {
@@ -22,19 +22,23 @@ VERBS = {
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",
 }
-WORK_FAILED, NOBODY_READS = 1, 141
-"""Exit codes; the second is that of tools which a signal ends when their pipe is closed."""
+WORK_FAILED, STOPPED, NOBODY_READS = 1, 130, 141
+"""Exit codes; the last two are those of tools which a signal ends: Ctrl-C, and a pipe that is closed."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb, or open the window when none is named.
 
-    Returns the exit code: 0 done, 1 the work failed, 141 nobody reads on (``info FILE | head``); bad usage ends the
-    process with 2, as argparse does.
+    Returns the exit code: 0 done, 1 the work failed, 130 stopped with Ctrl-C, 141 nobody reads on
+    (``info FILE | head``); bad usage ends the process with 2, as argparse does.
     """
+    given = sys.argv[1:] if arguments is None else arguments
     try:
         try:
-            return _run(sys.argv[1:] if arguments is None else arguments)
+            return _run(given)
+        except KeyboardInterrupt:
+            report(Stopped("Stopped. What was not written whole was not written at all."), "--json" in given)
+            return STOPPED
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()
@@ -60,7 +64,7 @@ def _run(given: Sequence[str]) -> int:
         return run_example()
     except StudioError as error:
         report(error, wants_json)
-        return WORK_FAILED
+        return STOPPED if isinstance(error, Stopped) else WORK_FAILED
 
 
 def make_parser(verb: str | None) -> ArgumentParser:

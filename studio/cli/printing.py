@@ -23,6 +23,11 @@ def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         print("  ".join(cells).rstrip())
 
 
+def counted(number: int, thing: str) -> str:
+    """``1 character``, ``3 characters``."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
 def progress_line() -> Progress:
     """Shows a share and a text on standard error, in place on a terminal, else a line every quarter."""
     told = [-1]

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, ready_capture
 from studio.cli.import_options import add_import_options, import_options
-from studio.cli.printing import Progress, print_json, progress_line
+from studio.cli.outputs import add_output_options, refuse_replacing
+from studio.cli.printing import Progress, counted, print_json, progress_line
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
@@ -57,6 +58,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--size", type=size_of, default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default")
     parser.add_argument("--film-rate", type=float, default=30.0, metavar="HZ", help="frames a second of a film; 30")
     parser.add_argument("--json", action="store_true", help="print what was written as JSON")
+    add_output_options(parser)
     add_import_options(parser)
 
 
@@ -84,11 +86,19 @@ def run(arguments: Namespace) -> int:
         raise StudioError(f"{arguments.out.name} {sentence}")
     if not 1.0 <= arguments.film_rate <= 240.0:
         raise StudioError(f"{arguments.film_rate:g} is no rate for a film: 1 to 240 frames a second.")
+    if arguments.time is not None and suffix != ".png":
+        raise StudioError("--time is the moment of one picture: let the file end with .png.")
+    if suffix:
+        refuse_replacing([arguments.out], arguments.source, arguments.overwrite)
     project = staged_project(arguments)
     results = adapted_performers(project)
     if not results:
         raise StudioError(f"{arguments.source.name} has no visible character with a motion: there is nothing to draw.")
     duration = max(stage_duration(project, key) for key in results)
+    if arguments.time is not None and not 0.0 <= arguments.time <= duration + 1e-9:
+        raise StudioError(
+            f"--time {arguments.time:g} is outside {arguments.source.name}, which lasts {duration:.2f} seconds."
+        )
     make_folder(arguments.out.parent)
     if suffix == ".png":
         time = duration / 2 if arguments.time is None else arguments.time
@@ -97,7 +107,7 @@ def run(arguments: Namespace) -> int:
     else:
         times = [frame / arguments.film_rate for frame in range(int(duration * arguments.film_rate) + 1)]
         frames = renderer("film")(project, results, times, arguments.size)
-        told = counted(frames, len(times), progress_line(), arguments.out.name)
+        told = told_of(frames, len(times), progress_line(), arguments.out.name)
         write_moving(arguments.out, told, arguments.size, arguments.film_rate)
     return _say(arguments, len(times), len(results))
 
@@ -183,7 +193,7 @@ def renderer(kind: str) -> Callable[..., Any]:
     return drawing
 
 
-def counted(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
+def told_of(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
     """The same frames, telling how far they are."""
     for done, frame in enumerate(frames, 1):
         yield frame
@@ -195,6 +205,6 @@ def _say(arguments: Namespace, frames: int, characters: int) -> int:
     if arguments.json:
         print_json({**record, "frames": frames, "characters": characters})
     else:
-        pictures = "1 picture" if frames == 1 else f"{frames} pictures"
-        print(f"{arguments.out}: {pictures} of {arguments.size[0]}x{arguments.size[1]}, {characters} characters.")
+        size = f"{arguments.size[0]}x{arguments.size[1]}"
+        print(f"{arguments.out}: {counted(frames, 'picture')} of {size}, {counted(characters, 'character')}.")
     return 0

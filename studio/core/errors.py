@@ -8,3 +8,7 @@ class StudioError(Exception):
     to do. Everything shown to users derives from this class; any other exception is a fault of the
     program.
     """
+
+
+class Stopped(StudioError):  # noqa: N818 - it is no error to stop
+    """The user stopped the work; the message says what is left of it."""

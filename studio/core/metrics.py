@@ -41,7 +41,11 @@ class ContactQuality:
 
 def contact_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> ContactQuality:
     """Slide, float and penetration of what stands during ``contacts`` (frames counted in the whole motion)."""
-    slides, heights = contact_tracks(adapted, contacts, ground)
+    return worst_of(*contact_tracks(adapted, contacts, ground))
+
+
+def worst_of(slides: FloatArray, heights: FloatArray) -> ContactQuality:
+    """The worst of ``contact_tracks``."""
     if not np.isfinite(slides).any():
         return ContactQuality(0.0, 0.0, 0.0)
     rise, depth = float(np.nanmax(heights)), float(np.nanmax(-heights))

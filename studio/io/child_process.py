@@ -26,9 +26,11 @@ def child_process(
 ) -> Iterator["subprocess.Popen[bytes]"]:
     """A process that is gone after the block: killed, unless it has ended by itself.
 
-    Where processors are scarce it waits for this one, which may have a window to keep alive.
+    Where processors are scarce it waits for this one, which may have a window to keep alive. Ctrl-C in a terminal ends
+    this one alone, and so both.
     """
-    process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT)
+    apart = None if sys.platform == "win32" else 0
+    process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT, process_group=apart)
     try:
         if sys.platform != "win32":
             os.setpriority(os.PRIO_PROCESS, process.pid, BEHIND)

@@ -48,9 +48,9 @@ class ConstraintFile:
 
 
 def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
-    """The file's constraints, highest priority first, and contacts, as those of one motion.
+    """The file's constraints, in its order, and contacts, as those of one motion.
 
-    Constraints of one priority stay in the order of the file. Raises StudioError naming file and member.
+    Raises StudioError naming file and member.
     """
     record = _parsed(path)
     if not isinstance(record, dict) or not isinstance(record.get("constraints", []), list):
@@ -66,7 +66,6 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
     for place, constraint in enumerate(constraints):
         if sentence := objection(constraint, constraints[:place]):
             raise StudioError(f"{path}, constraints[{place}]: {sentence}")
-    constraints.sort(key=lambda constraint: constraint.priority)
     contacts = contacts_of(record["contacts"], motion_id, str(path)) if "contacts" in record else None
     props = _props(record.get("props", {}), str(path))
     for constraint in constraints:

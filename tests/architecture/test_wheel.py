@@ -36,6 +36,13 @@ def away(tmp_path_factory):
     return folder
 
 
+def test_the_file_to_which_a_help_text_points_is_in_the_wheel(away):
+    told = run(away / "venv" / BIN / "morpho-studio", "adapt", "--help", cwd=away)
+    [path] = (Path(word) for word in told.split() if word.endswith("headless.md"))
+    assert away in path.parents
+    assert "# Without a window" in path.read_text(encoding="utf-8")
+
+
 PRINT_PACKAGES = "import sysconfig; print(sysconfig.get_path('purelib'))"
 PRINT_PLACES = """
 from studio.resources_folder import example_captures_folder, resources_folder

@@ -47,7 +47,7 @@ def kick(captures):
 
 
 def adapt(capsys, capture, out, *arguments):
-    code = main(["adapt", "--json", str(capture), "--out", str(out), *map(str, arguments)])
+    code = main(["adapt", "--json", "--overwrite", str(capture), "--out", str(out), *map(str, arguments)])
     printed = capsys.readouterr()
     return code, json.loads(printed.out)
 
@@ -113,7 +113,7 @@ def test_constraints_are_reported_as_reached_missed_or_never_active(capsys, kick
     file = constraint_file(tmp_path, WRIST, far, never)
     _, report = adapt(capsys, kick, tmp_path / "out", "--character", "adult_woman", "--constraints", file)
     [record] = report["characters"]
-    near, never, far = record["constraints"]
+    near, far, never = record["constraints"]
     assert (near["name"], near["kind"], near["reached"]) == ("Right wrist", "position", True)
     assert near["residual_mm"] <= 0.2
     assert far["reached"] is False
@@ -163,6 +163,12 @@ def test_people_get_a_table(capsys, walk, tmp_path):
     assert all(name in printed for name in ("slide mm", "residual", *bundled_characters()))
 
 
+def test_all_that_was_written_is_named(capsys, walk, tmp_path):
+    assert main(["adapt", str(walk), "--out", str(tmp_path / "out"), "--character", "child"]) == 0
+    written = capsys.readouterr().out.partition("Written:")[2].split()
+    assert sorted(written) == sorted(str(path) for path in (tmp_path / "out").iterdir())
+
+
 def test_the_program_itself_prints_one_document(walk, tmp_path):
     command = [sys.executable, str(ROOT / "main.py"), "adapt", str(walk), "--out", str(tmp_path / "out"), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -191,6 +197,17 @@ def test_an_angle_is_reported_in_degrees_and_a_length_in_millimetres(kind, amoun
     assert residual_record(kind(**common), amount) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("there", ["walk_child.bvh", "report.json", "report.csv"])
+def test_files_beside_the_capture_are_not_replaced_unless_that_is_asked_for(capsys, walk, tmp_path, monkeypatch, there):
+    (tmp_path / there).write_text("precious")
+    monkeypatch.chdir(tmp_path)
+    assert main(["adapt", "walk.bvh", "--character", "child", "--out", "."]) == 1
+    assert f"'{there}' is there already. Choose another place" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["walk.bvh", there])
+    assert main(["adapt", "walk.bvh", "--character", "child", "--out", ".", "--overwrite"]) == 0
+    assert (tmp_path / there).read_text() != "precious"
+
+
 def test_the_actor_is_a_character_on_the_captures_own_joints(tmp_path, capsys):
     write_capture(make_capture(), tmp_path / "walk.bvh")
     assert main(["adapt", str(tmp_path / "walk.bvh"), "--character", "actor", "--out", str(tmp_path), "--json"]) == 0
@@ -201,7 +218,7 @@ def test_the_actor_is_a_character_on_the_captures_own_joints(tmp_path, capsys):
 
 def test_a_kind_of_file_that_there_is_not_is_refused_before_anything_is_read(tmp_path, capsys):
     assert main(["adapt", "missing.bvh", "--format", "xyz", "--out", str(tmp_path)]) == 1
-    assert "Let it end with .bvh" in capsys.readouterr().err
+    assert "'xyz' is no kind of file for motions: choose .bvh" in capsys.readouterr().err
 
 
 def test_a_number_a_frame_is_reported_on_request_and_who_kept_a_constraint_from_being_met(capsys, kick, tmp_path):

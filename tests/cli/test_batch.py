@@ -25,7 +25,7 @@ def asked_by(*words: str) -> dict[str, Any]:
     parser = ArgumentParser()
     batch.add_arguments(parser)
     told = vars(parser.parse_args(["captures", "--out", "out", *words]))
-    return {key: value for key, value in told.items() if key not in ("folder", "out", "json", "scheduler", "workers")}
+    return {key: value for key, value in told.items() if key not in batch._OWN}
 
 
 ASKED = asked_by("--character", "child")
@@ -116,6 +116,16 @@ def test_a_folder_without_captures_and_a_missing_one_are_refused(tmp_path, capsy
     assert "is no folder" in capsys.readouterr().err
 
 
+def test_the_folder_of_the_captures_and_one_with_files_of_somebody_else_are_not_written_to(folder, capsys):
+    assert main(["batch", str(folder), "--out", str(folder), "--character", "child"]) == 1
+    assert "holds the captures. Name another folder" in capsys.readouterr().err
+    (folder.parent / "out").mkdir()
+    (folder.parent / "out" / "walk_child.bvh").write_text("precious")
+    assert main(["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child"]) == 1
+    assert "--overwrite" in capsys.readouterr().err
+    assert [path.name for path in (folder.parent / "out").iterdir()] == ["walk_child.bvh"]
+
+
 def test_a_scheduler_that_does_not_answer_is_named(folder, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("studio.cli.batch_cluster._PATIENCE", 0.5)
     address = "tcp://127.0.0.1:9"
@@ -174,7 +184,7 @@ def test_stopped_it_says_how_far_it_came_and_keeps_it(folder, two_workers, monke
             raise KeyboardInterrupt
 
     monkeypatch.setattr(batch, "_tell", tell_and_stop)
-    assert main(command(folder, two_workers)) == 1
+    assert main(command(folder, two_workers)) == 130
     assert "Stopped after 2 of 3 files" in capsys.readouterr().err
     assert len(rows(folder)) == 2
 

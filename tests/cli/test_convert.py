@@ -58,7 +58,7 @@ def test_joints_get_the_names_of_another_program(tmp_path):
 def test_a_damaged_file_leaves_the_target_as_it_was(capsys, tmp_path):
     (tmp_path / "bad.bvh").write_bytes(b"HIERARCHY\nROOT Hips\n{\n OFFSET 0,5 0 0\n")
     (tmp_path / "out.bvh").write_text("precious")
-    assert main(["convert", str(tmp_path / "bad.bvh"), str(tmp_path / "out.bvh")]) == 1
+    assert main(["convert", str(tmp_path / "bad.bvh"), str(tmp_path / "out.bvh"), "--overwrite"]) == 1
     assert "bad.bvh, line 4" in capsys.readouterr().err
     assert (tmp_path / "out.bvh").read_text() == "precious"
 
@@ -84,3 +84,18 @@ def test_markers_that_show_no_body_are_told_what_to_say(capsys, captures, tmp_pa
     source = captures / "c3d" / "sample15_FP1_metres.c3d"
     assert main(["convert", str(source), str(tmp_path / "actor.json")]) == 1
     assert "Say which marker lies where with --marker-map." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("target", ["walk.bvh", "there.bvh", "there.json", "link.bvh"])
+def test_no_file_is_replaced_unless_that_is_asked_for(capsys, tmp_path, target):
+    write_capture(make_capture(), tmp_path / "walk.bvh")
+    (tmp_path / "link.bvh").symlink_to(tmp_path / "walk.bvh")
+    for name in ("there.bvh", "there.json"):
+        (tmp_path / name).write_text("precious")
+    before = (tmp_path / target).read_bytes()
+    command = ["convert", str(tmp_path / "walk.bvh"), str(tmp_path / target)]
+    assert main(command) == 1
+    assert "--overwrite" in capsys.readouterr().err
+    assert (tmp_path / target).read_bytes() == before
+    assert main([*command, "--overwrite", "--unit", "m"]) == 0
+    assert (tmp_path / target).read_bytes() != before

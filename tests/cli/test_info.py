@@ -203,3 +203,12 @@ def test_convert_and_adapt_tell_what_was_cleaned_too(capsys, gappy, tmp_path):
     adapted = json.loads(capsys.readouterr().out)
     assert [each["step"] for each in converted["cleaning"]] == ["Fill short gaps", "Fill long gaps", "Smooth"]
     assert adapted["cleaning"] == converted["cleaning"]
+
+
+def test_what_cannot_be_read_is_said_on_standard_error_and_the_others_on_standard_output(capsys, tmp_path, walk):
+    (tmp_path / "empty.bvh").write_text("")
+    assert main(["info", str(tmp_path / "empty.bvh"), str(walk)]) == 1
+    printed = capsys.readouterr()
+    assert "walk.bvh" in printed.out
+    assert "empty.bvh" not in printed.out
+    assert printed.err.startswith("morpho-studio: empty.bvh")

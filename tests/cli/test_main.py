@@ -51,6 +51,19 @@ def test_a_failure_for_a_machine_is_one_json_document(verb_that, capsys):
     assert printed.err == ""
 
 
+def be_stopped(_arguments):
+    raise KeyboardInterrupt
+
+
+def test_ctrl_c_ends_any_verb_with_one_sentence(verb_that, capsys):
+    verb_that(be_stopped)
+    assert command_line.main(["info"]) == 130
+    printed = capsys.readouterr()
+    assert printed.err == "morpho-studio: Stopped. What was not written whole was not written at all.\n"
+    assert command_line.main(["info", "--json"]) == 130
+    assert json.loads(capsys.readouterr().out)["ok"] is False
+
+
 def test_a_fault_of_the_program_is_not_dressed_up_as_the_users(verb_that):
     verb_that(lambda _arguments: 1 // 0)
     with pytest.raises(ZeroDivisionError):

@@ -47,7 +47,9 @@ def test_a_project_is_drawn_with_its_own_characters(capsys, tmp_path):
     write_project(tmp_path / "play.studio", make_project(characters=2), new_document_id())
     assert main(["render", str(tmp_path / "play.studio"), "--out", str(tmp_path / "p.png"), "--size", "160x90"]) == 0
     assert "2 characters" in capsys.readouterr().out
-    assert main(["render", str(tmp_path / "play.studio"), "--out", "p.png", "--character", "child"]) == 1
+    assert main(["render", str(tmp_path / "play.studio"), "--out", str(tmp_path / "p.png")]) == 1
+    assert "p.png' is there already" in capsys.readouterr().err
+    assert main(["render", str(tmp_path / "play.studio"), "--out", "other.png", "--character", "child"]) == 1
     assert "has its own characters" in capsys.readouterr().err
 
 
@@ -84,6 +86,9 @@ def test_a_folder_gets_a_picture_for_every_frame(capsys, walk, tmp_path):
         (["--out", "walk.gif"], "Let it end with .png or .mp4"),
         (["--out", "walk.mp4", "--film-rate", "0"], "no rate for a film"),
         (["--out", "walk.mp4", "--size", "161x90"], "even numbers"),
+        (["--out", "walk.png", "--time", "9"], "--time 9 is outside walk.bvh, which lasts 0.48 seconds."),
+        (["--out", "walk.png", "--time", "-1"], "--time -1 is outside"),
+        (["--out", "walk.mp4", "--time", "0"], "--time is the moment of one picture"),
     ],
 )
 def test_what_cannot_be_drawn_is_a_sentence(capsys, walk, tmp_path, monkeypatch, arguments, sentence):

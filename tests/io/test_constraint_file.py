@@ -48,7 +48,7 @@ def test_a_record_copied_out_of_a_project_is_read_as_it_is(tmp_path):
     assert file.constraints == (constraint,)
 
 
-def test_constraints_come_highest_priority_first_and_else_as_they_stand(tmp_path):
+def test_constraints_come_as_they_stand_in_the_file(tmp_path):
     asked = [("late", 7), ("first", 0), ("middle", 2), ("second", 0)]
     record = {
         "constraints": [
@@ -57,7 +57,7 @@ def test_constraints_come_highest_priority_first_and_else_as_they_stand(tmp_path
         ]
     }
     names = [constraint.name for constraint in read_constraints(written(tmp_path, record), "m").constraints]
-    assert names == ["first", "second", "middle", "late"]
+    assert names == ["late", "first", "middle", "second"]
 
 
 def test_contacts_are_read_by_foot(tmp_path):

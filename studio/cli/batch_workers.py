@@ -1,0 +1,103 @@
+"""The jobs of a batch on worker processes of this machine: each has one job at a time; one that dies is replaced."""
+
+import multiprocessing
+import os
+import signal
+import sys
+from collections import Counter, deque
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+
+from studio.cli.batch_jobs import Job, Record, died, work
+
+ATTEMPTS = 2
+"""Workers that may die of a job before it counts as failed."""
+PATIENCE = 5.0
+"""Seconds for a worker that is stopped to take away what it has half written."""
+
+
+class Worker:
+    """A process and the job that it is at."""
+
+    def __init__(self) -> None:
+        # A fork has all that is imported and every kernel that is loaded already; a new process takes seconds for it.
+        if sys.platform == "linux":
+            context = multiprocessing.get_context("fork")
+        else:
+            context = multiprocessing.get_context("spawn")
+        self.pipe, theirs = context.Pipe()
+        self.process: BaseProcess = context.Process(target=serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+        self.job: Job | None = None
+
+    def give(self, job: Job) -> None:
+        """Let it do a job."""
+        self.job = job
+        with suppress(BrokenPipeError):  # one that died idle is found out as one that dies of a job
+            self.pipe.send(job)
+
+    def end(self) -> None:
+        """Stop it, whatever it does."""
+        self.process.terminate()
+        self.process.join(PATIENCE)
+        self.process.kill()
+        self.process.join()
+        self.pipe.close()
+
+
+def serve(pipe: Connection) -> None:
+    """In a worker: one job after the other, until there are no more or whoever gives them is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that gives the jobs
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    try:
+        while pipe in wait([pipe, parent.sentinel]):
+            pipe.send(work(pipe.recv()))
+    except (KeyboardInterrupt, EOFError, OSError):
+        return
+
+
+def run_here(jobs: Sequence[Job], count: int | None) -> Iterator[Record]:
+    """The record of each job as it is done, the largest captures first; ``count`` processes, as many as cores for None.
+
+    The job of a worker that dies is given to another.
+    """
+    waiting = deque(sorted(jobs, key=lambda job: job.size, reverse=True))
+    workers, deaths = [Worker() for _ in range(min(count or os.cpu_count() or 1, len(jobs)))], Counter[str]()
+    try:
+        for worker in workers:
+            worker.give(waiting.popleft())
+        while busy := {worker.pipe: worker for worker in workers if worker.job is not None}:
+            for pipe in wait(list(busy)):
+                worker = busy[pipe]  # type: ignore[index]
+                job, record = worker.job, _answer(worker)
+                assert job is not None
+                if record is None:
+                    worker.end()
+                    workers[workers.index(worker)] = worker = Worker()
+                    deaths[job.name] += 1
+                    if deaths[job.name] < ATTEMPTS:
+                        waiting.appendleft(job)
+                    else:
+                        record = died(job)
+                if waiting:
+                    worker.give(waiting.popleft())
+                if record is not None:
+                    yield record
+    finally:
+        for worker in workers:
+            worker.end()
+
+
+def _answer(worker: Worker) -> Record | None:
+    """What a worker has done; None where it died."""
+    worker.job = None
+    try:
+        record: Record = worker.pipe.recv()
+    except (EOFError, OSError):
+        return None
+    return record
