@@ -178,6 +178,11 @@ class Project:
     def ground(self) -> Ground:
         return self.grounds[GROUND_ID]
 
+    @property
+    def motions_played(self) -> dict[str, str]:
+        """By performer the motion that it plays first."""
+        return {key: each.clips[0].motion_id for key, each in self.performers.items() if each.clips}
+
     def get(self, collection: str, entity_id: str) -> Entity | None:
         """The entity of that id, or None."""
         found: Entity | None = getattr(self, collection).get(entity_id)

@@ -30,6 +30,12 @@ class TrackCanvas(TrackView):
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(document, live, parent)
         self._pending: tuple[Hit, QPointF] | None = None
+        self._hovered = ""
+        document.entity_changed.connect(self._hover_again)
+        document.project_opened.connect(self._hover_again)
+        live.told_changed.connect(self._hover_again)
+        self.axis.changed.connect(self._hover_again)
+        self.scroll_bar.valueChanged.connect(self._hover_again)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
@@ -38,6 +44,9 @@ class TrackCanvas(TrackView):
         if self.gesture is not None:
             self.gesture.cancel()
             self.gesture = None
+        self.document.entity_changed.disconnect(self._hover_again)
+        self.document.project_opened.disconnect(self._hover_again)
+        self.live.told_changed.disconnect(self._hover_again)
         super().leave()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -145,12 +154,30 @@ class TrackCanvas(TrackView):
         if self.sheet is None:
             return
         self._set_cursor(event.position())
-        text = hover_text(self.sheet, self.picture.plot, event.position())
+        text = self._hovered = hover_text(self.sheet, self.picture.plot, event.position())
         self.told.emit(text)
         if text and is_value(self.sheet, event.position()):
             QToolTip.showText(event.globalPosition().toPoint() + QPoint(4, -2), text, self)
         elif QToolTip.isVisible():
             QToolTip.hideText()
+
+    def _hover_again(self) -> None:
+        """What lay under the mouse may be another thing now, or gone: then what was said of it goes."""
+        if not self._hovered or self.gesture is not None:
+            return
+        text = hover_text(self.sheet, self.picture.plot, self.mouse) if self.sheet and self.underMouse() else ""
+        if text != self._hovered:
+            self._hovered = text
+            self.told.emit(text)
+            QToolTip.hideText()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Nothing is under the mouse any more."""
+        if self._hovered and self.gesture is None:
+            self._hovered = ""
+            self.told.emit("")
+            QToolTip.hideText()
+        super().leaveEvent(event)
 
     def _show_menu(self, position: QPointF, place: QPoint) -> None:
         menu = menu_at(self, position)

@@ -64,6 +64,11 @@ class Strip:
         )
 
     @property
+    def misses(self) -> bool:
+        """Whether it is missed in any frame, be it while it eases."""
+        return bool((self.state_indices >= STATES.index(StripState.PARTLY)).any())
+
+    @property
     def yields(self) -> bool:
         """Whether it gives way to a contact in some frame."""
         return bool((self.state_indices == 1).any())

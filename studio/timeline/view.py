@@ -142,10 +142,8 @@ class TrackView(QWidget):
             return
         if self.document.playhead.playing:
             self.axis.reveal(self.document.playhead.time)
-        area = overlay.playhead_area(self.shown, self.height())
         self.update(self._playhead_area)
-        self.update(area)
-        self._playhead_area = area
+        self.update(overlay.playhead_area(self.shown, self.height()))
 
     def set_quantity(self, quantity: Quantity) -> None:
         """Plot something else."""
@@ -175,6 +173,7 @@ class TrackView(QWidget):
         # At a scale of 1.5 a part of the picture would not begin on whole pixels; Qt clips the whole to the area.
         painter.drawPixmap(QPointF(), self.picture.pixmap)
         overlay.paint_playhead(painter, sheet.shown, self.height())
+        self._playhead_area = overlay.playhead_area(sheet.shown, self.height())  # where it is left from, also by a zoom
         if self.gesture is not None and self.gesture.mark is not None:
             overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
 

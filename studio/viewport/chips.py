@@ -60,11 +60,12 @@ class Chips:
     """The chips of a viewport: what is seen top left, work top right, trouble bottom left."""
 
     def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
-        """``clicked``: what view, shading, ghost, trails, problem and constrain do."""
+        """``clicked``: what view, shading, ghost, trails, follow, markers, problem and constrain do."""
         self.view = Chip("Perspective", "Perspective or parallel view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
         self.ghost = ToggleChip("Ghost of source", "Ghost of the source", False, clicked["ghost"], parent)
         self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
+        self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
         self.work.setAccessibleName("Bodies and the time to adapt each")
@@ -82,7 +83,7 @@ class Chips:
         grid.setContentsMargins(12, 12, 12, 12)
         top, bottom = QHBoxLayout(), QHBoxLayout()
         top.setSpacing(8)
-        for chip in (self.view, self.shading, self.ghost, self.trails, self.markers):
+        for chip in (self.view, self.shading, self.ghost, self.trails, self.follow, self.markers):
             top.addWidget(chip)
         top.addStretch(1)
         top.addWidget(self.work)
@@ -94,9 +95,9 @@ class Chips:
 
     def fit(self, width: int) -> None:
         """Leave out what a narrow view has no room for, the least important first."""
-        for chip, needed in ((self.ghost, 340), (self.trails, 430), (self.markers, 540)):
+        for chip, needed in ((self.ghost, 340), (self.trails, 430), (self.follow, 520), (self.markers, 630)):
             chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
-        self._wide = width >= 620
+        self._wide = width >= 700
         self.work.setVisible(self._wide and bool(self.work.text()))
 
     def tell_recorded(self, recorded: bool) -> None:

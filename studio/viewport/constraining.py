@@ -17,6 +17,7 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.rotations import from_matrix
 from studio.engine.moments import Moment
@@ -89,7 +90,7 @@ class Here:
         times = (begin, begin, end, end) if always else [min(max(now + step, begin), end) for step in steps]
         return {
             "motion_id": motion_id,
-            "name": _free_name(name, {one.name for one in existing}),
+            "name": free_name(name, {one.name for one in existing}),
             "point": point,
             "chain": chain,
             "priority": max((one.priority for one in existing), default=-1) + 1,
@@ -190,11 +191,3 @@ def _side_and_bone(part: BodyPart) -> tuple[str, str]:
 def _vector(place: FloatArray) -> Vector:
     x, y, z = (float(number) for number in place)
     return x, y, z
-
-
-def _free_name(name: str, taken: set[str]) -> str:
-    number, free = 1, name
-    while free in taken:
-        number += 1
-        free = f"{name} {number}"
-    return free

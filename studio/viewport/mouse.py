@@ -56,16 +56,19 @@ def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y:
 
 
 def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
-    """A target before a joint before a body before a prop; a click on nothing lets go of everything."""
+    """A target before a joint before a body before a prop; a click on nothing lets go of everything.
+
+    A target that is held lies on a joint: that is picked with it, so that more can be asked of it.
+    """
     where = (viewport.camera, viewport.view_size, x, y)
     handles = {f"{one.performer_id} {one.constraint_id}": one for one in viewport.handles()}
     near = picking.nearest_place(
         [(key, one.target) for key, one in handles.items() if one.target is not None], *where, HANDLE_REACH
     )
-    joint = None if near else picking.joint_at(viewport.posed, *where)
+    joint = picking.joint_at(viewport.posed, *where)
     if near:
-        viewport.pick(None)
         handle = handles[near]
+        viewport.pick(joint if joint and joint.performer_id == handle.performer_id else None)
         document.selection.set(("performers", handle.performer_id), ("constraints", handle.constraint_id))
     elif joint:
         viewport.pick(joint)

@@ -7,12 +7,16 @@ import numpy as np
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.keyed import KeyedPlace
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.placement import Placement
 from studio.core.project import Prop
 from studio.document.document import Document
 from studio.engine.moments import HELD_BY, Moment
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_place, is_flat
+
+HANDLES = {"distance": "other end", "area": "centre", "balance": "place"}
+"""What the handle of a kind is called; of the others it is the target."""
 
 
 class Movable(Protocol):
@@ -61,12 +65,20 @@ class Target:
         """Put it at ``place``."""
         old = self._constraint
         x, y, z = place.tolist()
-        text = f"{'Key' if is_keyed(old) else 'Move'} target of {old.name}"
+        text = f"{'Key' if is_keyed(old) else 'Move'} {self._words}"
         self._document.replace("constraints", self._id, self._moment.moved(self._begin, (x, y, z)), text, gesture)
+
+    @property
+    def _words(self) -> str:
+        """What is dragged: ``target of Right wrist``, ``centre of Table``; of whom, where that one has its own."""
+        place, whom = getattr(self._begin, HELD_BY[self._begin.kind]), self._moment.performer_id
+        own = isinstance(place, OwnPlace) and whom in dict(place.own)
+        what = HANDLES.get(self._begin.kind, "target")
+        return f"{what} of {self._begin.name}" + (f" for {self._moment.pose.performer.name}" if own else "")
 
     def put_back(self, gesture: int) -> None:
         """As it was: without the key that a drag has set."""
-        self._document.replace("constraints", self._id, self._begin, f"Move target of {self._begin.name}", gesture)
+        self._document.replace("constraints", self._id, self._begin, f"Move {self._words}", gesture)
 
 
 class PlacedProp:

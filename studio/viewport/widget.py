@@ -23,6 +23,7 @@ from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.constraining import NEEDS_A_PICK, Here, constraint_here
 from studio.viewport.figure import bone_pairs
+from studio.viewport.following import Follower
 from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
@@ -69,6 +70,8 @@ class Viewport(Canvas):
         self._framed = False
         self._opening: OrbitCamera | None = None
         self._opening_size = self.view_size
+        self._played = document.project.motions_played
+        self._follower = Follower()
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
         self._chips = Chips(
@@ -78,6 +81,7 @@ class Viewport(Canvas):
                 "shading": self.toggle_bones,
                 "ghost": self.show_again,
                 "trails": self.show_again,
+                "follow": self.show_again,
                 "markers": self.show_again,
                 "problem": self.go_to_problem,
                 "constrain": self.add_constraint_at_pick,
@@ -146,6 +150,16 @@ class Viewport(Canvas):
     def ghost_shown(self) -> bool:
         """Whether the ghost of the source is on."""
         return self._chips.ghost.isChecked()
+
+    def set_following(self, following: bool) -> None:
+        """The camera goes with the active performer, or stays."""
+        self._chips.follow.setChecked(following)
+        self.show_again()
+
+    @property
+    def following(self) -> bool:
+        """Whether it does."""
+        return self._chips.follow.isChecked()
 
     def set_markers_shown(self, shown: bool) -> None:
         """The markers, plates and forces that the active performer's motion was recorded from, on or off."""
@@ -266,15 +280,22 @@ class Viewport(Canvas):
         self.resting = resting_performers(project, self.posed)
         if self.posed and not self._framed:
             # Results come one by one: the view is settled when every body is there.
-            self._framed = all(key in self.posed for key in self._expected())
+            self._framed = all(self._live.told(key) is not None for key in self._expected())
             self._open()
         elif self.resting and not self._framed:
             self._open()
         self._recorded = self.recording.at(self._document, self.posed, shown=self.markers_shown)
-        pose = self.posed.get(self._document.active_performer_id or "")
+        active = self._document.active_performer_id or ""
+        pose = self.posed.get(active)
+        self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         scene.sync(project, self.posed | self.resting, self._bones, self._paths())
         self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
+
+    def _told_changed(self) -> None:
+        self._tell_problem()
+        if not self._framed:
+            self.show_soon()
 
     def _tell_problem(self) -> None:
         """As the strips have it: at the same moment by the same answers."""
@@ -378,7 +399,7 @@ class Viewport(Canvas):
             (document.selection.changed, self._selection_changed),
             (document.playhead.changed, self._playhead_moved),
             (self._live.adapted, self._adapted),
-            (self._live.told_changed, self._tell_problem),
+            (self._live.told_changed, self._told_changed),
         )
         for signal, slot in links:
             signal.connect(slot)
@@ -388,6 +409,9 @@ class Viewport(Canvas):
         if self.gesture is not None and self._document.project.get(collection, entity_id) is None:
             self.gesture.finish()  # what was dragged may be gone
             self.gesture = None
+        before, self._played = self._played, self._document.project.motions_played
+        if any(before.get(key, motion) != motion for key, motion in self._played.items()):
+            self._framed = False  # what plays now may be elsewhere
         if not self._live.interactive:
             self._tell_problem()  # what was told before this edit is not known any more
         if collection in ADAPTED_FIRST:
@@ -396,7 +420,7 @@ class Viewport(Canvas):
             self.show_again()
 
     def _project_opened(self) -> None:
-        self._framed = False
+        self._played, self._framed = self._document.project.motions_played, False
         self._tell_problem()
         if self.gesture is not None:
             self.gesture.finish()  # there is nothing left to take back

@@ -68,6 +68,22 @@ def test_delete_takes_the_constraint_and_not_the_body_it_is_seen_on(qtbot, windo
     assert "performer 0" in document.project.performers
 
 
+def test_duplicates_are_numbered_and_the_history_says_of_what(qtbot, window):
+    document = window.bench.document
+    document.replace(
+        "constraints",
+        "constraint 0",
+        replace(document.project.constraints["constraint 0"], name="Right wrist"),
+        "Rename",
+    )
+    document.selection.set(("constraints", "constraint 0"))
+    QTest.keyClick(window, Qt.Key.Key_D, CONTROL)
+    QTest.keyClick(window, Qt.Key.Key_D, CONTROL)
+    names = [each.name for each in document.project.constraints.values()]
+    assert names == ["Right wrist", "Right wrist 2", "Right wrist 3"]
+    assert document.history[-2:] == ("Duplicate Right wrist", "Duplicate Right wrist 2")
+
+
 def test_saved_and_opened_again_it_is_the_same_project(qtbot, window, tmp_path):
     document = window.bench.document
     document.selection.set(("constraints", "constraint 0"))

@@ -1,10 +1,11 @@
 """The timeline as a person uses it: with mouse and keys, on the real widget over a real document."""
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
 
-from tests.gui.hand import RATE, frames, pixels
+from tests.gui.hand import RATE, frames, in_lane, pixels
 
 
 def test_dragging_the_full_handle_ten_frames_is_one_step_that_can_be_undone(document, timeline, hand):
@@ -188,3 +189,29 @@ def test_tab_takes_hold_of_a_handle_and_arrows_move_it_by_a_frame(document, time
     assert timeline.tracks.accessibleName() == "Kick target, full, 0.517 s · frame 31"
     assert document.playhead.frame == 0
     assert document.undo_stack.count() == 1
+
+
+def test_hover_texts_go_when_what_they_tell_of_goes(document, timeline, live):
+    said = []
+    timeline.told.connect(said.append)
+    row = timeline.row_rect("constraints", "kick")
+    QTest.mouseMove(timeline.tracks, QPoint(60, row.center().y()))
+    assert said[-1].startswith("Kick target")
+    document.remove("constraints", "kick", "Delete")
+    assert said[-1] == ""
+    lane = in_lane(timeline, 10)
+    QTest.mouseMove(timeline.tracks, lane)
+    assert "contact" in said[-1]
+    QApplication.sendEvent(timeline.tracks, QEvent(QEvent.Type.Leave))
+    assert said[-1] == ""
+
+
+def test_the_playhead_is_wiped_from_where_it_was_painted_last_also_by_a_zoom(document, timeline, monkeypatch):
+    document.playhead.set_frame(20)
+    timeline.tracks.axis.zoom(1.4, timeline.x_of_frame(10))
+    timeline.tracks.grab()
+    painted = QPoint(round(timeline.x_of_frame(20)), 4)
+    wiped = []
+    monkeypatch.setattr(timeline.tracks, "update", lambda *area: wiped.extend(area))
+    document.playhead.set_frame(60)
+    assert any(area.contains(painted) for area in wiped)

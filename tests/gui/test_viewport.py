@@ -9,7 +9,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 
-from studio.core.project import Prop
+from studio.core.project import Motion, Prop
 from studio.document.document import Document
 from studio.engine.empty_stage import HIDDEN
 from studio.viewport.body_points import body_joints
@@ -161,6 +161,59 @@ def test_a_drag_moves_it_for_every_body_by_its_measure_and_one_with_its_own_offs
         document.undo_stack.undo()
     for performer_id, place in targets_of(viewport, constraint_id).items():
         assert place == pytest.approx(before[performer_id])
+
+
+def test_a_click_on_a_held_target_picks_the_joint_under_it_too_so_that_more_can_be_asked_of_it(studio):
+    viewport, document, _ = studio
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "right wrist"))
+    constraint_id = viewport.add_constraint_at_pick()
+    document.selection.clear()
+    settle(viewport)
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 0", "right wrist"))
+    assert document.selection.current == ("constraints", constraint_id)
+    assert viewport.joint_picked.joint.name == "right wrist"
+    second = viewport.add_constraint_at_pick("orientation")
+    assert document.project.constraints[second].kind == "orientation"
+    assert document.project.constraints[second].point.part == "right_hand"
+
+
+def test_another_motion_is_framed_and_the_camera_of_the_user_is_left_alone_by_other_edits(studio):
+    viewport, document, _ = studio
+    document.playhead.set_time(0.0)
+    away = replace(viewport.camera, target=(40.0, 0.0, 0.9))
+    viewport.set_camera(away)
+    document.add("props", Prop("Box"), "Add a box")
+    settle(viewport)
+    assert viewport.camera == away
+    motion_id = document.add("motions", Motion("Again", "capture"), "Import")
+    with document.group("Import"):
+        for key, performer in document.project.performers.items():
+            played = replace(performer, clips=(replace(performer.clips[0], motion_id=motion_id),))
+            document.replace("performers", key, played, "Import")
+    settle(viewport)
+    pixels, depth = viewport.camera.project(np.concatenate([p.points for p in viewport.posed.values()]), (900, 600))
+    assert (depth > 0).all()
+    assert ((pixels > 0) & (pixels < (900, 600))).all()
+
+
+def test_the_camera_follows_the_selected_character_and_stays_when_told_to(studio):
+    viewport, document, _ = studio
+    document.selection.set(("performers", "performer 1"))
+    viewport.set_following(True)
+    document.playhead.set_frame(0)
+    settle(viewport)
+    begin, start = viewport.camera, viewport.posed["performer 1"].points[0]
+    assert viewport.camera.target[:2] == pytest.approx(start[:2], abs=0.2)
+    document.playhead.set_frame(29)
+    settle(viewport)
+    gone = np.array(viewport.camera.target) - begin.target
+    assert gone[0] > 0.05
+    assert gone[1:] == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert (viewport.camera.azimuth, viewport.camera.distance) == (begin.azimuth, begin.distance)
+    viewport.set_following(False)
+    document.playhead.set_frame(0)
+    settle(viewport)
+    assert viewport.camera.target[0] == pytest.approx(begin.target[0] + gone[0])
 
 
 def test_a_double_click_on_a_joint_constrains_it(studio):

@@ -11,6 +11,7 @@ from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
+from studio.core.names import free_name
 from studio.core.project import Prop
 from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
 
@@ -39,8 +40,7 @@ def add_box(bench: Workbench) -> None:
         heading = math.atan2(ahead[1], ahead[0])
         x, y = (pose.points[0, :2] + AHEAD * np.array([math.cos(heading), math.sin(heading)])).tolist()
     floor = float(document.project.ground.height_at((x, y, 0.0)))
-    taken = {prop.name for prop in document.project.props.values()}
-    name = next(name for k in range(len(taken) + 1) if (name := f"Box {k + 1}" if k else "Box") not in taken)
+    name = free_name("Box", {prop.name for prop in document.project.props.values()})
     prop = Prop(name, size, (x, y, floor + size[2] / 2), heading)
     document.selection.set(("props", document.add("props", prop, f"Add {name}")))
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from studio.app.workbench import Workbench
 from studio.core.contacts import ContactInterval
+from studio.core.names import free_name
 from studio.core.project import GROUND_ID
 
 SMALL_THINGS = ("constraints", "contacts", "props")
@@ -23,12 +24,16 @@ def duplicate(bench: Workbench) -> None:
     """A copy of each selected constraint, last in priority."""
     document = bench.document
     copies = []
-    with document.group("Duplicate constraint"):
-        for key in document.selection.of("constraints"):
-            constraint = document.project.constraints[key]
-            last = max(each.priority for each in document.project.constraints.values())
-            copy = replace(constraint, name=f"{constraint.name} copy", priority=last + 1)
-            copies.append(("constraints", document.add("constraints", copy, "Duplicate constraint")))
+    keys = document.selection.of("constraints")
+    text = (
+        f"Duplicate {_name(bench, 'constraints', keys[0])}" if len(keys) == 1 else f"Duplicate {len(keys)} constraints"
+    )
+    with document.group(text):
+        for key in keys:
+            constraint, others = document.project.constraints[key], document.project.constraints.values()
+            name = free_name(constraint.name, {each.name for each in others})
+            copy = replace(constraint, name=name, priority=max(each.priority for each in others) + 1)
+            copies.append(("constraints", document.add("constraints", copy, text)))
     document.selection.set(*copies)
 
 

@@ -39,6 +39,11 @@ def toggle_ghost(bench: Workbench) -> None:
     bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
 
 
+def toggle_following(bench: Workbench) -> None:
+    """The camera goes with the selected character."""
+    bench.viewport.set_following(not bench.viewport.following)
+
+
 def toggle_markers(bench: Workbench) -> None:
     """Markers, plates and forces of an optical capture, as they were recorded."""
     bench.viewport.set_markers_shown(not bench.viewport.markers_shown)

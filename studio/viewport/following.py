@@ -1,0 +1,36 @@
+"""The camera that goes with a character: by its root's way over the ground, not by every sway of the hips."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from studio.engine.performance import Posed
+from studio.viewport.camera import FloatArray, OrbitCamera
+
+SECONDS = 0.6
+"""The way is smoothed over so long on either side."""
+
+
+class Follower:
+    """Moves a camera as far as the followed character went since the last picture."""
+
+    def __init__(self) -> None:
+        self._last: tuple[str, FloatArray] | None = None
+
+    def moved(self, camera: OrbitCamera, performer_id: str, pose: Posed | None) -> OrbitCamera:
+        """``camera`` gone on with a performer, brought before one that is followed anew; itself without a ``pose``."""
+        if pose is None:
+            self._last = None
+            return camera
+        place = way_place(pose)
+        before, self._last = self._last, (performer_id, place)
+        aim = np.array(camera.target)
+        aim[:2] += place - (before[1] if before is not None and before[0] == performer_id else aim[:2])
+        return replace(camera, target=tuple(aim.tolist()))
+
+
+def way_place(pose: Posed) -> FloatArray:
+    """(2,) where the smoothed way of a performer's root is on the stage."""
+    reach = round(SECONDS * pose.motion.frame_rate)
+    rows = np.clip(np.arange(pose.row - reach, pose.row + reach + 1), 0, pose.motion.frame_count - 1)
+    return np.asarray(pose.placement.to_stage(pose.motion.positions[rows, 0]).mean(axis=0)[:2])
