@@ -190,6 +190,8 @@ VIEW = (
            lambda bench: _viewing(bench) and bench.viewport.markers_shown),
     Action("marker_names", "View", "Names of markers", view.toggle_marker_names, (), "Every marker with its name",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.recording.named, ends_group=True),
+    Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
+           "Constraints and plot a line high each, or as high as they were", _keyed),
     Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Title bars by which panels can be moved",
            checked=lambda bench: bool(bench.window and bench.window.arranging)),
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),

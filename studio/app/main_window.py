@@ -4,9 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent, QResizeEvent
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QVBoxLayout, QWidget
 
 from studio.app import casting, importing, marker_solving
 from studio.app.action_set import ActionSet
@@ -26,7 +26,11 @@ from studio.panels.status_line import StatusLine
 SIZE = (1680, 1050)
 LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
 TIMELINE_SHARE, TIMELINE_MOST = 0.35, 0.45
-HISTORY_HEIGHT = 160
+HISTORY_HEIGHT, HISTORY_SHARE = 160, 0.24
+TITLE_BAR = 36
+"""Pixels that a window manager may put above the window."""
+ABOVE_NOTES = 48
+"""Pixels of the view's edges that its chips have, which no sentence covers."""
 
 Area = Qt.DockWidgetArea
 
@@ -55,12 +59,15 @@ class MainWindow(QMainWindow):
         self._connect()
         self.resize(*SIZE)
         self._restore_layout()
+        self._stay_on_screen()
         self._show_title()
 
     def show_viewport(self, viewport: Any) -> None:
         """Put the 3D view in the place that is kept for it."""
         self._stage_layout.replaceWidget(self._waiting, viewport)
         self._waiting.hide()
+        for note in (self.recovery, self.question, self.strip):
+            note.raise_()
         self.bench.viewport = viewport
         self._show_progress(*self.status.progress.now)
         viewport.setFocus()
@@ -135,16 +142,19 @@ class MainWindow(QMainWindow):
     def _make_centre(self) -> None:
         self.strip, self.question, self.recovery = MessageStrip(), MessageStrip("recovery_bar"), RecoveryBar()
         centre = QWidget()
-        column = QVBoxLayout(centre)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        self._stage_layout = column
+        self._stage_layout = QGridLayout(centre)
+        self._stage_layout.setContentsMargins(0, 0, 0, 0)
         self._waiting = labelled("Starting the 3D view", "hint")
         self._waiting.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        column.addWidget(self.recovery)
-        column.addWidget(self.question)
-        column.addWidget(self._waiting, 1)
-        column.addWidget(self.strip)
+        self._stage_layout.addWidget(self._waiting, 0, 0)
+        notes = QVBoxLayout()  # over the view, whose size is the same with them and without
+        notes.setContentsMargins(12, ABOVE_NOTES, 12, ABOVE_NOTES)
+        notes.setSpacing(8)
+        notes.addWidget(self.recovery)
+        notes.addWidget(self.question)
+        notes.addStretch(1)
+        notes.addWidget(self.strip)
+        self._stage_layout.addLayout(notes, 0, 0)
         self.setCentralWidget(centre)
 
     def _make_docks(self) -> None:
@@ -182,9 +192,8 @@ class MainWindow(QMainWindow):
         height = round(self.height() * TIMELINE_SHARE)
         self.resizeDocks([docks["Timeline"]], [height], Qt.Orientation.Vertical)
         left = self.height() - height
-        self.resizeDocks(
-            [docks["Library"], docks["History"]], [left - HISTORY_HEIGHT, HISTORY_HEIGHT], Qt.Orientation.Vertical
-        )
+        history = min(HISTORY_HEIGHT, round(left * HISTORY_SHARE))
+        self.resizeDocks([docks["Library"], docks["History"]], [left - history, history], Qt.Orientation.Vertical)
 
     def _connect(self) -> None:
         bench, document, runner = self.bench, self.bench.document, self.bench.runner
@@ -208,6 +217,13 @@ class MainWindow(QMainWindow):
         if layout is not None:
             self.restoreGeometry(layout[0])
             self.restoreState(layout[1])
+
+    def _stay_on_screen(self) -> None:
+        """No larger than the screen has room for, and within it."""
+        room = self.screen().availableGeometry().adjusted(0, TITLE_BAR, 0, 0)
+        self.resize(self.size().boundedTo(room.size()))
+        if not room.contains(self.geometry()):
+            self.move(room.topLeft() - QPoint(0, TITLE_BAR))
 
     # What it answers to
 

@@ -216,6 +216,14 @@ class Choice(QComboBox):
         with QSignalBlocker(self):
             self.setCurrentIndex(self._values.index(value) if value in self._values else -1)
 
+    def event(self, event: QEvent) -> bool:
+        """While it has the keyboard, the arrow keys choose and do not walk through time."""
+        arrows = (Qt.Key.Key_Up, Qt.Key.Key_Down)
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in arrows:
+            event.accept()
+            return True
+        return bool(super().event(event))
+
     def wheelEvent(self, event: QEvent) -> None:
         """As with numbers: a wheel never chooses by accident."""
         event.ignore()

@@ -174,6 +174,7 @@ class Library(QWidget):
             current = self.document.selection.current
             if current is not None:
                 model.setCurrentIndex(self._index(current), QItemSelectionModel.SelectionFlag.NoUpdate)
+                self.view.scrollTo(self._index(current))
         self.view.viewport().update()
 
     def _select(self) -> None:

@@ -59,6 +59,9 @@ class TrackCanvas(TrackView):
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
         elif event.button() == Qt.MouseButton.LeftButton:
             hit = self.sheet.hit(event.position())
+            if hit.part == Part.FOLD:
+                self.fold(hit.kind, hit.id)
+                return
             self._select(hit, bool(event.modifiers() & Modifier.ControlModifier))
             if hit.part == Part.TIME:
                 self.gesture = gesture_at(hit, self.sheet.shown, event.position())

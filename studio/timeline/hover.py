@@ -56,6 +56,8 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
 
 
 def _label_text(sheet: Sheet, hit: Hit) -> str:
+    if hit.part == Part.FOLD:
+        return "Click to fold the row, or to unfold it"
     if hit.kind == "plot":
         return "Click to choose what is plotted"
     if hit.kind == "constraints":
@@ -75,14 +77,14 @@ def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
         activation = float(entity.activation.at(frame / rate))
         return f"{entity.name}: {activation:.0%} active at frame {frame}"
     row = sheet.find("constraints", hit.id)
-    body = constraint.strip_body(sheet.shown, sheet.rect(row), position.y()) if row else None
+    body = constraint.strip_body(sheet.shown, sheet.rect(row), hit.id, position.y()) if row else None
     return strip_text(sheet, hit.id, body, frame) if body else ""
 
 
 def _plot_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     time = sheet.shown.axis.time_at(position.x())
     near = plot.nearest(sheet.plot, time, position.y())
-    if near is None:
+    if near is None or ("plot", "") in sheet.shown.folded:
         return ""
     curve, value = near
     figure = plot.words(sheet.shown, value)

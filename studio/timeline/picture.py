@@ -9,7 +9,7 @@ from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
 from studio.timeline.tracks import clip, constraint, contacts, ruler
 from studio.timeline.tracks.brush import time_area, translucent
-from studio.timeline.tracks.plot import PlotPicture
+from studio.timeline.tracks.plot import FOLDED, PlotPicture
 
 PLOT = ("plot", "")
 RULER = ("ruler", "")
@@ -82,7 +82,8 @@ class Picture:
         painter.setClipRect(sheet.plot)
         _paint_ground(painter, sheet.plot, sheet.shown)
         self.plot.fetch(sheet.shown)
-        self.plot.paint(painter, sheet.plot, sheet.shown)
+        if sheet.plot.height() > FOLDED:
+            self.plot.paint(painter, sheet.plot, sheet.shown)
         self.plot.paint_label(painter, sheet.plot, sheet.shown)
         painter.fillRect(0, sheet.plot.top(), sheet.size.width(), 1, QColor(colours.EDGE))
         painter.restore()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
-from studio.timeline.shown import LABEL_WIDTH, Hit, Part, Row, Shown
+from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, Shown
 from studio.timeline.tracks import clip, constraint, contacts, plot, ruler
 
 PLAYHEAD_REACH = 4.0
@@ -16,10 +16,11 @@ def rows_of(shown: Shown) -> tuple[Row, ...]:
     constraints = shown.project.constraints_of(shown.subject.motion_id)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     tall = constraint.height(len(shown.subject.bodies))
+    heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
     heights = [
         ("clip", shown.subject.performer_id, clip.HEIGHT),
         *(("lane", row, contacts.HEIGHT) for row in contacts.rows_with(touching)),
-        *(("constraints", key, tall) for key in constraints),
+        *(("constraints", key, high) for key, high in heights_of.items()),
     ]
     rows, y = [], 0
     for kind, row_id, height in heights:
@@ -50,6 +51,8 @@ class Sheet:
     @property
     def plot(self) -> QRect:
         """The plot, at the bottom; it takes what the rows leave."""
+        if ("plot", "") in self.shown.folded:
+            return QRect(0, self.size.height() - plot.FOLDED, self.size.width(), plot.FOLDED)
         spare = self.size.height() - ruler.HEIGHT - self.content_height
         height = min(max(spare, plot.LEAST_HEIGHT), plot.MOST_HEIGHT)
         return QRect(0, self.size.height() - height, self.size.width(), height)
@@ -85,12 +88,16 @@ class Sheet:
         point = position.toPoint()
         if self.ruler.contains(point):
             return Hit("ruler", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.EMPTY)
+        if self.plot.contains(point) and point.x() < FOLD_WIDTH:
+            return Hit("plot", "", Part.FOLD)
         if self.plot.contains(point):
             return Hit("plot", "", Part.TIME if point.x() >= LABEL_WIDTH else Part.LABEL)
         row = self.row_at(point)
         return self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
 
     def _hit_row(self, row: Row, position: QPointF) -> Hit:
+        if position.x() < FOLD_WIDTH and row.kind == "constraints":
+            return Hit(row.kind, row.id, Part.FOLD)
         if position.x() < LABEL_WIDTH:
             return Hit("performers" if row.kind == "clip" else row.kind, row.id, Part.LABEL)
         area = self.rect(row)

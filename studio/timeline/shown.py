@@ -19,6 +19,8 @@ from studio.timeline.subject import Subject
 FloatArray = NDArray[np.float64]
 
 LABEL_WIDTH = 196
+FOLD_WIDTH = 14
+"""Pixels at the left of a label that fold its row."""
 
 
 class Part(StrEnum):
@@ -32,6 +34,7 @@ class Part(StrEnum):
     FIRST = "first frame"
     LAST = "last frame"
     LABEL = "label"
+    FOLD = "fold"
     EMPTY = "empty"
     TIME = "time"
 
@@ -68,6 +71,8 @@ class Shown:
     axis: TimeAxis
     subject: Subject
     handle: Part | None = None
+    folded: frozenset[tuple[str, str]] = frozenset()
+    """Kind and id of the rows that are only a line high."""
 
     @property
     def project(self) -> Project:

@@ -89,6 +89,10 @@ class Timeline(QWidget):
         """Show all of time."""
         self.tracks.axis.fit()
 
+    def fold_rows(self) -> None:
+        """Make constraints and plot a line high each; where they are, as high as they were."""
+        self.tracks.fold_all()
+
     def show_progress(self, words: str, share: float) -> None:
         """What is waited for, from 0 to 1; empty words when nothing runs."""
         self.tracks.show_progress(words, share)

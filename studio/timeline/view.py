@@ -31,6 +31,7 @@ class TrackView(QWidget):
         self.gesture: Gesture | None = None
         self.handle: Part | None = None
         self.mouse = QPointF()
+        self.folded: frozenset[tuple[str, str]] = frozenset()
         self._progress = ("", 0.0)
         self._playhead_area = QRect()
         self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
@@ -88,7 +89,7 @@ class TrackView(QWidget):
             self.scroll_bar.hide()
             self.update()
             return
-        shown = Shown(self.document, self.live, self.axis, subject, self.handle)
+        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded)
         sheet = Sheet(shown, rows_of(shown), self.size())
         hidden = max(sheet.content_height - sheet.viewport.height(), 0)
         with QSignalBlocker(self.scroll_bar):
@@ -117,6 +118,22 @@ class TrackView(QWidget):
 
     def _show_selection(self) -> None:
         self.set_handle(None)
+        self.lay_out()
+        row = self.sheet.find(*self.document.selection.current or ("", "")) if self.sheet else None
+        if row is not None and self.sheet is not None:
+            high, low = row.y, row.y + row.height - self.sheet.viewport.height()
+            self.scroll_bar.setValue(max(min(self.scroll_bar.value(), high), low))
+
+    def fold(self, kind: str, row_id: str = "") -> None:
+        """Make a constraint's row, or the plot, a line high, or as high as it was."""
+        self.folded ^= {(kind, row_id)}
+        self.lay_out()
+
+    def fold_all(self) -> None:
+        """Fold every row that can be; where all are, unfold them."""
+        rows = self.sheet.rows if self.sheet else ()
+        foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind == "constraints"})
+        self.folded = frozenset() if foldable <= self.folded else foldable
         self.lay_out()
 
     def _show_change(self, collection: str, entity_id: str) -> None:

@@ -342,10 +342,11 @@ class Viewport(Canvas):
         if picked is not None and pose is not None:
             chip.say(f"Constrain {picked.joint.name}  (C)")
             place = self.widget_point(pose.points[picked.joint.index]).toPoint()
+            above = 34 if self.gizmo() is None else -26  # beside its arrows
             room = self.rect().adjusted(8, 8, -8 - chip.width(), -8 - chip.height())
             chip.move(
                 min(max(place.x() + 16, room.left()), room.right()),
-                min(max(place.y() - 34, room.top()), room.bottom()),
+                min(max(place.y() - above, room.top()), room.bottom()),
             )
 
     def _ghost(self) -> Posed | None:

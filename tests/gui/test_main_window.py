@@ -18,7 +18,7 @@ from studio.document.document import Document
 from studio.document.recovery import Session
 from studio.io import registry
 from studio.timeline.timeline import Timeline
-from tests.builders import make_project
+from tests.builders import make_constraint, make_project
 from tests.gui.window_use import PATIENCE, drop, same, wait_until_idle
 
 LEFT = Qt.MouseButton.LeftButton
@@ -194,6 +194,46 @@ def test_a_small_window_keeps_every_menu_and_leaves_the_stage_more_than_half(qtb
     assert bar.width() >= bar.sizeHint().width()
     assert bar.actionGeometry(bar.actions()[-1]).right() <= bar.width()
     qtbot.waitUntil(lambda: window.docks["Timeline"].height() <= 0.46 * window.height(), timeout=PATIENCE)
+
+
+def test_a_sentence_covers_the_view_and_does_not_change_its_size(qtbot, window):
+    window.actions_by_id.by_id["open_sample"].trigger()
+    wait_until_idle(qtbot, window)
+    import_views()
+    show_views(window)
+    QTest.qWait(50)
+    view = window.bench.viewport
+    size = view.size()
+    for strip in (window.strip, window.question, window.recovery):
+        strip.say("walk_03.bvh, line 214: '90,5' is not a number. " * 3)
+        QTest.qWait(20)
+        assert view.size() == size
+        assert view.geometry().contains(strip.geometry())
+        middle = strip.mapTo(window, strip.rect().center())
+        assert strip.isAncestorOf(window.childAt(middle)) or window.childAt(middle) is strip
+        strip.clear()
+
+
+def test_it_opens_within_its_screen_and_is_usable_at_1280_by_720(qtbot, window, tmp_path):
+    room = window.screen().availableGeometry()
+    other = make_window(Settings(tmp_path / "other.ini"), Document(make_project()))
+    assert room.contains(other.geometry())
+    other.leave()
+    least = window.minimumSizeHint()
+    assert least.width() <= 1280
+    assert least.height() <= 720 - 36
+    window.resize(1280, 684)
+    document = window.bench.document
+    for k in range(12):
+        key = document.add("constraints", make_constraint(name=f"Target {k + 1}", priority=k + 1), "Add")
+    document.selection.set(("constraints", key))
+    QTest.qWait(50)
+    library = window.library
+    assert library.view.viewport().rect().contains(library.row_rect(("constraints", key)).center())
+    bar = window.inspector.horizontalScrollBar()
+    form = window.inspector.current_form()
+    assert form.minimumSizeHint().width() <= window.inspector.viewport().width()
+    assert not bar.isVisible()
 
 
 def test_the_sheet_of_shortcuts_is_whole_and_says_what_always_is(qtbot, window):

@@ -221,3 +221,35 @@ def test_a_closed_timeline_follows_nothing_any_more(document, live, timeline, ha
     live.adapted.emit("performer 0")
     assert timeline.tracks.sheet is sheet
     assert timeline.transport.frame.value() == 0
+
+
+def test_rows_are_folded_by_their_arrow_or_all_at_once_and_unfolded_again(document, timeline, hand, live):
+    tall, plot = timeline.row_rect("constraints", "kick"), timeline.row_rect("plot")
+    live.errors["performer 1"] = {"kick": 0.042}
+    hand.press(QPoint(6, tall.center().y()))
+    hand.release()
+    low = timeline.row_rect("constraints", "kick")
+    assert low.height() == constraint.FOLDED
+    assert document.selection.items == ()
+    shown = timeline.tracks.shown
+    assert [body.name for body in constraint.bodies_of(shown, low, "kick")] == ["Body 1"]  # who misses it most
+    hand.drag(timeline.handle_point("kick", "full"), pixels(timeline, 10))
+    assert frames(document.project.constraints["kick"].activation) == (20, 40, 50, 60)
+    hand.press(QPoint(6, low.center().y()))
+    hand.release()
+    assert timeline.row_rect("constraints", "kick") == tall
+    timeline.fold_rows()
+    assert timeline.row_rect("constraints", "kick").height() == constraint.FOLDED
+    assert timeline.row_rect("plot").height() < plot.height()
+    timeline.grab()
+    timeline.fold_rows()
+    assert (timeline.row_rect("constraints", "kick"), timeline.row_rect("plot")) == (tall, plot)
+
+
+def test_what_is_selected_elsewhere_is_scrolled_to(document, timeline):
+    keys = [document.add("constraints", make_constraint(name=f"T{k}", priority=k + 1), "Add") for k in range(12)]
+    document.selection.set(("constraints", keys[-1]))
+    row = timeline.row_rect("constraints", keys[-1])
+    assert timeline.tracks.sheet.viewport.contains(row.center())
+    document.selection.set(("constraints", "kick"))
+    assert timeline.tracks.sheet.viewport.contains(timeline.row_rect("constraints", "kick").center())

@@ -54,6 +54,11 @@ def toggle_marker_names(bench: Workbench) -> None:
     bench.viewport.recording.name(not bench.viewport.recording.named)
 
 
+def fold_rows(bench: Workbench) -> None:
+    """Constraints and plot on the timeline a line high each, or as high as they were."""
+    bench.timeline.fold_rows()
+
+
 def select_tool(bench: Workbench) -> None:
     """Click to select."""
     _take_tool(bench, "select")

@@ -31,7 +31,7 @@ def cursor_at(hit: Hit) -> Cursor:
         return Cursor.SizeHorCursor
     if hit.part == Part.BODY and hit.kind in ("constraints", "contacts"):
         return Cursor.OpenHandCursor
-    if hit.part == Part.LABEL and hit.kind in ("constraints", "plot", "performers"):
+    if hit.part == Part.FOLD or (hit.part == Part.LABEL and hit.kind in ("constraints", "plot", "performers")):
         return Cursor.PointingHandCursor
     if hit.kind == "lane" and hit.part == Part.EMPTY:
         return Cursor.CrossCursor

@@ -3,6 +3,7 @@
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QGuiApplication, QPainter, QPen
 
+from studio.document import colours
 from studio.timeline.shown import LABEL_WIDTH
 
 LABEL_INDENT = 14
@@ -35,6 +36,16 @@ def paint_label(painter: QPainter, area: QRect, text: str, colour: str, pixels: 
     room = area.adjusted(LABEL_INDENT, 0, -8, 0)
     line = QFontMetrics(painter.font()).elidedText(text, Qt.TextElideMode.ElideRight, room.width())
     painter.drawText(room, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, line)
+
+
+def paint_fold(painter: QPainter, line: QRect, folded: bool) -> None:
+    """A small arrow at the left of a label: to the right where its row is folded, else down."""
+    x, y = line.left() + 7.0, line.center().y() + 0.5
+    ways = ((-2.0, -3.0), (2.0, 0.0), (-2.0, 3.0)) if folded else ((-3.0, -2.0), (0.0, 2.0), (3.0, -2.0))
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QPen(QColor(colours.TEXT_THIRD), 1.3))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawPolyline([QPointF(x + dx, y + dy) for dx, dy in ways])
 
 
 def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge: str | None = None) -> None:

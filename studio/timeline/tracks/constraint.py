@@ -8,7 +8,8 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
 from studio.document import colours
 from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
-from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
+from studio.timeline.subject import Body
+from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
 
 ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 2, 3
@@ -16,6 +17,9 @@ HANDLE_REACH = 6.0
 KEY_REACH = 5.0
 RAMP_POINTS = 48
 ROOM_FOR_LABEL = 44
+FOLDED = 22
+"""Pixels of a folded row: a low curve, and the strip of who misses it most."""
+LOW_ABOVE, LOW_CURVE = 2, 11
 
 
 def height(body_count: int) -> int:
@@ -25,14 +29,25 @@ def height(body_count: int) -> int:
 
 def baseline(row: QRect) -> int:
     """The pixel at which the activation is 0; a curve's height above it is 1."""
-    return row.top() + ABOVE + CURVE
+    return row.top() + (LOW_ABOVE if is_folded(row) else ABOVE) + curve_height(row)
+
+
+def curve_height(row: QRect) -> int:
+    """Pixels of a curve from 0 to 1."""
+    return LOW_CURVE if is_folded(row) else CURVE
+
+
+def is_folded(row: QRect) -> bool:
+    """Whether a row is only a line high."""
+    return row.height() <= FOLDED
 
 
 def handle_points(shown: Shown, row: QRect, constraint: Constraint) -> dict[Part, QPointF]:
     """Where the four handles lie."""
     curve, low = constraint.activation, baseline(row) + 0.5
     times = (curve.start, curve.full, curve.full_end, curve.end)
-    heights = (low, low - CURVE, low - CURVE, low)
+    full = low - curve_height(row)
+    heights = (low, full, full, low)
     xs = (shown.x_of_motion_time(time) for time in times)
     return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, heights, strict=True)}
 
@@ -51,7 +66,7 @@ def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id:
     painter.setBrush(translucent(colour, 0.4 if constraint.enabled else 0.1))
     painter.drawPath(path)
     for time in key_times(constraint):
-        _paint_key(painter, QPointF(shown.x_of_motion_time(time), baseline(row) - CURVE / 2), line)
+        _paint_key(painter, QPointF(shown.x_of_motion_time(time), baseline(row) - curve_height(row) / 2), line)
     for part, point in handle_points(shown, row, constraint).items():
         focused = selected and shown.handle == part
         paint_dot(painter, point, 4.5 if selected else 3.5, line, colours.PLAYHEAD if focused else colours.PANEL)
@@ -72,11 +87,14 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constrai
     constraint = shown.project.constraints[constraint_id]
     order = shown.project.places_of(constraint.motion_id)[constraint_id]
     area = label_area(row)
-    top = QRect(area.left(), area.top() + ABOVE - 2, area.width(), 20)
+    folded = is_folded(row)
+    top = QRect(area.left(), area.top() + (1 if folded else ABOVE - 2), area.width(), 20)
     name_colour = colours.TEXT if constraint.enabled else colours.TEXT_THIRD
+    paint_fold(painter, top, folded)
     paint_label(painter, top, f"{order}  {constraint.name}", name_colour)
-    text, colour = verdict(shown, constraint_id)
-    paint_label(painter, top.translated(0, 18), text, colour, 11)
+    if not folded:
+        text, colour = verdict(shown, constraint_id)
+        paint_label(painter, top.translated(0, 18), text, colour, 11)
 
 
 def constraint_hit(shown: Shown, row: QRect, constraint_id: str, point: QPointF) -> Hit:
@@ -117,7 +135,7 @@ def _curve_path(shown: Shown, row: QRect, constraint: Constraint) -> QPainterPat
     xs = np.unique(np.clip([left, *ramps[0], *ramps[1], right], left, right))
     times = np.clip(axis.start + (xs - axis.left) / axis.scale - shown.subject.offset, curve.start, curve.end)
     low = baseline(row) + 0.5
-    ys = low - CURVE * curve.at(times)
+    ys = low - curve_height(row) * curve.at(times)
     outline = [QPointF(left, low), *map(QPointF, xs.tolist(), ys.tolist()), QPointF(right, low)]
     path.addPolygon(QPolygonF(outline))
     path.closeSubpath()
@@ -132,7 +150,7 @@ def strip_top(row: QRect, place: int) -> int:
 def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
     constraint = shown.project.constraints[constraint_id]
     left, right = (shown.x_of_motion_time(time) for time in (constraint.activation.start, constraint.activation.end))
-    for place, body in enumerate(shown.subject.bodies if constraint.enabled else ()):
+    for place, body in enumerate(bodies_of(shown, row, constraint_id) if constraint.enabled else ()):
         strip, top = shown.strip(constraint_id, body.performer_id), strip_top(row, place)
         if strip is not None:
             paint_strip(painter, shown, strip, left, right, top, body.colour)
@@ -140,10 +158,25 @@ def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: st
             paint_unknown(painter, shown.axis.right, left, right, top, body.colour)
 
 
-def strip_body(shown: Shown, row: QRect, y: float) -> str | None:
+def bodies_of(shown: Shown, row: QRect, constraint_id: str) -> tuple[Body, ...]:
+    """The bodies whose strips a row shows: all, or folded the one that misses it most, or of which least is known."""
+    bodies = tuple(shown.subject.bodies)
+    if not is_folded(row) or not bodies:
+        return bodies
+
+    def weight(body: Body) -> float:
+        if shown.strip(constraint_id, body.performer_id) is None:
+            return float("inf")
+        worst = shown.residual(constraint_id, body.performer_id)
+        return worst.weight if worst else 0.0
+
+    return (max(bodies, key=weight),)
+
+
+def strip_body(shown: Shown, row: QRect, constraint_id: str, y: float) -> str | None:
     """The performer whose strip lies at a height, or None."""
-    place = int((y - strip_top(row, 0)) // PITCH)
-    return shown.subject.bodies[place].performer_id if 0 <= place < len(shown.subject.bodies) else None
+    bodies, place = bodies_of(shown, row, constraint_id), int((y - strip_top(row, 0)) // PITCH)
+    return bodies[place].performer_id if 0 <= place < len(bodies) else None
 
 
 def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:

@@ -12,9 +12,9 @@ from studio.document import colours
 from studio.engine.scheduler import SolveScheduler
 from studio.timeline.curves import Asked, Curve, Quantity, error_measure, plotted_constraint, seen_curve
 from studio.timeline.shown import LABEL_WIDTH, Shown, label_area
-from studio.timeline.tracks.brush import font, paint_label, translucent
+from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
-LEAST_HEIGHT, MOST_HEIGHT = 54, 120
+LEAST_HEIGHT, MOST_HEIGHT, FOLDED = 54, 120, 22
 HEADROOM = 1.12
 LINE = 1.25
 AT_ONCE = 10_000
@@ -139,7 +139,12 @@ class PlotPicture(QObject):
 
     def paint_label(self, painter: QPainter, row: QRect, shown: Shown) -> None:
         """What is plotted, its unit and its greatest value, at the height where that lies."""
-        area = label_area(row)
+        area, folded = label_area(row), row.height() <= FOLDED
+        line = QRect(0, row.top() + (1 if folded else 4), LABEL_WIDTH - 44, 20)
+        paint_fold(painter, line, folded)
+        if folded:
+            paint_label(painter, line, self.title(shown), colours.TEXT)
+            return
         paint_label(painter, QRect(0, row.top() + 4, LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
         count = len(self.curves)
         note = f"{self.quantity.unit(shown)} · {count} {'body' if count == 1 else 'bodies'}"

@@ -1,0 +1,135 @@
+"""The first minute of the README, walked with mouse and keys on the whole window with its real engine."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QComboBox
+
+from studio.app.application import import_views, make_application, make_window, show_views
+from studio.app.settings import Settings
+from studio.document.document import Document
+from studio.engine.residuals import residual_row
+from studio.timeline.strips import StripState
+from studio.viewport.body_points import body_joints
+from tests.gui.window_use import drop, wait_until_idle
+
+LEFT, NONE = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+HEIGHT_OF_KICK = 154
+HELD, SHORT = 0.002, 0.020
+"""Metres: nobody sees less; everybody sees more."""
+
+
+@pytest.fixture
+def window(qtbot, tmp_path):
+    make_application()
+    window = make_window(Settings(tmp_path / "studio.ini"), Document())
+    with qtbot.waitExposed(window):
+        window.show()
+    window.resize(1400, 900)
+    window.actions_by_id.by_id["open_sample"].trigger()
+    import_views()
+    show_views(window)
+    wait_until_idle(qtbot, window)
+    solved(window)
+    yield window
+    window.leave()
+    window.deleteLater()
+    QTest.qWait(0)
+
+
+def solved(window):
+    assert window.bench.live.wait(100.0)
+    QTest.qWait(50)
+    while window.bench.viewport.moving and not window.bench.document.playhead.playing:
+        QTest.qWait(5)
+
+
+def move(widget, place):
+    local = QPointF(place)
+    event = QMouseEvent(QEvent.Type.MouseMove, local, widget.mapToGlobal(local), Qt.MouseButton.NoButton, LEFT, NONE)
+    QApplication.sendEvent(widget, event)
+
+
+def misses(window, constraint_id):
+    """Metres by which each performer misses the target in its worst frame of the hold."""
+    document, live = window.bench.document, window.bench.live
+    curve = document.project.constraints[constraint_id].activation
+    found = {}
+    for key in document.project.performers:
+        motion = live.told(key)
+        times = (motion.first_frame + np.arange(motion.frame_count)) / motion.frame_rate
+        full = (times >= curve.full) & (times <= curve.full_end)
+        found[key] = float(residual_row(document.project, motion, constraint_id)[full].max())
+    return found
+
+
+def pixel(viewport, place):
+    return viewport.widget_point(place).toPoint()
+
+
+def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
+    document, viewport, timeline = window.bench.document, window.bench.viewport, window.bench.timeline
+    # 1. five characters play; Space pauses
+    assert document.playhead.playing
+    assert len(viewport.posed) == 5
+    QTest.keyClick(window, Qt.Key.Key_Space)
+    assert not document.playhead.playing
+    # 2. the playhead to the kick, a click on the ball of the child's right foot, C, one place for all
+    ruler = timeline.row_rect("ruler")
+    QTest.mouseClick(
+        timeline.tracks, LEFT, NONE, QPoint(round(timeline.x_of_frame(HEIGHT_OF_KICK)), ruler.center().y())
+    )
+    assert document.playhead.frame == HEIGHT_OF_KICK
+    solved(window)
+    pose = viewport.posed["child"]
+    ball = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "right ball of foot")
+    QTest.mouseClick(viewport, LEFT, NONE, pixel(viewport, pose.points[ball.index]))
+    assert (viewport.joint_picked.performer_id, viewport.joint_picked.joint.name) == ("child", ball.name)
+    QTest.keyClick(viewport, Qt.Key.Key_C)
+    solved(window)
+    _, constraint_id = document.selection.current
+    assert timeline.row_rect("constraints", constraint_id).height() > 0
+    assert all(miss < HELD for miss in misses(window, constraint_id).values())
+    [choice] = [
+        box
+        for box in window.inspector.findChildren(QComboBox)
+        if box.accessibleName() == "Target is" and box.isVisible()
+    ]
+    choice.setFocus()
+    QTest.keyClick(choice, Qt.Key.Key_Down)
+    solved(window)
+    assert isinstance(document.project.constraints[constraint_id].target, tuple)
+    assert all(miss < HELD for miss in misses(window, constraint_id).values())
+    # 3. the blue arrow, up, until the child cannot reach it any more
+    while misses(window, constraint_id)["child"] < SHORT:
+        height = document.project.constraints[constraint_id].target[2]
+        gizmo = viewport.gizmo()
+        tip = QPoint(*np.rint(gizmo.centre + 0.7 * (gizmo.tips[2] - gizmo.centre)).astype(int))
+        QTest.mousePress(viewport, LEFT, NONE, tip)
+        for step in (2, 4, 6, 8):
+            move(viewport, tip - QPoint(0, step))
+        QTest.mouseRelease(viewport, LEFT, NONE, tip - QPoint(0, 8))
+        solved(window)
+        assert document.project.constraints[constraint_id].target[2] > height + 0.01
+    curve = document.project.constraints[constraint_id].activation
+    shown = {timeline.strip_state(constraint_id, "child", round(60 * time)) for time in (curve.full, curve.full_end)}
+    assert StripState.NOT_REACHED in shown
+    # 4. a handle of the bar
+    before = document.project.constraints[constraint_id].activation
+    handle = timeline.handle_point(constraint_id, "end")
+    QTest.mousePress(timeline.tracks, LEFT, NONE, handle)
+    for step in (10, 20, 30):
+        move(timeline.tracks, handle + QPoint(step, 0))
+    QTest.mouseRelease(timeline.tracks, LEFT, NONE, handle + QPoint(30, 0))
+    assert document.project.constraints[constraint_id].activation.end > before.end
+    # 5. an own capture
+    drop(window, walk)
+    wait_until_idle(qtbot, window)
+    solved(window)
+    assert document.project.motions[document.active_motion_id].name == "walk"
+    assert all(viewport.posed[key].motion.frame_count == 40 for key in document.project.performers)
+    # 6. saved, and what is asked for by Ctrl+E
+    QTest.keyClick(window, Qt.Key.Key_S, Qt.KeyboardModifier.ControlModifier)
+    assert document.dirty  # it asks for a name first
