@@ -31,10 +31,10 @@ def curve(times: FloatArray, keys: Keys, soft: float = 0.05, delay: float = 0.0)
 
 
 def drift(times: FloatArray, seed: int, period: float = 2.6) -> FloatArray:
-    """Slow wandering (F,) of amplitude about 1: three sines that never meet again."""
-    phases = np.random.default_rng(seed).uniform(0, 2 * np.pi, 3)
-    rates = 2 * np.pi / period * np.array([1.0, 0.618, 1.732])
-    return np.sin(times[:, None] * rates + phases) @ np.array([0.6, 0.5, 0.25])
+    """Wandering (F,) of amplitude about 1: sines that never meet again, the quicker the smaller, as people sway."""
+    phases = np.random.default_rng(seed).uniform(0, 2 * np.pi, 5)
+    rates = 2 * np.pi / period * np.array([1.0, 0.618, 1.732, 3.1, 5.3])
+    return np.sin(times[:, None] * rates + phases) @ np.array([0.6, 0.5, 0.25, 0.12, 0.06])
 
 
 def breath(times: FloatArray, period: float = 3.6) -> FloatArray:

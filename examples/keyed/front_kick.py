@@ -25,6 +25,8 @@ from .targets import AirLeg, ArmTargets, Targets, frame_times
 DURATION = 6.0
 LIFT, CHAMBER, HIT, BACK, LAND = 2.06, 2.36, 2.56, 2.84, 3.26
 """Toe-off, knee highest, leg longest, knee bent again, foot down."""
+LANDED = (REAR[0] + 0.035, REAR[1] - 0.022)
+"""Nobody comes down exactly where the foot left."""
 BOUNCE = {0.0: 1.0, 1.3: 0.9, 1.7: 0.0, 4.0: 0.0, 4.6: 0.9, 5.6: 0.8}
 
 
@@ -55,9 +57,9 @@ PLACE = {
     HIT + 0.14: (0.215, 0.085),
     BACK + 0.15: (0.165, 0.075),
     LAND: (0.05, 0.01),
-    LAND + 0.35: (-0.03, -0.035),
-    4.4: (0.0, -0.02),
-    5.3: (-0.012, -0.028),
+    LAND + 0.35: (-0.012, -0.046),
+    4.4: (0.018, -0.030),
+    5.3: (0.006, -0.040),
 }
 LEVEL = {
     1.35: 0.0,
@@ -82,7 +84,7 @@ def _pelvis(times: FloatArray, beat: FloatArray) -> FloatArray:
 
 def _pelvis_turn(times: FloatArray, beat: FloatArray) -> FloatArray:
     yaw = {0.0: -33.0, 1.4: -34.0, 1.75: -40.0, LIFT: -22.0, CHAMBER: 2.0, HIT: 20.0, BACK: 8.0, LAND: -26.0}
-    yaw |= {LAND + 0.35: -38.0, 4.5: -33.0}
+    yaw |= {LAND + 0.35: -36.0, 4.5: -30.0}
     pitch = {0.0: 5.0, 1.5: 6.0, 1.8: 9.0, LIFT + 0.05: 2.0, CHAMBER: -10.0, HIT: -20.0, BACK: -9.0, LAND: 5.0}
     pitch |= {LAND + 0.25: 9.0, 4.3: 5.0}
     roll = {1.5: 0.0, 1.8: 2.0, LIFT: 4.0, CHAMBER: -5.0, HIT: -8.0, BACK: -3.0, LAND: 2.0, 4.0: 0.0}
@@ -155,7 +157,7 @@ def _rear_foot() -> list[Plant]:
     back = {LAND + 0.1: 12.0, LAND + 0.35: 5.0, 4.3: REAR_HEEL}
     return [
         Plant(-1e3, LIFT, REAR, REAR_YAW, heel=heel, push=38.0, roll=0.34),
-        Plant(LAND, 1e3, REAR, REAR_YAW, strike=22.0, landing=0.22, heel=back, clearance=0.10),
+        Plant(LAND, 1e3, LANDED, REAR_YAW + 6.0, strike=22.0, landing=0.22, heel=back, clearance=0.10),
     ]
 
 

@@ -94,13 +94,13 @@ HEAD = {
 
 def _pelvis(times: FloatArray) -> FloatArray:
     shift = curve(times, SHIFT, soft=0.09)
-    sway = np.stack([0.004 * drift(times, 31), 0.005 * drift(times, 32, 3.3), 0.0015 * drift(times, 33)], axis=1)
+    sway = np.stack([0.006 * drift(times, 31), 0.008 * drift(times, 32, 3.3), 0.002 * drift(times, 33)], axis=1)
     return shift + sway + [0.0, 0.0, STANDING - 0.013]
 
 
 def _turn(times: FloatArray, keys: Keys, soft: float, seed: int) -> FloatArray:
     alive = np.stack([drift(times, seed + k, 3.0) for k in range(3)], axis=1)
-    return curve(times, keys, soft) + 0.6 * alive
+    return curve(times, keys, soft) + 1.1 * alive
 
 
 HANGING = (0.06, -0.066, -0.541)

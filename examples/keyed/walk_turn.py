@@ -65,7 +65,7 @@ SHIFT = {
 
 def _pelvis(times: FloatArray, place: FloatArray) -> FloatArray:
     shift = curve(times, SHIFT, soft=0.12)
-    shift[:, 1] += 0.004 * drift(times, 1)
+    shift += np.stack([0.005 * drift(times, 14, 3.3), 0.007 * drift(times, 1)], axis=1)
     heading = np.radians(place[:, 2])
     forward = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     left = np.stack([-forward[:, 1], forward[:, 0]], axis=1)
@@ -90,9 +90,9 @@ SINK = {
 
 def _chest(times: FloatArray, pelvis_turn: FloatArray) -> FloatArray:
     """Against the pelvis: counter-rotation, a little late, and upright; it leads into the turn."""
-    yaw = 11.0 * WALK.stride(times, delay=0.04) + curve(times, CHEST_LEAD, soft=0.1)
-    pitch = 1.0 - 0.4 * curve(times, LEAN, soft=0.12, delay=0.1) - 1.2 * breath(times)
-    roll = -5.5 * WALK.support(times, delay=0.05) + 0.5 * drift(times, 2) + curve(times, BANK, soft=0.15)
+    yaw = 11.0 * WALK.stride(times, delay=0.04) + curve(times, CHEST_LEAD, soft=0.1) + 1.2 * drift(times, 16, 4.3)
+    pitch = 1.0 - 0.4 * curve(times, LEAN, soft=0.12, delay=0.1) - 1.6 * breath(times) + 0.7 * drift(times, 15, 3.9)
+    roll = -5.5 * WALK.support(times, delay=0.05) + 0.9 * drift(times, 2) + curve(times, BANK, soft=0.15)
     return np.stack([yaw, pitch, roll], axis=1)
 
 
@@ -102,8 +102,8 @@ BANK = {3.6: 0.0, 4.4: -5.0, 5.2: -2.0, 5.8: 0.0}
 
 def _head(times: FloatArray) -> FloatArray:
     """Steady on its own heading: it looks round first and the body follows."""
-    yaw = curve(times, HEAD_YAW, soft=0.09)
-    pitch = curve(times, HEAD_PITCH, soft=0.1) - 0.8 * WALK.rise(times) + 0.6 * drift(times, 3)
+    yaw = curve(times, HEAD_YAW, soft=0.09) + 1.5 * drift(times, 17, 3.1)
+    pitch = curve(times, HEAD_PITCH, soft=0.1) - 0.8 * WALK.rise(times) + 1.2 * drift(times, 3)
     roll = curve(times, {3.2: 0.0, 3.7: -5.0, 4.9: -3.0, 5.6: 0.0}, soft=0.1) + 0.5 * drift(times, 4, 3.4)
     return np.stack([yaw, pitch, roll], axis=1)
 
