@@ -1,7 +1,8 @@
 """``adapt``: a capture on many characters, as files, with a report of what was reached."""
 
+import math
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,16 +23,21 @@ from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json, print_table
 from studio.core.character import Character
 from studio.core.errors import StudioError
+from studio.core.ground import Ground
+from studio.core.placement import Placement
 from studio.core.solver.request import AdaptRequest
 from studio.io.constraint_file import ConstraintFile, read_constraints
 from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions
+from studio.io.ground_file import read_ground
 from studio.io.importing import ImportOptions
 from studio.io.registry import known_formats
 from studio.io.report_file import write_json
 from studio.resources_folder import help_file
 
 ACTOR = "actor"
+FARTHEST_PLACE = 1e6
+"""Metres and degrees."""
 SPACE = """
 Targets of constraints are metres in the motion's own space: X forward, Y left, Z up, the origin on the ground
 under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
@@ -58,6 +64,15 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
         help="bundled characters by name, character files, or 'actor': the capture's own body; by default all bundled",
     )
     parser.add_argument("--constraints", type=Path, metavar="FILE.json", help="constraints, and contacts if it has any")
+    parser.add_argument("--ground", type=Path, metavar="FILE.json", help="the ground; level at 0 by default")
+    parser.add_argument(
+        "--place",
+        nargs=4,
+        action="append",
+        default=[],
+        metavar=("NAME", "X", "Y", "DEGREES"),
+        help="where on the stage a character stands and how far it is turned: what it follows and the ground are there",
+    )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the files; made if missing")
     parser.add_argument("--format", default="bvh", metavar="SUFFIX", help="kind of the files; bvh by default")
     parser.add_argument(
@@ -105,7 +120,9 @@ class Asked:
 
     characters: Mapping[str, Character | None]
     """None is the body that a capture was recorded from, whatever the capture."""
+    places: Mapping[str, Placement]
     constraints: Path | None
+    ground: Ground
     suffix: str
     options: ExportOptions
     all_frames: bool
@@ -128,7 +145,9 @@ def asked_by(arguments: Namespace) -> Asked:
     options = replace(export_options(arguments), body_only=arguments.body_only)
     return Asked(
         characters,
+        placed(arguments.place, characters),
         arguments.constraints,
+        read_ground(arguments.ground) if arguments.ground else Ground(),
         suffix,
         options,
         arguments.all_frames,
@@ -136,6 +155,26 @@ def asked_by(arguments: Namespace) -> Asked:
         not arguments.free_joints,
         not arguments.exact,
     )
+
+
+def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str, Placement]:
+    """Where each of ``characters`` stands, by what was ``said`` (name, x, y, degrees); else where the motion begins.
+
+    Raises StudioError for a character that does not take part, and for what are no numbers.
+    """
+    places = dict.fromkeys(characters, Placement())
+    for name, *numbers in said:
+        key = name if name in places else Path(name).stem
+        if key not in places:
+            raise StudioError(f"--place {name}: no such character takes part. Those that do: {', '.join(places)}.")
+        try:
+            x, y, degrees = map(float, numbers)
+        except ValueError:
+            x = y = degrees = math.nan
+        if not all(abs(number) <= FARTHEST_PLACE for number in (x, y, degrees)):
+            raise StudioError(f"--place {name} {' '.join(numbers)}: say two lengths in metres and degrees.")
+        places[key] = Placement((x, y), math.radians(degrees))
+    return places
 
 
 def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
@@ -157,6 +196,7 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
                 body,
                 contacts,
                 constraints,
+                asked.ground.seen_from(asked.places[key].position, asked.places[key].heading),
                 volume=volumes[key],
                 actor=actor,
                 limited=asked.limited,
@@ -166,6 +206,7 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
         },
         ready.capture,
         given.props,
+        asked.places,
     )
     make_folder(folder)
     return {
@@ -212,13 +253,16 @@ def print_report(report: Record) -> None:
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]
     print_table(titles, rows)
     lines = [
-        [each["name"], record["name"], _residual(each), _yes(each["reached"]), ", ".join(each["kept_by"]) or "-"]
+        [
+            *(each["name"], record["name"], _residual(each), _yes(each["reached"])),
+            *(f"{each['frames_held']} of {each['frames_asked']}", ", ".join(each["kept_by"]) or "-"),
+        ]
         for record in report["characters"]
         for each in record["constraints"]
     ]
     if lines:
         print()
-        print_table(("constraint", "character", "residual", "reached", "kept off by"), lines)
+        print_table(("constraint", "character", "residual", "reached", "frames held", "kept off by"), lines)
 
 
 def _residual(record: Record) -> str:

@@ -16,8 +16,6 @@ from studio.core.contacts import ContactPoint
 from studio.core.metrics import acceleration_ratio, knee_speeds, worst_of
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import adapt
-from studio.core.solver.carrying import limb_freedom
-from studio.core.solver.packing import limb_of
 from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.warm_up import warm_up
@@ -81,21 +79,29 @@ def frame_records(report: Report) -> Record:
 
 
 def constraint_records(request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool) -> list[Record]:
-    """For each constraint its worst residual while fully active, whether the target was met, and who kept it from that.
+    """For each constraint the frames in which it is asked for fully and in which it is met, its worst miss in them, and
+    in how many of those in which it is missed who kept it from being met.
 
-    With ``by_frame`` also the residual and by whom it was kept off in every frame, null where there is none.
+    Contacts that have its limb keep it from being met as anybody else. With ``by_frame`` also the residual and by whom
+    it was kept off in every frame, null where there is none.
     """
     records = []
-    for row, active in enumerate(full_activity(request)[:, adapted.first_frame :]):
+    for row, asked in enumerate(fully_asked(request)[:, adapted.first_frame :]):
         constraint = request.constraints[row]
-        residual = float(adapted.residuals[row, active].max()) if active.any() else None
-        kept_by = [_winner(int(code), request.constraints) for code in report.winners[row]]
-        counts = Counter(name for name in kept_by if name is not None)
         factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
-        record = {"name": constraint.name, "kind": constraint.kind, **residual_record(constraint, residual)}
-        record["kept_by"] = dict(counts.most_common())
+        misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]
+        held = asked & (factor * misses <= (REACHED_DEG if constraint.unit == "rad" else REACHED_MM))
+        worst = np.nanmax(misses[asked], initial=-math.inf)
+        record: Record = {"name": constraint.name, "kind": constraint.kind}
+        record |= residual_record(constraint, float(worst) if math.isfinite(worst) else None)
+        record |= {"frames_asked": int(asked.sum()), "frames_held": int(held.sum())}
+        if asked.any():
+            record["reached"] = bool(held.sum() == asked.sum())
+        missed = Counter(kept_by[frame] or OTHERS[EASED] for frame in np.flatnonzero(asked & ~held))
+        record["kept_by"] = dict(missed.most_common())
         if by_frame:
-            record["by_frame"] = {"residual": _numbers(factor * adapted.residuals[row]), "kept_by": kept_by}
+            told = np.where(asked, misses, adapted.residuals[row])
+            record["by_frame"] = {"residual": _numbers(factor * told), "kept_by": kept_by}
         records.append(record)
     return records
 
@@ -125,15 +131,10 @@ def residual_record(constraint: Constraint, residual: float | None) -> Record:
     }
 
 
-def full_activity(request: AdaptRequest) -> NDArray[np.bool_]:
-    """(C, F) where each constraint is fully active: on a limb only where that stands on nothing."""
-    count, rate = request.motion.frame_count, request.motion.frame_rate
-    active = np.zeros((len(request.constraints), count), dtype=bool)
-    for row, constraint in enumerate(request.constraints):
-        activation = constraint.activation.at(np.arange(count) / rate)
-        limb = limb_of(constraint.point.part)
-        active[row] = activation * limb_freedom(request.contacts, limb, count, rate) >= FULLY
-    return active
+def fully_asked(request: AdaptRequest) -> NDArray[np.bool_]:
+    """(C, F) where each constraint is fully active as its curve has it, whatever stands."""
+    times = request.motion.times
+    return np.array([each.activation.at(times) >= FULLY for each in request.constraints]).reshape(-1, len(times))
 
 
 def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:

@@ -11,7 +11,7 @@ from pathlib import Path
 from studio.cli import adapt
 from studio.cli.adaptation import make_folder
 from studio.cli.batch_cluster import run_there
-from studio.cli.batch_jobs import REPORTS, Job, Record, done_before, find_jobs
+from studio.cli.batch_jobs import FILES_ASKED_FOR, REPORTS, Job, Record, done_before, find_jobs
 from studio.cli.batch_summary import rows_of, write_summary
 from studio.cli.batch_workers import run_here
 from studio.cli.printing import counted, print_json
@@ -76,7 +76,7 @@ def _refuse_others_folder(out: Path, overwrite: bool) -> None:
 def _absolute(asked: dict[str, object]) -> dict[str, object]:
     """A worker may have another working folder."""
     asked["character"] = [str(Path(name).resolve()) if Path(name).is_file() else name for name in asked["character"]]  # type: ignore[attr-defined]
-    for key in ("constraints", "body_map"):
+    for key in FILES_ASKED_FOR:
         asked[key] = Path(str(asked[key])).resolve() if asked[key] else None
     return asked
 

@@ -18,7 +18,7 @@ from studio.io.registry import known_formats
 Record = dict[str, Any]
 REPORTS = "reports"
 """The folder, in that of the batch, of a report for each capture."""
-FILES_ASKED_FOR = ("constraints", "body_map", "marker_map")
+FILES_ASKED_FOR = ("constraints", "ground", "body_map", "marker_map")
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,11 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.stage import concerning
 from studio.core.solver.tracks import Track
 
-HERE = Placement()
-"""All characters stand in one place here: where the motion does."""
-
 
 def with_tracks(
-    requests: Mapping[str, AdaptRequest], capture: Capture, props: Mapping[str, Prop]
+    requests: Mapping[str, AdaptRequest], capture: Capture, props: Mapping[str, Prop], places: Mapping[str, Placement]
 ) -> dict[str, AdaptRequest]:
-    """The requests, by character, with the tracks of what their constraints follow.
+    """The requests, by character, with the tracks of what their constraints follow; ``places`` say where each stands.
 
     Of several characters that are followed each follows how the others move without constraints. Raises StudioError
     naming the constraint where somebody or something followed is not there.
@@ -37,9 +34,11 @@ def with_tracks(
         for key, request in requests.items()
     }
     bare = {key: adapt(replace(asked[key], constraints=())) for key in leaders} if len(leaders) > 1 else {}
-    led = {key: _following(asked[key], bare, capture, props) for key in leaders}
+    led = {key: _following(key, asked[key], bare, capture, props, places) for key in leaders}
     motions = {key: adapt(request) for key, request in led.items()}
-    return {key: led[key] if key in led else _following(asked[key], motions, capture, props) for key in asked}
+    return {
+        key: led[key] if key in led else _following(key, asked[key], motions, capture, props, places) for key in asked
+    }
 
 
 def _leaders(constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest]) -> list[str]:
@@ -57,18 +56,23 @@ def _leaders(constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRe
 
 
 def _following(
-    request: AdaptRequest, motions: Mapping[str, AdaptedMotion], capture: Capture, props: Mapping[str, Prop]
+    key: str,
+    request: AdaptRequest,
+    motions: Mapping[str, AdaptedMotion],
+    capture: Capture,
+    props: Mapping[str, Prop],
+    places: Mapping[str, Placement],
 ) -> AdaptRequest:
     tracks: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in request.constraints:
         for follow in follows_of(constraint):
             match follow:
                 case FollowPerformer():
-                    motion = motions[follow.performer_id]
+                    motion, there = motions[follow.performer_id], places[follow.performer_id]
                     rows = range(motion.frame_count)
-                    tracks[follow] = performer_track(follow.point, follow.turn, motion, rows, HERE, HERE)
+                    tracks[follow] = performer_track(follow.point, follow.turn, motion, rows, there, places[key])
                 case FollowProp():
-                    tracks[follow] = prop_track(follow, props[follow.prop_id], HERE)
+                    tracks[follow] = prop_track(follow, props[follow.prop_id], places[key])
                 case FollowTracked():
                     try:
                         tracks[follow] = tracked_track(follow, capture)

@@ -28,7 +28,7 @@ from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.project import Prop
 from studio.io.entity_json import CONSTRAINT_KINDS, Members, entity_of, entity_record
-from studio.io.mesh_file import read_mesh
+from studio.io.mesh_file import read_mesh_beside
 from studio.io.value_json import Json, unknown_fields
 
 _MEMBERS = ("constraints", "contacts", "props")
@@ -52,7 +52,7 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
 
     Raises StudioError naming file and member.
     """
-    record = _parsed(path)
+    record = parsed(path)
     if not isinstance(record, dict) or not isinstance(record.get("constraints", []), list):
         raise StudioError(f"{path}: expected a record with a list called 'constraints'.")
     if strange := sorted(record.keys() - set(_MEMBERS)):
@@ -75,7 +75,8 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
     return ConstraintFile(tuple(constraints), contacts, props)
 
 
-def _parsed(path: Path) -> Json:
+def parsed(path: Path) -> Json:
+    """The JSON in a file. Raises StudioError naming it."""
     try:
         return json.loads(path.read_bytes())  # NaN passes here, and each member refuses it under its name
     except OSError as error:
@@ -104,10 +105,7 @@ def _with_mesh(record: Json, path: Path, where: str) -> Json:
     """The record with the mesh itself where it names a file beside ``path``."""
     if not isinstance(record, dict) or not isinstance(record.get("mesh"), str):
         return record
-    try:
-        mesh = read_mesh(path.parent / record["mesh"]).mesh
-    except StudioError as error:
-        raise StudioError(f"{where}, mesh: {error}") from error
+    mesh = read_mesh_beside(record["mesh"], path, f"{where}, mesh").mesh
     return {**record, "mesh": {"vertices": mesh.vertices.tolist(), "triangles": mesh.triangles.tolist()}}
 
 
@@ -124,7 +122,7 @@ def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:
         raise StudioError(f"{where}, kind: expected one of {', '.join(CONSTRAINT_KINDS)}, {asked}.")
     if strange := _paths({k: v for k, v in unknown_fields(record, kind).items() if k not in _IDS}):
         raise StudioError(f"{where}: '{strange[0]}' is not known here. Correct its name.")
-    if large := _too_large(record):
+    if large := too_large(record):
         raise StudioError(f"{where}, {large} is too large to be true. Lengths are metres, times seconds.")
     try:
         found = entity_of("constraints", {**_USUAL, **record, "motion_id": motion_id}, _no_member)
@@ -143,14 +141,14 @@ def _paths(unknown: Mapping[str, Any]) -> list[str]:
     return paths
 
 
-def _too_large(record: Json) -> str:
+def too_large(record: Json) -> str:
     """Member and number of the first one that no body and no clip can have; "" when there is none."""
     items = record.items() if isinstance(record, dict) else enumerate(record) if isinstance(record, list) else ()
     for key, item in items:
         if isinstance(item, int | float):
             if _LARGEST < abs(item) < math.inf:
                 return f"{key}: {str(item)[:20]}"
-        elif inner := _too_large(item):
+        elif inner := too_large(item):
             return f"{key}, {inner}"
     return ""
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.core.triangle_mesh import TriangleMesh
+from studio.io.beside import path_beside
 
 SUFFIXES = (".obj", ".stl", ".ply")
 Y_UP = (".obj",)
@@ -41,6 +42,15 @@ def read_mesh(path: Path) -> MeshFile:
         raise StudioError(f"{path}: {error}") from error
     size = " x ".join(f"{edge:.2f}" for edge in np.ptp(mesh.vertices, axis=0))
     return MeshFile(mesh, f"{len(mesh.triangles)} triangles, {size} m; read as {unit}, {up} up")
+
+
+def read_mesh_beside(name: str, beside: Path, where: str) -> MeshFile:
+    """``read_mesh`` of the file that another one names, which lies in its folder; errors begin with ``where``."""
+    path = path_beside(name, beside, where)
+    try:
+        return read_mesh(path)
+    except StudioError as error:
+        raise StudioError(f"{where}: {error}") from error
 
 
 def _triangles_of(path: Path) -> tuple[np.ndarray, np.ndarray]:

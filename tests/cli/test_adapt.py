@@ -13,6 +13,7 @@ from studio.cli.main import main
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.kinematics import joint_world
 from studio.io.character_file import bundled_characters
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
@@ -231,7 +232,7 @@ def test_a_number_a_frame_is_reported_on_request_and_who_kept_a_constraint_from_
     assert max(second["kept_by"], key=second["kept_by"].get) == "Right wrist"
     kept = second["by_frame"]["kept_by"]
     assert len(kept) == len(second["by_frame"]["residual"]) == frames
-    assert kept.count("Right wrist") == second["kept_by"]["Right wrist"]
+    assert kept.count("Right wrist") >= second["kept_by"]["Right wrist"] > 0
     worst = max(number for number in second["by_frame"]["residual"] if number is not None)
     assert worst >= second["residual_mm"] - 1e-3
     by_frame = record["by_frame"]
@@ -243,6 +244,77 @@ def test_a_number_a_frame_is_reported_on_request_and_who_kept_a_constraint_from_
     _, plain = adapt(capsys, kick, tmp_path / "out", *arguments)
     assert "by_frame" not in plain["characters"][0]
     assert plain["characters"][0]["mass_margin_mm"] == record["mass_margin_mm"]
+
+
+def test_frames_in_which_a_limb_stands_are_counted_and_misses_are_those_of_the_file(capsys, kick, tmp_path):
+    step = {
+        **WRIST,
+        "name": "Step",
+        "point": {"part": "left_shank", "at_end": True},
+        "target": [0.3, 0.2, 0.3],
+        "priority": 1,
+    }
+    file = constraint_file(tmp_path, step, WRIST)
+    _, report = adapt(capsys, kick, tmp_path / "out", "--character", "child", "--constraints", file, "--body-only")
+    [record] = report["characters"]
+    frames = np.arange(report["frames"]) / report["frame_rate"]
+    asked = np.flatnonzero((frames >= 0.6 - 1e-9) & (frames <= 1.0 + 1e-9))
+    written = load_capture(record["file"])
+    positions, _ = joint_world(written.skeleton, written.poses)
+    for told, joint, place in zip(
+        record["constraints"], ("LeftFoot", "RightHand"), ("Step", "Right wrist"), strict=True
+    ):
+        target = step["target"] if place == "Step" else WRIST["target"]
+        misses = 1000.0 * np.linalg.norm(positions[asked, written.skeleton.index(joint)] - target, axis=1)
+        assert told["name"] == place
+        assert told["frames_asked"] == len(asked)
+        assert told["residual_mm"] == pytest.approx(misses.max(), abs=0.02)
+        assert told["frames_held"] == pytest.approx(np.count_nonzero(misses <= 0.2), abs=1)
+        assert told["reached"] == (told["frames_held"] == told["frames_asked"])
+        assert sum(told["kept_by"].values()) == told["frames_asked"] - told["frames_held"]
+    assert set(record["constraints"][0]["kept_by"]) == {"contacts"}
+
+
+def test_feet_stand_on_the_ground_of_a_file_where_the_character_is_placed(capsys, walk, tmp_path):
+    (tmp_path / "ground.json").write_text('{"kind": "slope", "angle": 0.1}')
+    arguments = ("--character", "child", "--ground", tmp_path / "ground.json")
+    for place, rise in (((), 0.0), (("--place", "child", "2", "0", "0"), 2.0 * np.tan(0.1))):
+        _, report = adapt(capsys, walk, tmp_path / "out", *arguments, *place)
+        [record] = report["characters"]
+        assert record["penetration_mm"] < 2.0
+        assert record["float_mm"] < 2.0
+        written = load_capture(record["file"])
+        lowest = joint_world(written.skeleton, written.poses)[0][0, :, 2].min()
+        assert lowest == pytest.approx(rise, abs=0.1)
+
+
+def test_who_follows_another_follows_where_that_one_is_placed(capsys, walk, tmp_path):
+    lead = {"kind": "follow_performer", "performer_id": "child", "point": WRIST["point"]}
+    look = {
+        "kind": "look_at", "name": "Look", "point": {"part": "head"}, "target": lead,
+        "activation": {"start": 0, "full": 0, "full_end": 9, "end": 9}, "chain": {"end_segment": 1},
+    }  # fmt: skip
+    arguments = ("--character", "tall_man", "child", "--constraints", constraint_file(tmp_path, look))
+    turns = []
+    for place in ("2", "-2"):
+        _, report = adapt(capsys, walk, tmp_path / "out", *arguments, "--place", "child", "0", place, "0")
+        written = load_capture(report["characters"][0]["file"])
+        turns.append(joint_world(written.skeleton, written.poses)[1][0, written.skeleton.index("Head")])
+    assert np.trace(turns[0].T @ turns[1]) < 2.0
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--place", "giant", "0", "0", "0"], "--place giant: no such character takes part. Those that do: child."),
+        (["--place", "child", "0", "north", "0"], "say two lengths in metres and degrees"),
+        (["--place", "child", "0", "nan", "0"], "say two lengths in metres and degrees"),
+        (["--ground", "none.json"], "none.json cannot be read"),
+    ],
+)
+def test_a_place_or_a_ground_that_is_none_is_a_sentence(capsys, walk, tmp_path, options, sentence):
+    assert main(["adapt", str(walk), "--character", "child", "--out", str(tmp_path / "out"), *options]) == 1
+    assert sentence in capsys.readouterr().err
 
 
 def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_other(capsys, kick, tmp_path):

@@ -6,6 +6,8 @@ import multiprocessing
 import os
 import re
 import signal
+import subprocess
+import sys
 from argparse import ArgumentParser
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,7 @@ from studio.cli import batch
 from studio.cli.batch_jobs import Job, done_before, find_jobs, work
 from studio.cli.main import main
 from studio.io.export import write_capture
+from tests.architecture.sources import ROOT
 from tests.builders import make_capture
 
 
@@ -194,3 +197,33 @@ def test_without_a_scheduler_it_starts_workers_of_its_own_and_ends_them(folder, 
     assert main(["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child", "--workers=1"]) == 0
     assert "3 adapted, 0 unchanged, 0 failed" in capsys.readouterr().out
     assert set(multiprocessing.active_children()) <= before
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers do not inherit what is replaced here")
+def test_a_capture_of_which_workers_die_is_a_row_with_its_error_and_the_others_are_done(folder, monkeypatch, capsys):
+    monkeypatch.setattr(
+        "studio.cli.batch_workers.work", lambda job: work(job) if "run" not in job.name else os._exit(9)
+    )
+    command = ["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child", "--workers", "2"]
+    assert main(command) == 1
+    assert "2 adapted, 0 unchanged, 1 failed" in capsys.readouterr().out
+    errors = {row["capture"]: row["error"] for row in rows(folder)}
+    assert "every worker that was given this file died of it" in errors.pop("run.bvh")
+    assert set(errors.values()) == {""}
+
+
+def test_ctrl_c_in_a_terminal_ends_the_batch_with_one_sentence(folder):
+    for seed in range(9):
+        write_capture(make_capture(seed=seed, frames=800), folder / f"take{seed}.bvh")
+    command = [sys.executable, str(ROOT / "main.py"), "batch", str(folder), "--out", str(folder.parent / "out")]
+    command += ["--character", "child"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as batch_process:
+        told = batch_process.stderr.readline()
+        os.killpg(batch_process.pid, signal.SIGINT)
+        rest = batch_process.stderr.read()
+    assert batch_process.returncode == 130
+    assert told.startswith("[1/12]")
+    last = [line for line in rest.splitlines() if not line.startswith("[")]
+    assert len(last) == 1
+    assert last[0].startswith("morpho-studio: Stopped after")
+    assert not list(folder.parent.rglob("*.part"))

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.metrics import centre_of_mass, contact_tracks, knee_speeds
 from studio.core.solver.adapt import Bound, Standing, hold, standing_of
+from studio.core.solver.measured import misses
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stretch import constraint_activations
+from studio.core.solver.stretch import constraint_activations, targets_of
 from studio.core.solver.support import outlines, standing_points, support_margins
 from studio.core.solver.tracks import Tracks
 
@@ -35,13 +36,15 @@ WORTH = 0.05
 class Report:
     """Of C constraints over F frames.
 
-    ``residuals`` (C, F) metres or radians, NaN where not active; ``winners`` (C, F) who kept each from being met: the
+    ``residuals`` (C, F) metres or radians, NaN where not active; ``misses`` (C, F) the same measured on the poses, at
+    full activation, whether they act or not (``measured.misses``); ``winners`` (C, F) who kept each from being met: the
     row of a constraint, or one of the names above; ``slides`` and ``heights`` (9, F) metres, a row a ``ContactPoint``,
     NaN where a point does not stand; ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre of
     mass to the edge of what is stood on, negative outside, NaN in flight.
     """
 
     residuals: FloatArray
+    misses: FloatArray
     winners: IntArray
     slides: FloatArray
     heights: FloatArray
@@ -58,6 +61,7 @@ def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
     slides, heights = contact_tracks(adapted, request.contacts, request.ground)
     return Report(
         adapted.residuals,
+        misses(request.constraints, targets_of(standing, request.constraints, window, request.tracks), adapted),
         winners(standing, request.constraints, request.tracks, adapted, request.eased),
         slides,
         heights,

@@ -59,7 +59,7 @@ class Stretch:
         self._order = [c for c in in_order(constraints) if c not in self._clear]
         asked, cleared = [constraints[c] for c in self._order], [constraints[c] for c in self._clear]
         everything = [*(each.constraint for each in held), *asked]
-        self._rows = pack(everything, body.layout, _targets(standing, constraints, window, tracks), self._held)
+        self._rows = pack(everything, body.layout, targets_of(standing, constraints, window, tracks), self._held)
         activations = constraint_activations([*asked, *cleared], standing.contacts, standing.motion)
         acts = activations[: len(asked), window]
         if held:
@@ -257,7 +257,7 @@ class Stretch:
         return self._positions[rows], self._rotations[rows], residuals[:, rows]
 
 
-def _targets(standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
+def targets_of(standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
     """What gives the constraints' targets their numbers: all that is known before anything is solved."""
     motion, body = standing.motion, standing.morphology.still
     known: dict[Follow | OwnPlace | Support, Track] = {}
