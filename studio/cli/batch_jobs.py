@@ -13,6 +13,7 @@ from typing import Any
 from studio import __version__
 from studio.cli.process import prepare_process
 from studio.core.errors import StudioError
+from studio.io.beside import refuse_devices
 from studio.io.registry import known_formats
 
 Record = dict[str, Any]
@@ -120,6 +121,7 @@ def _files(arguments: Mapping[str, Any]) -> Iterator[Path]:
 
 
 def _content(path: Path) -> bytes:
+    refuse_devices(path)
     try:
         return path.read_bytes()
     except OSError as error:

@@ -1,12 +1,13 @@
 """Options by which the user overrules what importers guess, the same for every verb that reads captures."""
 
-import json
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, Step, UndoSwaps
+from studio.io.beside import refuse_devices
 from studio.io.importing import ImportOptions
+from studio.io.json_text import json_of
 from studio.io.marker_maps import read_map
 
 
@@ -83,8 +84,9 @@ def _marker_steps(arguments: Namespace) -> tuple[Step, ...] | None:
 
 
 def _read_body_map(path: Path) -> dict[str, str]:
+    refuse_devices(path)
     try:
-        names = json.loads(path.read_bytes())
+        names = json_of(path.read_bytes())
     except OSError as error:
         raise StudioError(f"{path} cannot be read: {error.strerror}.") from error
     except ValueError as error:

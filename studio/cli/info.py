@@ -160,7 +160,7 @@ def _project(path: Path, _options: ImportOptions) -> Record:
 
 def lines_of(record: Record) -> list[str]:
     """One file for a person to read."""
-    facts = [("kind", record["kind"])]
+    facts = [("error", record["error"])] if record["error"] else [("kind", record["kind"])]
     facts += [(_label(key), _words(record, key)) for key in _SHOWN if record.get(key) not in (None, {}, [])]
     facts += [(key[:-1], sentence) for key in ("assumptions", "repairs") for sentence in record[key]]
     return [record["file"], *(_wrapped(label, text) for label, text in facts)]

@@ -14,7 +14,8 @@ from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import StateHash, Step, lock_of, remove_session
 from studio.document.playhead import PlayheadState
-from studio.io.entity_json import array_of, entity_of, parsed, project_of
+from studio.io.entity_json import entity_of, parsed, project_of
+from studio.io.npy import array_of
 from studio.io.value_json import Array
 
 KEPT_WHEN_DECLINED = timedelta(days=30)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from studio.core.errors import StudioError
+from studio.io.beside import refuse_devices
 from studio.io.replacing import FolderNotWritable, remove_leftovers, replacing
 
 SEAL = b"morpho-studio sha256:"
@@ -21,6 +22,8 @@ _SIGNATURE = b"PK\x03\x04"
 _LOCAL_HEADER = struct.Struct("<4s5H3I2H")
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
+_SPARE_BYTES = 100_000_000
+"""To which a compressed archive may unpack beside twenty times its size: members are there twice for a moment."""
 _MOST_DAMAGED = 100  # a file made to keep the reader busy has many more
 
 Stamp = tuple[int, int, int]
@@ -46,6 +49,7 @@ def stamp(path: Path) -> Stamp | None:
 
 def read_archive(path: Path) -> Archive:
     """All intact members. Raises StudioError when the file cannot be read or is no archive at all."""
+    refuse_devices(path)
     try:
         content = path.read_bytes()
     except OSError as error:
@@ -144,7 +148,7 @@ def _walked(content: bytes) -> Archive:
 
 def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
     """Members of an archive that another program packed anew, compressed perhaps."""
-    limit = 20 * len(content) + 500_000_000
+    limit = 20 * len(content) + _SPARE_BYTES
     try:
         with zipfile.ZipFile(path) as archive:
             if sum(entry.file_size for entry in archive.infolist()) > limit:

@@ -11,8 +11,19 @@ LARGEST = 500_000_000
 """Bytes of one file; more is refused unread."""
 
 
+def refuse_devices(path: Path) -> None:
+    """Raise StudioError where ``path`` is a pipe, a device or a folder: reading might never end."""
+    try:
+        strange = path.exists() and not path.is_file()
+    except (OSError, ValueError) as error:
+        raise StudioError(f"'{path.name[:80]!r}' is no name of a file.") from error
+    if strange:
+        raise StudioError(f"{path.name} could not be read: it is no ordinary file. Choose another.")
+
+
 def read_bytes(path: Path, largest: int = LARGEST) -> bytes:
     """The content of an ordinary file. Raises StudioError when it is none, is too large or cannot be read."""
+    refuse_devices(path)
     try:
         if not path.is_file():
             raise StudioError(f"{path.name} could not be read: there is no such file. Check the name and try again.")

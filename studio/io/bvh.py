@@ -12,6 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.kernels import channels as kernel
 from studio.core.pose import PoseSequence
 from studio.core.skeleton import Skeleton
+from studio.io.beside import refuse_devices
 from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh_spelling import plainly_spelled
 from studio.io.bvh_writer import write_bvh
@@ -140,6 +141,7 @@ def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[
 
 
 def _content(path: Path) -> bytes:
+    refuse_devices(path)
     try:
         size = path.stat().st_size
         if size > _LARGEST_FILE:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
+from studio.io.beside import refuse_devices
 from studio.io.c3d_contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
 from studio.io.c3d_parameters import BLOCK, Numbers, Parameters, read_parameters
 
@@ -98,6 +99,7 @@ def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
 
 
 def _content(path: Path) -> bytes:
+    refuse_devices(path)
     try:
         size = path.stat().st_size
         if size > _LARGEST_FILE:

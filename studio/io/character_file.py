@@ -2,9 +2,7 @@
 
 import hashlib
 import json
-import struct
 import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import lru_cache
@@ -21,7 +19,10 @@ from studio.core.errors import StudioError
 from studio.core.mannequin.tailoring import tailored
 from studio.core.morphology import Morphology, Proportions
 from studio.core.skin import Blending, SkinnedMesh
+from studio.io.beside import path_beside, read_bytes
 from studio.io.importing import ImportOptions
+from studio.io.json_text import json_of
+from studio.io.npy import arrays_of
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.replacing import replacing_all
 from studio.io.textures import checked_picture
@@ -30,10 +31,8 @@ from studio.resources_folder import resources_folder
 FORMAT = "morpho-studio character"
 VERSION = 1
 _LIMIT = 200_000_000
-_DAMAGE = (  # what zipfile and numpy raise over bytes that are no mesh
-    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError),
-    *(KeyError, ValueError, TypeError, SyntaxError, NotImplementedError, RuntimeError, MemoryError),
-)
+_DAMAGE = (KeyError, ValueError, TypeError, ArithmeticError)
+"""What comes of arrays that are no mesh."""
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
 _LOOK = ("triangle_materials", "coordinates")
 
@@ -79,18 +78,15 @@ def write_character(character: Character, path: Path) -> None:
 def read_character(path: Path) -> Character:
     """The character of a .json file. Raises StudioError naming the file and the member that is wrong."""
     record = _read_record(path)
-    mesh_name = _member(record, "mesh", str, path)
-    if Path(mesh_name).name != mesh_name:
-        raise StudioError(f"{path}: 'mesh' must name a file beside it, not '{mesh_name}'.")
-    mesh_path = path.with_name(mesh_name)
-    content = _read_bytes(mesh_path)
+    mesh_path = path_beside(_member(record, "mesh", str, path), path, f"{path}, mesh")
+    content = read_bytes(mesh_path, _LIMIT)
     if hashlib.sha256(content).hexdigest() != record.get("sha256"):
         raise StudioError(f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both anew.")
     try:
         build = Morphology.from_json(_member(record, "build", dict, path))
         proportions = Proportions(**record.get("proportions", {}))
         blending = Blending(record.get("blending", Blending.LINEAR))
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, ArithmeticError) as error:
         raise StudioError(f"{path}: the measures are damaged. {error}") from error
     skin = read_mesh(content, str(mesh_path), record.get("materials", []))
     if not skin.fits(build.layout.segment_count):
@@ -140,13 +136,9 @@ def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> Ski
     Raises StudioError that names ``source`` and the damaged member.
     """
     try:
-        with zipfile.ZipFile(BytesIO(content)) as archive:
-            if sum(entry.file_size for entry in archive.infolist()) > _LIMIT:
-                raise StudioError(f"{source}: the mesh would unpack to more than {_LIMIT // 1_000_000} MB.")
-        with np.load(BytesIO(content), allow_pickle=False) as file:
-            look = _appearance(file, materials) if len(materials) else None
-            stance = file.get("stance")
-            return SkinnedMesh(**{name: file[name] for name in _MEMBERS}, stance=stance, appearance=look)
+        file = arrays_of(content, _LIMIT)
+        look = _appearance(file, materials) if len(materials) else None
+        return SkinnedMesh(**{name: file[name] for name in _MEMBERS}, stance=file.get("stance"), appearance=look)
     except _DAMAGE as error:
         raise StudioError(f"{source}: the mesh is damaged. {error}") from error
 
@@ -189,21 +181,14 @@ def _appearance(file: Mapping[str, Any], records: Sequence[Any]) -> Appearance:
 
 def _read_record(path: Path) -> dict[str, Any]:
     try:
-        record = json.loads(_read_bytes(path))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        record = json_of(read_bytes(path))
+    except ValueError as error:
         raise StudioError(f"{path}: not a character file. {error}") from error
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise StudioError(f"{path}: not a character file: its 'format' is not '{FORMAT}'.")
     if record.get("version") != VERSION:
         raise StudioError(f"{path}: version {record.get('version')} is not known here. Install a newer Morpho Studio.")
     return record
-
-
-def _read_bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise StudioError(f"{path}: cannot be read ({error.strerror}).") from error
 
 
 def _member(record: dict[str, Any], name: str, kind: type, path: Path) -> Any:

@@ -13,7 +13,6 @@ Each constraint is the record that a project holds for it (``entity_json``), wit
 follow one of the file's ``props``, ``{"box": {"position": [0.4, 0, 0.8]}}``, by its id.
 """
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -27,7 +26,9 @@ from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.project import Prop
+from studio.io.beside import refuse_devices
 from studio.io.entity_json import CONSTRAINT_KINDS, Members, entity_of, entity_record
+from studio.io.json_text import json_of
 from studio.io.mesh_file import read_mesh_beside
 from studio.io.value_json import Json, unknown_fields
 
@@ -77,11 +78,12 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
 
 def parsed(path: Path) -> Json:
     """The JSON in a file. Raises StudioError naming it."""
+    refuse_devices(path)
     try:
-        return json.loads(path.read_bytes())  # NaN passes here, and each member refuses it under its name
+        return json_of(path.read_bytes())  # NaN passes here, and each member refuses it under its name
     except OSError as error:
         raise StudioError(f"{path} cannot be read: {error.strerror}.") from error
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
 
 

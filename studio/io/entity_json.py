@@ -23,6 +23,7 @@ from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.grounds import GROUND_KINDS
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
+from studio.io.json_text import json_of
 from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 1
@@ -58,18 +59,6 @@ def npy_parts(array: Array) -> tuple[bytes, memoryview]:
     stream = io.BytesIO()
     np.lib.format.write_array_header_1_0(stream, np.lib.format.header_data_from_array_1_0(little))
     return stream.getvalue(), little.reshape(-1).view(np.uint8).data
-
-
-def array_of(content: bytes) -> Array:
-    """A read-only array over the bytes of an ``.npy`` file. Raises ValueError when they are not one."""
-    stream = io.BytesIO(content)
-    if np.lib.format.read_magic(stream) != (1, 0):
-        raise ValueError("it is not a plain array")
-    shape, fortran, kind = np.lib.format.read_array_header_1_0(stream)
-    rest = len(content) - stream.tell()
-    if kind.hasobject or fortran or int(np.prod([float(n) for n in shape])) * kind.itemsize != rest:
-        raise ValueError("its header does not fit its content")
-    return np.frombuffer(content, kind, offset=stream.tell()).reshape(shape)
 
 
 def member_name(array: Array, folder: str) -> str:
@@ -129,11 +118,8 @@ def line(record: Json) -> str:
 def parsed(content: bytes, name: str) -> Json:
     """JSON of a member. Raises StudioError naming the member."""
     try:
-        record = json.loads(content, parse_constant=_refuse_constant, parse_float=_finite)
-        if b"\\u" in content:  # half a character could be read, but never be written again
-            line(record).encode()
-        return record
-    except (ValueError, RecursionError) as error:
+        return json_of(content, parse_constant=_refuse_constant, parse_float=_finite)
+    except ValueError as error:
         raise StudioError(f"'{name}' in the project file is not readable as JSON: {error}.") from error
 
 

@@ -1,5 +1,6 @@
 """Triangle meshes from OBJ, STL and PLY files, in metres, Z up and X forward."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -7,9 +8,20 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.core.triangle_mesh import TriangleMesh
-from studio.io.beside import path_beside
+from studio.io.beside import path_beside, read_bytes
+from studio.io.meshes.obj import read_obj
+from studio.io.meshes.ply import read_ply
+from studio.io.meshes.stl import read_stl
+from studio.io.meshes.triangles import MeshError, Points, Triangles
 
-SUFFIXES = (".obj", ".stl", ".ply")
+_READERS: dict[str, Callable[[bytes], tuple[Points, Triangles]]] = {
+    ".obj": read_obj,
+    ".stl": read_stl,
+    ".ply": read_ply,
+}
+SUFFIXES = tuple(_READERS)
+LARGEST_FILE = 200_000_000
+"""Bytes."""
 Y_UP = (".obj",)
 """Formats whose programs mostly write Y up."""
 UNITS = ((12.0, 1.0, "metres"), (1500.0, 0.01, "centimetres"), (np.inf, 0.001, "millimetres"))
@@ -33,6 +45,8 @@ def read_mesh(path: Path) -> MeshFile:
     if not path.is_file():
         raise StudioError(f"{path} is not there. Choose another file.")
     points, triangles = _triangles_of(path)
+    if not np.isfinite(points).all():
+        raise StudioError(f"{path} is not readable as a mesh: a vertex is not finite. Export the mesh again.")
     side = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     factor, unit = next((factor, unit) for most, factor, unit in UNITS if not side > most)
     up = "Y" if suffix in Y_UP else "Z"
@@ -54,18 +68,11 @@ def read_mesh_beside(name: str, beside: Path, where: str) -> MeshFile:
 
 
 def _triangles_of(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    import pyvista  # only when a mesh is read: it loads VTK
-    from vtkmodules.vtkCommonCore import vtkObject
-
-    told = vtkObject.GetGlobalWarningDisplay()
-    vtkObject.GlobalWarningDisplayOff()  # what VTK would print about a damaged file is said below
+    content = read_bytes(path, LARGEST_FILE)
     try:
-        read = pyvista.read(path)
-        surface = read.triangulate() if isinstance(read, pyvista.PolyData) and read.n_points else None
-    except Exception as error:  # the readers raise what they like over bytes that are no mesh
-        raise StudioError(f"{path} is not readable as a mesh: {error}.") from error
-    finally:
-        vtkObject.SetGlobalWarningDisplay(told)
-    if surface is None or not surface.n_cells:
+        points, triangles = _READERS[path.suffix.lower()](content)
+    except MeshError as error:
+        raise StudioError(f"{path} is not readable as a mesh: {error}. Export the mesh again.") from error
+    if not len(triangles):
         raise StudioError(f"{path} holds no triangle. Export the mesh again.")
-    return np.asarray(surface.points, dtype=np.float64), np.asarray(surface.faces).reshape(-1, 4)[:, 1:]
+    return points, triangles

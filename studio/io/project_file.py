@@ -19,7 +19,6 @@ from studio.io.entity_json import (
     MEMBER_NAME,
     PROJECT_SCHEMA,
     Members,
-    array_of,
     line,
     named_members,
     npy_bytes,
@@ -27,6 +26,7 @@ from studio.io.entity_json import (
     project_json,
     project_of,
 )
+from studio.io.npy import array_of
 from studio.io.replacing import FolderNotWritable
 from studio.io.upgrades import schema_of, upgraded
 from studio.io.value_json import Array, Json

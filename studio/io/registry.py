@@ -13,6 +13,7 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from studio.core.errors import StudioError
+from studio.io.beside import refuse_devices
 
 if TYPE_CHECKING:
     from studio.core.annotations import Annotations
@@ -258,6 +259,7 @@ def _recognising(candidates: list[Format], head: bytes) -> Iterator[Format]:
 
 
 def _head(path: Path) -> bytes:
+    refuse_devices(path)
     try:
         with path.open("rb") as file:
             return file.read(_SNIFFED)

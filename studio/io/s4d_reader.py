@@ -1,14 +1,11 @@
 """Reading S4D: bounded, checked member by member, and put together to the capture it was made from."""
 
-import json
-import math
-import re
 import struct
 import zipfile
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +22,10 @@ from studio.core.normalized.realize import restore
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY, to_matrix
 from studio.core.skeleton import Skeleton
+from studio.io.beside import refuse_devices
 from studio.io.constraint_file import constraint_of, contacts_of
+from studio.io.json_text import json_of
+from studio.io.npy import array_of
 from studio.io.s4d import CHANNELS, FORMAT, RECORD, ROTATIONS, TRANSLATIONS, VERSION, S4d
 from studio.io.value_json import Json, MemberCodec, from_json
 
@@ -39,11 +39,6 @@ _LARGEST = 1e6
 _DAMAGE = (  # what zipfile and zlib raise over bytes that are no archive
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OverflowError),
     *(ValueError, NotImplementedError, RuntimeError, MemoryError),
-)
-_NPY = re.compile(
-    rb"\x93NUMPY\x01\x00..\{'descr': '([^']{1,20})', 'fortran_order': (True|False), "
-    rb"'shape': \(((?:[0-9]{1,9}, ?)*[0-9]{0,9})\), *\} *\n",
-    re.DOTALL,
 )
 """The head of an array, as numpy writes it; numpy's own reader evaluates it as Python."""
 
@@ -118,6 +113,7 @@ def read_annotations(path: Path, motion_id: str) -> Annotations:
 
 def _members(path: Path) -> tuple[int, dict[str, bytes]]:
     """Size of the file, and its four members unpacked, which together stay within what the size allows."""
+    refuse_devices(path)
     try:
         size = path.stat().st_size
         with zipfile.ZipFile(path) as archive:
@@ -139,8 +135,8 @@ def _damaged(path: Path, reason: str) -> StudioError:
 
 def _record(content: bytes, path: Path) -> _Record:
     try:
-        parsed = json.loads(content, parse_constant=_refuse, parse_float=_finite)
-    except (ValueError, RecursionError) as error:
+        parsed = json_of(content, parse_constant=_refuse, parse_float=_finite)
+    except ValueError as error:
         raise _damaged(path, f"'{RECORD}' is not readable as JSON ({error}).") from error
     if not isinstance(parsed, dict) or parsed.get("format") != FORMAT:
         raise _damaged(path, f"'{RECORD}' does not say that it is one.")
@@ -156,17 +152,14 @@ def _record(content: bytes, path: Path) -> _Record:
 
 def _array(content: bytes, name: str, path: Path) -> FloatArray:
     """The numbers of a member as float64, C-ordered; all finite and believable."""
-    header = _NPY.match(content)
-    if header is None:
-        raise _damaged(path, f"'{name}' is no plain array.")
-    kind, fortran, sizes = (group.decode("ascii", "replace") for group in header.groups())
-    if kind not in ("<f4", "<f8"):
-        raise _damaged(path, f"'{name}': its numbers are '{kind}', not '<f4' or '<f8'.")
-    shape = tuple(int(size) for size in sizes.split(",") if size.strip())
-    if math.prod(shape) * int(kind[2]) != len(content) - header.end() or len(shape) > 3:
+    try:
+        numbers = array_of(content)
+    except ValueError as error:
+        raise _damaged(path, f"'{name}': {error}.") from error
+    if numbers.dtype.str not in ("<f4", "<f8"):
+        raise _damaged(path, f"'{name}': its numbers are '{numbers.dtype.str}', not '<f4' or '<f8'.")
+    if numbers.ndim > 3:
         raise _damaged(path, f"'{name}': its header does not fit its content.")
-    order: Literal["F", "C"] = "F" if fortran == "True" else "C"
-    numbers = np.frombuffer(content, kind, offset=header.end()).reshape(shape, order=order)
     if not (np.abs(numbers) <= _LARGEST).all():  # NaN is not either
         raise _damaged(path, f"'{name}' holds a number that is not finite or too large to be true.")
     return np.ascontiguousarray(numbers, dtype=np.float64)

@@ -1,6 +1,8 @@
 """A small good file of every kind that the studio reads, to be spoilt: by suffix, with what reads it."""
 
+import hashlib
 import json
+import struct
 import zipfile
 from collections.abc import Callable
 from io import BytesIO
@@ -11,7 +13,9 @@ from studio.io.c3d_writer import write_c3d
 from studio.io.character_file import write_character
 from studio.io.constraint_file import constraint_record, read_constraints
 from studio.io.export import write_capture
+from studio.io.ground_file import read_ground
 from studio.io.importing import GUESS_ALL
+from studio.io.mesh_file import read_mesh
 from studio.io.project_file import read_project, write_project
 from studio.io.registry import format_of
 from tests.builders import make_capture, make_character, make_constraint, make_project
@@ -47,8 +51,27 @@ SEEDS: dict[str, Write] = {
     ".json": lambda path: write_character(make_character(), path),
     ".studio": lambda path: write_project(path, make_project(), "0" * 32),
     ".constraints": _constraints,
+    ".ground": _text(lambda: json.dumps({"kind": "height_map", "heights": [[0, 0.1], [0.2, 0]], "cell": 0.5})),
+    ".obj": _text(lambda: OBJ),
+    ".stl": _text(lambda: STL),
+    ".ply": lambda path: path.write_bytes(PLY),
 }
-"""The suffix of constraints is this table's own: their files end with .json too."""
+"""The suffixes of constraints and grounds are this table's own: their files end with .json too."""
+OBJ = "# a roof\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 1 0.5\nf 1 2 3 4\nf 1/1/1 2/2/2 5\nf -4 -3 -1\n"
+STL = "".join(
+    ["solid a\n"]
+    + [
+        f"facet normal 0 0 1\nouter loop\nvertex 0 0 {z}\nvertex 1 0 {z}\nvertex 0 1 0\nendloop\nendfacet\n"
+        for z in "123"
+    ]
+    + ["endsolid\n"]
+)
+PLY = (
+    b"ply\nformat binary_little_endian 1.0\ncomment a tent\nelement vertex 4\nproperty float x\nproperty float y\n"
+    b"property float z\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    + b"".join(struct.pack("<3fB", *place, 9) for place in ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1)))
+    + struct.pack("<B4iB3i", 4, 0, 1, 2, 3, 3, 0, 1, 3)
+)
 
 
 def spoiled(random: Random, content: bytes) -> bytes:
@@ -66,11 +89,26 @@ def _member_spoiled(random: Random, content: bytes) -> bytes:
     members[name] = bytes_changed(random, members[name])
     if name.endswith(".json") and random.random() < 0.5:
         members[name] = numbers_changed(random, members[name])
+    members = _sealed(name, members)
     packed = BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         for each, member in members.items():
             archive.writestr(zipfile.ZipInfo(each), member)
     return packed.getvalue()
+
+
+def _sealed(name: str, members: dict[str, bytes]) -> dict[str, bytes]:
+    """With a member of arrays under the name that its new content has: it looks undamaged."""
+    if not name.endswith(".npy"):
+        return members
+    folder, _, _ = name.partition("/")
+    new = f"{folder}/{hashlib.sha256(members[name]).hexdigest()}.npy"
+    return {
+        (new if key == name else key): content.replace(name.encode(), new.encode())
+        if key.endswith(".json")
+        else content
+        for key, content in members.items()
+    }
 
 
 def read(path: Path) -> None:
@@ -80,6 +118,10 @@ def read(path: Path) -> None:
             read_project(path)
         case ".constraints":
             read_constraints(path, "motion")
+        case ".ground":
+            read_ground(path)
+        case ".obj" | ".stl" | ".ply":
+            read_mesh(path)
         case _:
             found = format_of(path, "capture_reader", "character_reader")
             for reader in ("read_capture", "read_character"):

@@ -13,7 +13,7 @@ from studio.io.registry import OWN_FORMATS
 from tests.io.seeds import SEEDS, read, spoiled
 
 MUTATIONS = 2000
-ELSEWHERE = {".fbx": 12, ".c3d": 100, ".gltf": 100, ".vrm": 100, ".vrml": 100, ".x3dv": 100}
+ELSEWHERE = {".fbx": 12, ".c3d": 100, ".gltf": 100, ".vrm": 100, ".vrml": 100, ".x3dv": 100, ".ground": 200}
 """Of those that are spoilt in tests of their own, or are read as another of the same parser."""
 
 

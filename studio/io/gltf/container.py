@@ -1,6 +1,5 @@
 """The containers of glTF 2.0: a JSON file with its buffers in data URIs or beside it, or one binary GLB."""
 
-import json
 import struct
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 from studio.core.errors import StudioError
 from studio.io.beside import content_of, read_bytes
 from studio.io.json_record import Record
+from studio.io.json_text import json_of
 
 MAGIC = b"glTF"
 _MOST_RECORDS = 1_000_000
@@ -83,10 +83,9 @@ def _parsed(text: bytes, name: str) -> dict[str, Any]:
     if text.count(b"{") + text.count(b"[") > _MOST_RECORDS:
         raise StudioError(f"{name} holds more than {_MOST_RECORDS:,} records. Simplify the file.")
     try:
-        record = json.loads(text.decode("utf-8-sig"))
-    except (ValueError, RecursionError) as error:
-        reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise StudioError(f"{name} is not readable as JSON: {reason}. Export it again.") from error
+        record = json_of(text.removeprefix(b"\xef\xbb\xbf"))
+    except ValueError as error:
+        raise StudioError(f"{name} is not readable as JSON: {error}. Export it again.") from error
     if not isinstance(record, dict):
         raise StudioError(f"{name} holds no glTF: its JSON is no record. Export it again.")
     return record

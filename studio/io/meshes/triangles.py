@@ -1,0 +1,45 @@
+"""What a reader of meshes gathers: points, and polygons cut into triangles."""
+
+from array import array
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.triangle_mesh import MOST_TRIANGLES
+
+Points = NDArray[np.float64]
+Triangles = NDArray[np.int64]
+
+FARTHEST_INDEX = 1 << 53
+
+
+class MeshError(ValueError):
+    """What is wrong with a file, to follow its name."""
+
+
+class Corners:
+    """Polygons as they come, cut into fans."""
+
+    def __init__(self) -> None:
+        self._corners = array("q")
+
+    def add(self, polygon: Sequence[int]) -> None:
+        """Indices of points around a polygon; of fewer than three nothing comes."""
+        for second, third in pairwise(polygon[1:]):
+            self._corners.extend((polygon[0], second, third))
+        if len(self._corners) > 3 * MOST_TRIANGLES:
+            raise MeshError(f"it has more than {MOST_TRIANGLES} triangles. Reduce it first")
+
+    @property
+    def triangles(self) -> Triangles:
+        """(T, 3)."""
+        return np.array(self._corners, dtype=np.int64).reshape(-1, 3)
+
+
+def checked_index(value: float) -> int:
+    """A whole number that may be an index."""
+    if not (abs(value) < FARTHEST_INDEX and value == int(value)):
+        raise MeshError(f"'{str(value)[:20]}' is no number of a vertex")
+    return int(value)
