@@ -12,7 +12,8 @@ from studio.core.carried_joints import carried_joints
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.performing import Performance
+from studio.core.solver.rows import is_plain
 from studio.io.export import Take, take_of_adapted, take_of_capture, write_take
 from studio.io.export_options import ExportOptions
 
@@ -49,9 +50,10 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
         made = performances(project)
         each_share = (1.0 - ADAPTING_SHARE) / len(paths)
         for place, (key, path) in enumerate(paths.items()):
-            if key not in made:
-                raise StudioError(f"{project.performers[key].name} has no motion of a human body to be exported.")
-            take = take_of_performer(project, key, *made[key], along=chosen.carries(path))
+            if key not in made.performances:
+                reason = made.failures.get(key, "It plays nothing.")
+                raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
+            take = take_of_performer(project, key, made.performances[key], along=chosen.carries(path))
             begun = ADAPTING_SHARE + place * each_share
             write_take(chosen.applied_to(take, path), path, partly(progress, begun, each_share))
         return list(paths.values())
@@ -60,16 +62,16 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
     return task
 
 
-def take_of_performer(
-    project: Project, performer_id: str, request: AdaptRequest, adapted: AdaptedMotion, *, along: bool = False
-) -> Take:
-    """The clip of one performer on its character; ``along`` has it carry the capture's other joints."""
-    performer = project.performers[performer_id]
-    clip = performer.clips[0]
-    character, clipped = project.characters[performer.character_id], adapted.frames(clip.first, clip.last)
-    capture = project.captures[project.motions[clip.motion_id].capture_id]
-    carried = (capture, normalize(capture)[1]) if along and other_joints(capture) else None
-    return take_of_adapted(performer.name, clipped, character, request, carried)
+def take_of_performer(project: Project, performer_id: str, performance: Performance, *, along: bool = False) -> Take:
+    """What one performer plays on its character; ``along`` has it carry the other joints of its only capture."""
+    performer, timing = project.performers[performer_id], performance.composite.timing
+    character = project.characters[performer.character_id]
+    played = performance.adapted.frames(timing.first, timing.last)
+    clips = performer.clips
+    capture = project.captures[project.motions[clips[0].motion_id].capture_id]
+    alone = len(clips) == 1 and is_plain(clips[0])
+    carried = (capture, normalize(capture)[1]) if along and alone and other_joints(capture) else None
+    return take_of_adapted(performer.name, played, character, performance.request, carried)
 
 
 def other_joints(capture: Capture) -> tuple[str, ...]:
@@ -87,8 +89,9 @@ def export_motion(bench: Workbench, path: Path) -> int:
     if motion_id is None:
         raise StudioError("No motion plays: there is none to export.")
     capture = project.captures[project.motions[motion_id].capture_id]
-    contacts = tuple(project.contacts_of(motion_id).values())
-    take = take_of_capture(capture, Annotations(contacts, tuple(project.constraints_of(motion_id).values())))
+    contacts = tuple(each for each in project.contacts_of(motion_id).values() if not each.scope.is_narrow)
+    constraints = tuple(each for each in project.constraints_of(motion_id).values() if not each.scope.is_narrow)
+    take = take_of_capture(capture, Annotations(contacts, constraints))
 
     def work(progress: Progress) -> list[Path]:
         write_take(take, path, progress)

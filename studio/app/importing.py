@@ -12,6 +12,7 @@ from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.project import Clip, Motion, Project, new_id
+from studio.core.solver.rows import stage_span
 from studio.core.staging import side_by_side
 from studio.document.document import Document
 from studio.io.importing import ImportOptions, load_annotations
@@ -182,12 +183,11 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
 
 
 def show_motion(document: Document) -> None:
-    """All of the motion that plays now, from its beginning."""
-    motion = document.project.motions.get(document.active_motion_id or "")
-    if motion is not None:
-        capture = document.project.captures[motion.capture_id]
-        document.playhead.set_range(capture.first_frame, capture.frame_count - 1)
-        document.playhead.set_frame(capture.first_frame)
+    """All of the stage, from where the active clip begins."""
+    span, clip = stage_span(document.project), document.active_clip
+    if span is not None and clip is not None:
+        document.playhead.set_range(span.first, span.last)
+        document.playhead.set_time(clip.start)
 
 
 def _show_markers(document: Document, capture_id: str) -> None:
@@ -225,7 +225,7 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     capture = project.captures[project.motions[motion_id].capture_id]
     if capture.body_map is None:
         return
-    clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1)
+    clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=new_id())
     performers = project.performers
     shown = {key for key, each in performers.items() if each.visible} or set(performers)
     for key in (key for key in performers if key in shown):

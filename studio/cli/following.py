@@ -1,6 +1,6 @@
 """What the characters of one run follow: props of the constraint file, joints of the capture, each other."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from studio.core.capture import Capture
@@ -28,9 +28,15 @@ def with_tracks(
     naming the constraint where somebody or something followed is not there.
     """
     constraints = next(iter(requests.values())).constraints if requests else ()
+    for each in constraints:
+        if each.scope.clip_id or each.scope.performer_id not in ("", *requests):
+            asked_alone = each.scope.performer_id or f"clip {each.scope.clip_id}"
+            raise StudioError(
+                f"'{each.name}' is asked of '{asked_alone}', which is not among the characters: {', '.join(requests)}."
+            )
     leaders = _leaders(constraints, requests)
     asked = {
-        key: replace(request, constraints=tuple(concerning(each, key, requests) for each in constraints))
+        key: replace(request, constraints=tuple(_concerning(key, constraints, requests)))
         for key, request in requests.items()
     }
     bare = {key: adapt(replace(asked[key], constraints=())) for key in leaders} if len(leaders) > 1 else {}
@@ -39,6 +45,16 @@ def with_tracks(
     return {
         key: led[key] if key in led else _following(key, asked[key], motions, capture, props, places) for key in asked
     }
+
+
+def _concerning(
+    key: str, constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest]
+) -> Iterator[Constraint]:
+    """What of the file is asked of one character: of all, or of it alone."""
+    for each in constraints:
+        concerned = concerning(each, key, requests) if each.scope.includes(key, "") else None
+        if concerned is not None:
+            yield concerned
 
 
 def _leaders(constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest]) -> list[str]:

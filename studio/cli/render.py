@@ -2,9 +2,7 @@
 
 import re
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
-from functools import partial
+from collections.abc import Callable, Iterator
 from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
@@ -17,14 +15,16 @@ from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, rea
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import Progress, counted, print_json, progress_line
+from studio.core.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.normalized.actor import Actor
+from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
 from studio.core.solver.adapt import adapt
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stage import asked_of, followed_by, tracks_of, with_leaders
+from studio.core.solver.performing import Staged, perform
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.rows import timing_of
 from studio.core.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
@@ -124,64 +124,29 @@ def staged_project(arguments: Namespace) -> Project:
 
 
 def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
-    """The adapted motion of every visible performer that has a clip of a human motion."""
-    return {key: adapted for key, (_, adapted) in performances(project).items()}
+    """The adapted motion of every visible performer that plays human motions."""
+    return {key: each.adapted for key, each in performances(project).performances.items()}
 
 
-def performances(project: Project) -> dict[str, tuple[AdaptRequest, AdaptedMotion]]:
-    """What was asked and what came of it, of every visible performer that has a clip of a human motion."""
-    human = {key for key, each in project.motions.items() if project.captures[each.capture_id].body_map is not None}
-    performing = {
-        key: performer.clips[0].motion_id
-        for key, performer in project.performers.items()
-        if performer.clips and performer.clips[0].motion_id in human
-    }
-    shown = [key for key in performing if project.performers[key].visible]
-    wanted = [key for key in with_leaders(project, shown) if key in performing]
-    motions = {
-        motion_id: normalize(project.captures[project.motions[motion_id].capture_id])
-        for motion_id in dict.fromkeys(performing[key] for key in wanted)
-    }
-    requests: dict[str, AdaptRequest] = {}
-    results: dict[str, AdaptedMotion] = {}
-    bare = partial(_bare, project, motions)
-    for key in wanted:
-        followed = followed_by(project, key, results.get, bare) or ()
-        requests[key] = replace(request_of(project, key, motions), tracks=tracks_of(followed))
-        results[key] = adapt(requests[key])
-    return {key: (requests[key], results[key]) for key in shown}
-
-
-def request_of(
-    project: Project, performer_id: str, motions: Mapping[str, tuple[NormalizedMotion, Actor]]
-) -> AdaptRequest:
-    """What is asked of a performer, but for what it follows."""
-    performer = project.performers[performer_id]
-    motion_id = performer.clips[0].motion_id
-    motion, actor = motions[motion_id]
-    character = project.characters[performer.character_id]
-    return AdaptRequest(
-        motion,
-        character.morphology,
-        tuple(project.contacts_of(motion_id).values()),
-        asked_of(project, performer_id),
-        project.ground.seen_from(performer.position, performer.heading),
-        volume=character.volume,
-        actor=actor.morphology,
-        limited=performer.limited,
-        eased=performer.eased,
+def performances(project: Project) -> Staged:
+    """What is asked and what comes of it, of every visible performer that has a clip, and why some fail."""
+    shown = [key for key, each in project.performers.items() if each.visible and each.clips]
+    made = perform(project, shown, prepared, adapt)
+    return Staged(
+        {key: made.performances[key] for key in shown if key in made.performances},
+        {key: made.failures[key] for key in shown if key in made.failures},
     )
 
 
-def _bare(project: Project, motions: Mapping[str, tuple[NormalizedMotion, Actor]], performer_id: str) -> AdaptedMotion:
-    return adapt(replace(request_of(project, performer_id, motions), constraints=()))
+def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+    """A capture's motion, and the measures of its actor."""
+    motion, actor = normalize(capture)
+    return motion, actor.morphology
 
 
 def stage_duration(project: Project, performer_id: str) -> float:
-    """Seconds on the stage until a performer's clip has ended."""
-    clip = project.performers[performer_id].clips[0]
-    capture = project.captures[project.motions[clip.motion_id].capture_id]
-    return clip.start + (clip.last - clip.first) / capture.frame_rate
+    """Seconds on the stage until a performer's last clip has ended."""
+    return timing_of(project, project.performers[performer_id]).end
 
 
 def renderer(kind: str) -> Callable[..., Any]:

@@ -30,8 +30,6 @@ class Annotations:
 
     def of_motion(self, motion_id: str) -> Self:
         """The same, referring to the motion of that id."""
-        contacts = self.contacts and tuple(
-            ContactInterval(motion_id, each.point, each.first, each.last) for each in self.contacts
-        )
+        contacts = self.contacts and tuple(replace(each, motion_id=motion_id) for each in self.contacts)
         constraints = tuple(replace(each, motion_id=motion_id) for each in self.constraints)
         return replace(self, contacts=contacts, constraints=constraints)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from studio.core.canonical import BodyLayout
+from studio.core.scope import EVERYONE, Scope
 
 FloatArray = NDArray[np.float64]
 
@@ -83,6 +84,8 @@ class ContactInterval:
     point: ContactPoint
     first: int
     last: int
+    scope: Scope = EVERYONE
+    """Whose contact it is. Where one of a narrower scope is, those of its point of wider ones do not count."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "point", ContactPoint(self.point))

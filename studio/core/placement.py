@@ -23,6 +23,11 @@ class Placement:
         """The place of a performer."""
         return cls(performer.position, performer.heading)
 
+    def around(self, inner: "Placement") -> "Placement":
+        """What stands at ``inner`` in the space that stands here."""
+        x, y, _ = self.to_stage((*inner.position, 0.0)).tolist()
+        return Placement((x, y), self.heading + inner.heading)
+
     @property
     def rotation(self) -> FloatArray:
         """(3, 3) motion space to stage."""

@@ -19,8 +19,11 @@ from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
+from studio.core.scope import Scope, meant_for, narrowest
 
 GROUND_ID = "ground"
+SLOWEST, FASTEST, MOST_REPEATS = 0.1, 10.0, 1000
+"""Times as fast as it was captured, and times that a clip may play."""
 _SORTED = "_contacts_by_motion"
 """What is kept from one project to the next while its contacts stay."""
 
@@ -46,18 +49,45 @@ class Motion:
 
 @dataclass(frozen=True)
 class Clip:
-    """A used stretch of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds."""
+    """A used stretch of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds.
+
+    It plays ``speed`` times as fast, ``repeats`` times, as seen in a mirror when ``mirrored``. ``joined`` begins it
+    where the clip before has ended; ``turn`` (radians) then turns it about its root, ``offset`` moves it, in leg
+    lengths, since a clip has no body. ``ease`` is how many seconds it takes over in where it overlaps nothing; 0 as
+    many as that needs.
+    """
 
     motion_id: str
     first: int
     last: int
     start: float = 0.0
+    id: str = ""
+    """By which a scope names it; a copy that keeps it is the same clip on another performer."""
+    speed: float = 1.0
+    repeats: int = 1
+    mirrored: bool = False
+    joined: bool = True
+    turn: float = 0.0
+    offset: tuple[float, float] = (0.0, 0.0)
+    ease: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
             raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
         if not math.isfinite(self.start):
             raise ValueError(f"A clip begins at a finite time, not at {self.start}.")
+        if not (math.isfinite(self.speed) and SLOWEST <= self.speed <= FASTEST):
+            raise ValueError(f"A clip's speed lies between {SLOWEST:g} and {FASTEST:g}, got {self.speed}.")
+        if not 1 <= self.repeats <= MOST_REPEATS:
+            raise ValueError(f"A clip plays from 1 to {MOST_REPEATS} times, not {self.repeats} times.")
+        if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
+            raise ValueError("A clip's turn and offset are finite numbers.")
+        if not (math.isfinite(self.ease) and self.ease >= 0.0):
+            raise ValueError(f"A clip takes over in some seconds, or 0 for as many as it needs, not in {self.ease}.")
+
+    def length(self, frame_rate: float) -> float:
+        """Seconds on the stage that a motion of ``frame_rate`` plays, all its repeats together."""
+        return self.repeats * (self.last - self.first) / (frame_rate * self.speed)
 
 
 @dataclass(frozen=True)
@@ -140,10 +170,15 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
                 *(("motions", clip.motion_id) for clip in entity.clips),
             )
         case ContactInterval():
-            return (("motions", entity.motion_id),)
+            return (("motions", entity.motion_id), *_scoped(entity.scope))
         case Constraint():
-            return (("motions", entity.motion_id), *(pair for each in follows_of(entity) for pair in _followed(each)))
+            followed = (pair for each in follows_of(entity) for pair in _followed(each))
+            return (("motions", entity.motion_id), *_scoped(entity.scope), *followed)
     return ()
+
+
+def _scoped(scope: Scope) -> tuple[tuple[str, str], ...]:
+    return (("performers", scope.performer_id),) if scope.performer_id else ()
 
 
 def _followed(follow: Follow) -> tuple[tuple[str, str], ...]:
@@ -244,6 +279,22 @@ class Project:
     def contacts_of(self, motion_id: str) -> dict[str, ContactInterval]:
         """The motion's contacts by id, in time."""
         return dict(self._contacts_by_motion.get(motion_id, ()))
+
+    def contacts_for(self, performer_id: str, clip: Clip) -> tuple[ContactInterval, ...]:
+        """What stands while a performer plays a clip: of each point the contacts of the narrowest scope."""
+        meant = meant_for(self.contacts_of(clip.motion_id), performer_id, clip.id).values()
+        if not any(each.scope.is_narrow for each in meant):
+            return tuple(meant)
+        points = dict.fromkeys(each.point for each in meant)
+        return tuple(each for point in points for each in narrowest(item for item in meant if item.point == point))
+
+    def constraints_for(self, performer_id: str, clip: Clip) -> dict[str, Constraint]:
+        """What is asked of a performer while it plays a clip, by id, highest priority first."""
+        return meant_for(self.constraints_of(clip.motion_id), performer_id, clip.id)
+
+    def frame_rate_of(self, clip: Clip) -> float:
+        """Frames a second of the capture that a clip is of."""
+        return self.captures[self.motions[clip.motion_id].capture_id].frame_rate
 
     @cached_property
     def _contacts_by_motion(self) -> dict[str, list[tuple[str, ContactInterval]]]:

@@ -27,7 +27,7 @@ def staged(
 
     ``contacts`` are those of ``motion_id``, the id that capture and motion get.
     """
-    clips = (Clip(motion_id, capture.first_frame, capture.frame_count - 1),)
+    clips = (Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=f"{motion_id} clip"),)
     return Project(
         captures={motion_id: capture},
         motions={motion_id: Motion(capture.name, motion_id)},

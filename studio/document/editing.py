@@ -8,13 +8,13 @@ from operator import itemgetter
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoStack
 
-from studio.core.capture import Capture
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_ids, references
+from studio.core.project import CLASSES, GROUND_ID, Clip, Entity, Project, new_ids, references
+from studio.core.solver.rows import stage_span
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
 from studio.document.playhead import Playhead
@@ -144,10 +144,17 @@ class EditedProject(QObject):
         return next(iter((*reversed(selected), *visible)), None)
 
     @property
-    def active_motion_id(self) -> str | None:
-        """The motion of the active performer's first clip."""
+    def active_clip(self) -> Clip | None:
+        """The selected clip of the active performer, else its first."""
         performer = self._project.performers.get(self.active_performer_id or "")
-        return performer.clips[0].motion_id if performer and performer.clips else None
+        clips = performer.clips if performer else ()
+        selected = {*self.selection.of("clips")}
+        return next((clip for clip in clips if clip.id in selected), clips[0] if clips else None)
+
+    @property
+    def active_motion_id(self) -> str | None:
+        """The motion of the active clip."""
+        return self.active_clip.motion_id if self.active_clip else None
 
     def _show_other(self, project: Project) -> None:
         """Let another project take the place of this one; its history begins empty."""
@@ -213,12 +220,14 @@ class EditedProject(QObject):
         self._recorded(edits, verb, text, gesture)
 
     def _show(self, edits: tuple[Edit, ...]) -> None:
-        before = self._active_capture
+        before, playhead = stage_span(self._project), self.playhead
+        whole = before is None or (before.first, before.last) == (playhead.first, playhead.last)
         self._project = applied(self._project, edits)
         self._revision += 1
         gone = {edit.item for edit in edits if edit.new is None}
         self.selection.set(*(item for item in self.selection.items if item not in gone and self._may_be_seen(item)))
-        if _span(self._active_capture) != _span(before):
+        after = stage_span(self._project)
+        if after != before and (whole or before is None or after is None or after.frame_rate != before.frame_rate):
             self._fit_playhead()
         for collection, ids in groupby(dict.fromkeys(edit.item for edit in edits), key=itemgetter(0)):
             changed = [entity_id for _, entity_id in ids]
@@ -231,24 +240,14 @@ class EditedProject(QObject):
         playing = (performer for performer in self._project.performers.values() if performer.visible)
         return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.clips)
 
-    @property
-    def _active_capture(self) -> Capture | None:
-        motion = self._project.motions.get(self.active_motion_id or "")
-        return self._project.captures.get(motion.capture_id) if motion else None
-
     def _fit_playhead(self) -> None:
-        """The range and frame rate of the active motion."""
-        capture = self._active_capture
-        if capture is not None:
-            self.playhead.frame_rate = capture.frame_rate
-            self.playhead.set_range(capture.first_frame, capture.frame_count - 1)
-            if not capture.first_frame <= self.playhead.frame < capture.frame_count:
-                self.playhead.set_frame(capture.first_frame)
-
-
-def _span(capture: Capture | None) -> tuple[float, int, int] | None:
-    """The ruler of a capture: another one counts frames anew, whichever edit brings it, or takes it away."""
-    return (capture.frame_rate, capture.first_frame, capture.frame_count) if capture else None
+        """The stage's rate and range; they stay while nobody plays anything."""
+        span = stage_span(self._project)
+        if span is not None:
+            self.playhead.frame_rate = span.frame_rate
+            self.playhead.set_range(span.first, span.last)
+            if not span.first <= self.playhead.frame <= span.last:
+                self.playhead.set_frame(span.first)
 
 
 def _objection(project: Project, constraint_id: str) -> str | None:

@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import mean, median
 from typing import TYPE_CHECKING, Any
@@ -12,16 +12,18 @@ from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
 from studio.cli.warm_up import WarmUp
 from studio.core.capture import Capture
-from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.project import Performer, Project
+from studio.core.placement import Placement
+from studio.core.project import Clip, Performer, Project
+from studio.core.solver.circles import Player, solve_circle
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stage import Followed, asked_of, followed_by, leaders_of, tracks_of, with_leaders
+from studio.core.solver.rows import Asked, composite_of, constraints_in, frame_count_of, is_plain, timing_of
+from studio.core.solver.stage import Followed, asked_of, followed_by, in_order, leaders_of, tracks_of
 from studio.core.volume import BodyVolume
 from studio.document.document import Document
 from studio.engine.scheduler import SolveScheduler
@@ -34,7 +36,7 @@ WINDOW_SECONDS = 0.75
 KEPT_STANDING = 16
 TELL_MILLISECONDS = 100
 TIMES_KEPT = 7
-_SOURCE, _EXPECTED = "source ", "expected "
+_SOURCE, _EXPECTED, _TOGETHER = "source ", "expected ", "\n"
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
 Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
@@ -80,13 +82,14 @@ def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
 class Wanted:
     """All that one performer's result depends on; equal ones need no new solve."""
 
-    capture: Capture = field(compare=False)
-    identity: int
+    performer: Performer = field(compare=False)
+    motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
+    """Identity of the capture, clip and contacts of each clip."""
     morphology: Morphology
-    contacts: tuple[ContactInterval, ...]
-    constraints: tuple[Constraint, ...]
+    asked: tuple[Asked, ...]
     ground: Ground
-    followed: tuple[Followed, ...] = ()
+    followed: tuple[Followed, ...]
+    placement: Placement
     volume: BodyVolume | None = None
     limited: bool = True
     eased: bool = True
@@ -94,10 +97,10 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A worker's answer, to what, how long the solver took, and whether for the whole clip."""
+    """A worker's answers by performer, to what, how long the solver took, and whether for whole motions."""
 
-    adapted: AdaptedMotion
-    wanted: Wanted
+    adapted: Mapping[str, AdaptedMotion]
+    wanted: Mapping[str, Wanted]
     milliseconds: float
     whole: bool
 
@@ -132,6 +135,7 @@ class LiveAdaptation(QObject):
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
         self._busy = False
         self._leaders: set[str] = set()
+        self._circles: set[tuple[str, ...]] = set()
         self.interactive = False
         self._times: dict[str, deque[float]] = {}
         self._scheduler = SolveScheduler(self, workers)
@@ -173,8 +177,12 @@ class LiveAdaptation(QObject):
             return False
         if not self._turn.isActive():
             return True
-        performer = self._document.project.performers.get(performer_id)
-        return performer is not None and bool(performer.clips) and self._wanted_of(performer_id, performer) == wanted
+        project = self._document.project
+        performer = project.performers.get(performer_id)
+        if performer is None or not performer.clips or project.missing_references(performer):
+            return False
+        circle = next((each for each in self._circles if performer_id in each), (performer_id,))
+        return self._wanted_of(project, performer_id, circle) == wanted
 
     def _tell_results(self) -> None:
         self._told = dict(self._results)
@@ -229,7 +237,8 @@ class LiveAdaptation(QObject):
             self._turn.start(0)
 
     def _begin_anew(self) -> None:
-        for key in (*self._wanted, *(_SOURCE + motion_id for motion_id in self._sources)):
+        together = (_TOGETHER.join(circle) for circle in self._circles)
+        for key in (*together, *(_SOURCE + motion_id for motion_id in self._sources)):
             self._scheduler.forget(key)
         for held in (self._wanted, self._results, self._answered, self._told, self._sources, self._times):
             held.clear()
@@ -237,117 +246,129 @@ class LiveAdaptation(QObject):
 
     def _refresh(self) -> None:
         project = self._document.project
-        playing = {
-            key: item
+        playing = [
+            key
             for key, item in project.performers.items()
             if item.visible and item.clips and not project.missing_references(item)
+        ]
+        circles = in_order(project, playing)
+        self._leaders = {
+            leader for circle in circles for key in circle for leader in leaders_of(project, key) - {*circle}
         }
-        self._leaders = {leader for key in playing for leader in leaders_of(project, key)}
-        hidden = {key: project.performers[key] for key in with_leaders(project, playing) if key not in playing}
-        playing |= hidden
-        for key in self._wanted.keys() - playing.keys():
-            self._scheduler.forget(key)
-            del self._wanted[key]
-            self._results.pop(key, None)
-            self._answered.pop(key, None)
-            self._times.pop(key, None)
-        selected = self._document.selection.of("performers")
-        for key in sorted(playing, key=lambda key: key not in selected):  # first the body that is worked on
-            self._request(key, playing[key])
+        for key in self._wanted.keys() - {key for circle in circles for key in circle}:
+            for held in (self._wanted, self._results, self._answered, self._times):
+                held.pop(key, None)
+        for circle in self._circles - {*circles}:
+            self._scheduler.forget(_TOGETHER.join(circle))
+        self._circles = {*circles}
+        selected = {*self._document.selection.of("performers")}
+        for circle in sorted(circles, key=lambda circle: selected.isdisjoint(circle)):  # first who is worked on
+            self._request(circle)
         self._tell_busy()
 
-    def _wanted_of(self, key: str, performer: Performer) -> Wanted | None:
-        """None while someone it follows is not there yet."""
+    def _request(self, circle: tuple[str, ...]) -> None:
         project = self._document.project
-        motion_id = performer.clips[0].motion_id
-        capture = project.captures[project.motions[motion_id].capture_id]
-        character = project.characters[performer.character_id]
-        contacts = tuple(project.contacts_of(motion_id).values())
-        ground = project.ground.seen_from(performer.position, performer.heading)
-        followed = followed_by(project, key, self._results.get, lambda leader: self._standing(project, leader))
-        constraints = asked_of(project, key)
-        # The skin is measured only for who asks: a moved slider would pay for it every time.
-        asks = any(isinstance(item, ClearConstraint) for item in constraints)
-        if followed is None:
-            return None
-        return Wanted(
-            capture, id(capture), character.morphology, contacts, constraints, ground, followed,
-            character.volume if asks else None, performer.limited, performer.eased,
-        )  # fmt: skip
-
-    def _request(self, key: str, performer: Performer) -> None:
-        wanted = self._wanted_of(key, performer)
-        if wanted is None or self._wanted.get(key) == wanted:
+        wanted = {key: self._wanted_of(project, key, circle) for key in circle}
+        known = {key: each for key, each in wanted.items() if each is not None}
+        if len(known) < len(circle) or all(self._wanted.get(key) == each for key, each in known.items()):
             return
-        self._wanted[key], capture = wanted, wanted.capture
+        self._wanted |= known
         if not self._telling.isActive():
             self._telling.start()
-        previous = self._results.get(key)
+        previous = {key: self._results.get(key) for key in circle}
 
         def whole() -> Solved:
-            return self._timed(wanted, 0, None)
+            return self._timed(project, known, 0, None)
 
         stages: tuple[Callable[[], Solved], ...] = (whole,)
-        if self.interactive and previous is not None and _fits(previous, capture, wanted):
-            first, last = self._window(performer, capture)
-            base = previous
+        base = previous[circle[0]]
+        if self.interactive and len(circle) == 1 and base is not None and _fits(base, known[circle[0]], project):
+            first, last = self._window(project, known[circle[0]].performer)
 
             def window() -> Solved:
-                solved = self._timed(wanted, first, last)
-                return replace(solved, adapted=merged(base, solved.adapted))
+                solved = self._timed(project, known, first, last)
+                return replace(solved, adapted={circle[0]: merged(base, solved.adapted[circle[0]])})
 
             stages = (window, whole)
-        self._scheduler.request(key, self._document.revision, *stages)
+        self._scheduler.request(_TOGETHER.join(circle), self._document.revision, *stages)
 
-    def _timed(self, wanted: Wanted, first: int, last: int | None) -> Solved:
+    def _wanted_of(self, project: Project, key: str, circle: tuple[str, ...]) -> Wanted | None:
+        """What a performer's result depends on; None while who it follows is not there yet."""
+        performer = project.performers[key]
+        character = project.characters[performer.character_id]
+        followed = followed_by(project, key, self._results.get, circle)
+        if followed is None:
+            return None
+        asked = asked_of(project, key)
+        captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips]
+        alone = len(captures) == 1 and is_plain(performer.clips[0])  # then it is all the same when it begins
+        motions = tuple(
+            (id(capture), replace(clip, start=0.0, first=0) if alone else clip, project.contacts_for(key, clip))
+            for capture, clip in zip(captures, performer.clips, strict=True)
+        )
+        # The skin is measured only for who asks: a moved slider would pay for it every time.
+        clears = any(isinstance(each.constraint, ClearConstraint) for each in asked)
+        ground = project.ground.seen_from(performer.position, performer.heading)
+        volume = character.volume if clears else None
+        return Wanted(
+            performer, motions, character.morphology, asked, ground, followed, Placement.of(performer), volume,
+            performer.limited, performer.eased,
+        )  # fmt: skip
+
+    def _timed(self, project: Project, wanted: Mapping[str, Wanted], first: int, last: int | None) -> Solved:
         if self._warm_up is not None:
             self._warm_up.join()
-        motion, actor = self._prepare(wanted.capture)
-        tracks = tracks_of(wanted.followed)
-        request = AdaptRequest(
-            motion, wanted.morphology, wanted.contacts, wanted.constraints, wanted.ground, tracks, wanted.volume, actor,
-            wanted.limited, wanted.eased,
-        )  # fmt: skip
+        players = {key: self._player(project, key, each) for key, each in wanted.items()}
         begin = time.thread_time()  # waiting for others, who may be compiling, is no part of it
-        answer = self._solve(request, first, last)
-        return Solved(answer, wanted, 1000.0 * (time.thread_time() - begin), last is None)
+        if len(players) == 1:
+            [(key, player)] = players.items()
+            answers: Mapping[str, AdaptedMotion] = {key: self._solve(player.request, first, last)}
+        else:
+            answers = solve_circle(players, lambda request: self._solve(request, 0, None)).results
+        spent = 1000.0 * (time.thread_time() - begin)
+        adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
+        return Solved(adapted, wanted, spent / len(players), last is None)
 
-    def _standing(self, project: Project, performer_id: str) -> AdaptedMotion:
-        """A performer without any constraint: what those follow who are followed by it in turn."""
-        performer = project.performers[performer_id]
-        motion_id = performer.clips[0].motion_id
-        motion, _ = self._prepare(project.captures[project.motions[motion_id].capture_id])
-        body = project.characters[performer.character_id].morphology
-        ground = project.ground.seen_from(performer.position, performer.heading)
-        contacts = tuple(project.contacts_of(motion_id).values())
-        return self._solve(AdaptRequest(motion, body, contacts, ground=ground), 0, None)
+    def _player(self, project: Project, key: str, wanted: Wanted) -> Player:
+        def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
+            return self._prepare(project.captures[project.motions[motion_id].capture_id])
 
-    def _window(self, performer: Performer, capture: Capture) -> tuple[int, int]:
-        """First and last frame of the motion within ``WINDOW_SECONDS`` of the playhead."""
-        clip, rate = performer.clips[0], capture.frame_rate
-        frame = clip.first + round((self._document.playhead.time - clip.start) * rate)
-        frame = min(max(frame, 0), capture.frame_count - 1)
-        reach = round(WINDOW_SECONDS * rate)
-        return max(frame - reach, 0), min(frame + reach, capture.frame_count - 1)
+        composite = composite_of(project, key, lambda motion_id: prepared(motion_id)[0])
+        actor = prepared(wanted.performer.clips[0].motion_id)[1]
+        constraints = constraints_in(wanted.asked, composite, wanted.morphology.leg_length)
+        tracks = tracks_of(wanted.followed, composite)
+        request = AdaptRequest(
+            composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, wanted.volume,
+            actor, wanted.limited, wanted.eased,
+        )  # fmt: skip
+        return Player(request, composite, wanted.placement)
+
+    def _window(self, project: Project, performer: Performer) -> tuple[int, int]:
+        """First and last frame of a performer's motion within ``WINDOW_SECONDS`` of the playhead."""
+        timing = timing_of(project, performer)
+        frame = round(timing.frame_at(self._document.playhead.time))
+        reach = round(WINDOW_SECONDS * timing.frame_rate)
+        return max(frame - reach, 0), frame + reach
 
     def _take(self, key: str, _revision: int, answer: Any) -> None:
         if key.startswith(_EXPECTED):
             return
         if isinstance(answer, Solved):
-            self._results[key] = answer.adapted
             if not self._telling.isActive():
                 self._telling.start()
-            if answer.whole:
-                self._answered[key] = answer.wanted
-                self._times.setdefault(key, deque(maxlen=TIMES_KEPT)).append(answer.milliseconds)
-            self.adapted.emit(key)
-            if key in self._leaders:
-                self._schedule("performers", key)
+            for performer_id, adapted in answer.adapted.items():
+                self._results[performer_id] = adapted
+                if answer.whole:
+                    self._answered[performer_id] = answer.wanted[performer_id]
+                    self._times.setdefault(performer_id, deque(maxlen=TIMES_KEPT)).append(answer.milliseconds)
+                self.adapted.emit(performer_id)
+                if performer_id in self._leaders:
+                    self._schedule("performers", performer_id)
             return
         motion_id = key.removeprefix(_SOURCE)
         self._sources[motion_id] = (self._sources[motion_id][0], answer)
         for performer_id, performer in self._document.project.performers.items():
-            if performer.clips and performer.clips[0].motion_id == motion_id:
+            if any(clip.motion_id == motion_id for clip in performer.clips):
                 self.adapted.emit(performer_id)
 
     def _tell(self, key: str, _revision: int, error: Exception) -> None:
@@ -374,9 +395,9 @@ def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
     return replace(whole, morphology=window.morphology, volume=window.volume, unasked=window.unasked, **arrays)
 
 
-def _fits(whole: AdaptedMotion, capture: Capture, wanted: Wanted) -> bool:
+def _fits(whole: AdaptedMotion, wanted: Wanted, project: Project) -> bool:
     return (
-        whole.frame_count == capture.frame_count
-        and len(whole.residuals) == len(wanted.constraints)
+        whole.frame_count == frame_count_of(project, wanted.performer)
+        and len(whole.residuals) == len(wanted.asked)
         and whole.morphology.layout == wanted.morphology.layout
     )

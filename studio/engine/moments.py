@@ -15,6 +15,8 @@ from studio.core.constraints.keyed import KeyedPlace, Quaternion
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.project import Project
+from studio.core.solver.request import Unasked
+from studio.core.solver.rows import carry_of
 from studio.core.solver.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.engine.performance import Posed
 
@@ -82,17 +84,17 @@ class Moment:
 
     def track(self, follow: Follow | OwnPlace) -> Track | None:
         """Where a followed thing is now, in the space of this performer's motion."""
-        from studio.core.solver.following import own_track, performer_track, prop_track, tracked_track  # loads kernels
+        from studio.core.solver.following import performer_track, prop_track, tracked_track  # loads kernels
 
-        pose, own = self.pose, self.pose.placement
+        pose, own = self.pose, self.pose.clip_placement
         match follow:
             case OwnPlace():
                 adapted, mine = pose.motion, follow.of(self.performer_id)
                 if adapted.unasked is None:
                     return None
-                return own_track(mine, adapted.unasked, adapted.body, adapted.frame_rate)
+                return self._own_track(mine, adapted.unasked)
             case FollowBody():
-                return performer_track(follow.point, follow.turn, pose.motion, [pose.row], own, own)
+                return performer_track(follow.point, follow.turn, pose.motion, [pose.row], pose.placement, own)
             case FollowPerformer():
                 other = self.posed.get(follow.performer_id)
                 if other is None:
@@ -106,17 +108,39 @@ class Moment:
                 capture = self.project.captures.get(motion.capture_id) if motion else None
                 if capture is None or follow.joint not in capture.skeleton.names:
                     return None
-                frame = min(pose.row + pose.motion.first_frame, capture.frame_count - 1)
-                return tracked_track(follow, capture, frame)
+                frame = min(round(pose.seconds * capture.frame_rate), capture.frame_count - 1)
+                return tracked_track(follow, capture, max(frame, 0))
         return None
+
+    def _own_track(self, place: OwnPlace, unasked: Unasked) -> Track:
+        """A place that is the body's own, in the space of the motion that plays."""
+        from studio.core.solver.following import own_track  # as above
+
+        pose, body = self.pose, self.pose.motion.body
+        composite, played = pose.motion.composite, pose.played
+        if composite is None or played is None or composite.is_plain:
+            return own_track(place, unasked, body, pose.motion.frame_rate)
+        carry = carry_of(played, composite.timing, body.leg_length)
+        there = replace(place, time=float(carry.times(place.time)), offset=(0.0, 0.0, 0.0))
+        track = own_track(there, unasked, body, pose.motion.frame_rate)
+        places = pose.clip_placement.to_motion(pose.placement.to_stage(track.places))
+        return Track(places + body.leg_length * np.array(place.offset), track.rotations)
 
     def outline(self) -> FloatArray | None:
         """(N, 2) the outline of what stands now, in the motion's space; None where nothing does."""
         from studio.core.solver.support import corners, outlines, standing_points  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)
-        contacts = tuple(self.project.contacts_of(self.pose.motion_id or "").values())
+        composite = motion.composite
+        contacts = (
+            composite.contacts if composite else tuple(self.project.contacts_of(self.pose.motion_id or "").values())
+        )
         frame = self.pose.row + motion.first_frame
         stands = standing_points(contacts, frame + 1)[:, frame:]
         area = corners(outlines(motion.positions[row], motion.rotations[row], stands, motion.morphology))[0]
-        return None if np.isnan(area).any() else area
+        if np.isnan(area).any():
+            return None
+        if composite is None or composite.is_plain:
+            return area
+        corners_there = self.pose.placement.to_stage(np.column_stack([area, np.zeros(len(area))]))
+        return np.asarray(self.pose.clip_placement.to_motion(corners_there)[:, :2])

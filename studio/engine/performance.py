@@ -7,10 +7,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.normalized.pieces import Played
 from studio.core.placement import Placement
 from studio.core.project import Clip, Performer, Project
 from studio.core.rest_pose import rest_pose
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.rows import timing_of
+from studio.core.timing import Timing
 
 FloatArray = NDArray[np.float64]
 Results = Callable[[str], AdaptedMotion | None]
@@ -18,20 +21,20 @@ Results = Callable[[str], AdaptedMotion | None]
 
 
 def motion_time(clip: Clip, frame_rate: float, time: float) -> float:
-    """Seconds of the clip's motion that play at stage ``time``, held at the clip's ends."""
-    return min(max(time - clip.start + clip.first / frame_rate, clip.first / frame_rate), clip.last / frame_rate)
+    """Seconds of the clip's motion that play at stage ``time``, held at the clip's ends; of its first repeat."""
+    seconds = (time - clip.start) * clip.speed + clip.first / frame_rate
+    return min(max(seconds, clip.first / frame_rate), clip.last / frame_rate)
 
 
 def stage_time(clip: Clip, frame_rate: float, time: float) -> float:
-    """Stage time at which second ``time`` of the clip's motion plays."""
-    return time + clip.start - clip.first / frame_rate
+    """Stage time at which second ``time`` of the clip's motion plays first."""
+    return clip.start + (time - clip.first / frame_rate) / clip.speed
 
 
-def row_at(motion: AdaptedMotion, clip: Clip | None, time: float) -> int:
+def row_at(motion: AdaptedMotion, timing: Timing | None, time: float) -> int:
     """Row of ``motion`` shown at stage ``time``: the nearest frame."""
-    seconds = time if clip is None else motion_time(clip, motion.frame_rate, time)
-    frame = round(seconds * motion.frame_rate) - motion.first_frame
-    return min(max(frame, 0), motion.frame_count - 1)
+    frame = time * motion.frame_rate if timing is None else timing.frame_at(time)
+    return min(max(round(frame) - motion.first_frame, 0), motion.frame_count - 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,20 +54,46 @@ class Posed:
         return self.placement.to_stage(self.motion.positions[self.row])
 
     @property
+    def played(self) -> Played | None:
+        """What of its row plays; None for a motion of no stage."""
+        composite = self.motion.composite
+        return composite.playing(self.row + self.motion.first_frame) if composite else None
+
+    @property
     def seconds(self) -> float:
-        """The time of its motion that it shows."""
-        return (self.row + self.motion.first_frame) / self.motion.frame_rate
+        """The time that it shows of the motion that plays."""
+        frame, composite = self.row + self.motion.first_frame, self.motion.composite
+        if composite is None or composite.is_plain:
+            return frame / self.motion.frame_rate
+        played = composite.playing(frame)
+        return float(played.motion_frames(np.array([frame]), composite.timing)[0]) / played.piece.motion.frame_rate
+
+    @property
+    def clip(self) -> Clip | None:
+        """The clip that plays."""
+        clips, played = self.performer.clips, self.played
+        place = played.piece.origin[0] if played else 0
+        return clips[min(place, len(clips) - 1)] if clips else None
+
+    @property
+    def clip_placement(self) -> Placement:
+        """Where the motion that plays stands on the stage: of it constraints speak, and their targets."""
+        played, leg = self.played, self.motion.body.leg_length
+        if played is None:
+            return self.placement
+        x, y = played.placement.offset
+        return self.placement.around(Placement((leg * x, leg * y), played.placement.turn))
 
     @property
     def motion_id(self) -> str | None:
-        """The motion of its first clip."""
-        return self.performer.clips[0].motion_id if self.performer.clips else None
+        """The motion that plays."""
+        return self.clip.motion_id if self.clip else None
 
 
-def pose_of(performer: Performer, motion: AdaptedMotion, time: float) -> Posed:
+def pose_of(project: Project, performer: Performer, motion: AdaptedMotion, time: float) -> Posed:
     """``performer`` playing ``motion`` at stage ``time``."""
-    clip = performer.clips[0] if performer.clips else None
-    return Posed(performer, motion, row_at(motion, clip, time), Placement.of(performer))
+    timing = timing_of(project, performer) if performer.clips else None
+    return Posed(performer, motion, row_at(motion, timing, time), Placement.of(performer))
 
 
 def posed_performers(project: Project, result_of: Results, time: float) -> dict[str, Posed]:
@@ -75,7 +104,7 @@ def posed_performers(project: Project, result_of: Results, time: float) -> dict[
         motion = result_of(performer_id) if character is not None else None
         # A result may still be of the body that the performer had before.
         if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
-            posed[performer_id] = pose_of(performer, motion, time)
+            posed[performer_id] = pose_of(project, performer, motion, time)
     return posed
 
 

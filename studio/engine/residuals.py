@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval
-from studio.core.project import Clip, Project
+from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.stage import asked_of
 from studio.engine.measures import LENGTH, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
@@ -58,30 +59,60 @@ class Residual:
         return "" if self.fully_active else "never fully active"
 
 
-def residual_row(project: Project, motion: AdaptedMotion | None, constraint_id: str) -> FloatArray | None:
-    """(F,) metres or radians, NaN where nothing is asked; None without an answer, or while it is off."""
+@dataclass(frozen=True, eq=False)
+class Missed:
+    """By how much a constraint is missed in frames of its own motion, from ``first_frame`` on, at ``frame_rate``.
+
+    ``amounts`` (F,) metres or radians, NaN where nothing is asked.
+    """
+
+    first_frame: int
+    frame_rate: float
+    amounts: FloatArray
+
+
+def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str) -> Missed | None:
+    """By how much a constraint is missed on a body; None without an answer, or where it is not asked.
+
+    Where a performer plays its motion more than once, the worse one counts.
+    """
     constraint = project.constraints.get(constraint_id)
-    if constraint is None or motion is None or not constraint.enabled:
+    performer = project.performers.get(performer_id)
+    if constraint is None or motion is None or performer is None or not constraint.enabled:
         return None
-    asked = [key for key, each in project.constraints_of(constraint.motion_id).items() if each.enabled]
+    asked = asked_of(project, performer_id)
+    rows = [row for row, each in enumerate(asked) if each.constraint_id == constraint_id]
     # With another count the result answers an older question.
-    return motion.residuals[asked.index(constraint_id)] if len(motion.residuals) == len(asked) else None
+    if not rows or len(motion.residuals) != len(asked):
+        return None
+    composite = motion.composite
+    if composite is None or composite.is_plain:
+        return Missed(motion.first_frame, motion.frame_rate, motion.residuals[rows[0]])
+    clip = performer.clips[asked[rows[0]].clip]
+    capture = project.captures[project.motions[clip.motion_id].capture_id]
+    amounts = np.full(capture.frame_count, np.nan)
+    for row in rows:
+        each = next(one for one in composite.played if one.piece.origin == (asked[row].clip, asked[row].repeat))
+        frames = np.arange(each.first, each.last + 1)
+        own = np.rint(each.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, capture.frame_count - 1)
+        np.fmax.at(amounts, own, motion.residuals[row, frames - motion.first_frame])
+    return Missed(0, capture.frame_rate, amounts)
 
 
 def worst_residual(
     project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
 ) -> Residual | None:
     """The worst miss in the frames that the performer plays; None where nothing is asked or known."""
-    row = residual_row(project, motion, constraint_id)
-    if row is None or motion is None:
+    missed = missed_by(project, performer_id, motion, constraint_id)
+    if missed is None:
         return None
     constraint = project.constraints[constraint_id]
-    clip = _clip(project, performer_id, constraint.motion_id)
-    if clip is None:
-        return None
-    frames = motion.first_frame + np.arange(motion.frame_count)
-    asked = np.where((frames >= clip.first) & (frames <= clip.last), row, np.nan)
-    full = np.where(_activation(project, constraint, frames, motion.frame_rate) >= FULLY, asked, np.nan)
+    frames = missed.first_frame + np.arange(len(missed.amounts))
+    clips = [each for each in project.performers[performer_id].clips if each.motion_id == constraint.motion_id]
+    played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
+    asked = np.where(played, missed.amounts, np.nan)
+    contacts = project.contacts_for(performer_id, clips[0])
+    full = np.where(_activation(contacts, constraint, frames, missed.frame_rate) >= FULLY, asked, np.nan)
     fully_active = bool(np.isfinite(full).any())
     counted = full if fully_active else asked
     if not np.isfinite(counted).any():
@@ -90,14 +121,10 @@ def worst_residual(
     return Residual(float(counted[place]), int(frames[place]), fully_active, measure_of(constraint))
 
 
-def _clip(project: Project, performer_id: str, motion_id: str) -> Clip | None:
-    clips = project.performers[performer_id].clips
-    return next((clip for clip in clips if clip.motion_id == motion_id), None)
-
-
-def _activation(project: Project, constraint: Constraint, frames: NDArray[np.int64], frame_rate: float) -> FloatArray:
+def _activation(
+    contacts: tuple[ContactInterval, ...], constraint: Constraint, frames: NDArray[np.int64], frame_rate: float
+) -> FloatArray:
     """(F,) what is asked of the constraint: less than its curve where a contact has its limb."""
-    contacts = tuple(project.contacts_of(constraint.motion_id).values())
     free = _freedom(contacts, constraint.point.part, int(frames[-1]) + 1, frame_rate)
     return np.asarray(constraint.activation.at(frames / frame_rate) * free[frames])
 

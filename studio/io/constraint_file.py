@@ -10,7 +10,8 @@ Each constraint is the record that a project holds for it (``entity_json``), wit
      "contacts": {"left_heel": [[0, 41]], "left_toe": [], "right_heel": [[12, 60]], "right_toe": []}}
 
 ``priority``, ``weight`` and ``chain`` may be left out, and so may ``contacts``, which are then detected. A target may
-follow one of the file's ``props``, ``{"box": {"position": [0.4, 0, 0.8]}}``, by its id.
+follow one of the file's ``props``, ``{"box": {"position": [0.4, 0, 0.8]}}``, by its id. A constraint with a ``scope``,
+``{"performer_id": "child"}``, is asked of that character alone.
 """
 
 import math
@@ -35,7 +36,7 @@ from studio.io.value_json import Json, unknown_fields
 _MEMBERS = ("constraints", "contacts", "props")
 _LARGEST = 1e6
 _IDS = {"id", "schema", "kind", "motion_id"}
-_RECORDS = ("point", "chain", "activation", "target", "other", "distance", "place", "centre", "heading")
+_RECORDS = ("scope", "point", "chain", "activation", "target", "other", "distance", "place", "centre", "heading")
 _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
 
@@ -91,6 +92,8 @@ def constraint_record(constraint: Constraint) -> Json:
     """A constraint as such a file has it: the opposite of ``constraint_of``."""
     members: Members = {}
     record = entity_record("constraints", "", constraint, members)
+    if not constraint.scope.is_narrow:
+        del record["scope"]
     return {key: _inline(item, members) for key, item in record.items() if key == "kind" or key not in _IDS}
 
 

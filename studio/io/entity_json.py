@@ -26,8 +26,9 @@ from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
 from studio.io.json_text import json_of
 from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
-PROJECT_SCHEMA = 1
-ENTITY_SCHEMAS = dict.fromkeys(COLLECTIONS, 1)
+PROJECT_SCHEMA = 2
+ENTITY_SCHEMAS = {**dict.fromkeys(COLLECTIONS, 1), "performers": 2, "constraints": 2, "contacts": 2}
+"""A higher number tells an older version that it would misread what it knows by that name."""
 CONSTRAINT_KINDS: Mapping[str, type] = {
     kind.kind: kind
     for kind in (

@@ -6,7 +6,22 @@ from studio.core.errors import StudioError
 from studio.io.entity_json import PROJECT_SCHEMA
 from studio.io.value_json import Json
 
-UPGRADES: Mapping[int, Callable[[Json], Json]] = {}
+
+def _with_clips_that_have_ids(record: Json) -> Json:
+    """Schema 2: clips have ids, and may be retimed, mirrored and placed; constraints and contacts have scopes.
+
+    What was asked was asked of all who play the motion, which is what is meant where no scope stands.
+    """
+    performers = record.get("performers", [])
+    for performer in performers if isinstance(performers, list) else []:
+        clips = performer.get("clips") if isinstance(performer, dict) else None
+        for place, clip in enumerate(clips if isinstance(clips, list) else []):
+            if isinstance(clip, dict):
+                clip.setdefault("id", f"{performer.get('id')} {place}")
+    return record
+
+
+UPGRADES: Mapping[int, Callable[[Json], Json]] = {1: _with_clips_that_have_ids}
 """By the schema a step starts from: a function from ``project.json`` of that schema to that of the next."""
 
 

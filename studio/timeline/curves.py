@@ -10,7 +10,9 @@ from studio.core.canonical import BodyLayout
 from studio.core.contacts import ContactInterval
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.rows import timing_of
 from studio.engine.measures import LENGTH, Measure, measure_of
+from studio.engine.residuals import missed_by
 from studio.timeline.axis import MARGIN, TimeAxis
 from studio.timeline.shown import Shown
 from studio.timeline.strips import strip_of
@@ -87,9 +89,18 @@ class Asked:
         values = self._values(body.performer_id, adapted)
         if values is None:
             return None
-        frames = adapted.first_frame + np.arange(adapted.frame_count)
-        times = frames / self.subject.frame_rate + self.subject.offset
+        times = self._times(body.performer_id, adapted)
         return Curve(body.name, body.colour, times, values, float(values.max(initial=0.0)))
+
+    def _times(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
+        """(F,) seconds on the stage of what there are values of."""
+        if self.quantity is Quantity.ERROR and self.constraint_id:
+            missed = missed_by(self.project, performer_id, adapted, self.constraint_id)
+            if missed is not None:
+                frames = missed.first_frame + np.arange(len(missed.amounts))
+                return np.asarray(self.subject.to_stage(frames / missed.frame_rate))
+        timing = timing_of(self.project, self.project.performers[performer_id])
+        return timing.begin + (adapted.first_frame + np.arange(adapted.frame_count)) / timing.frame_rate
 
     def _values(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray | None:
         match self.quantity:
@@ -107,11 +118,12 @@ class Asked:
                 return self._slide(performer_id, adapted)
             case Quantity.OFF_SUPPORT:
                 return self._beyond_support(adapted)
-        strip = strip_of(self.project, adapted, self.constraint_id) if self.constraint_id else None
+        strip = strip_of(self.project, performer_id, adapted, self.constraint_id) if self.constraint_id else None
         return None if strip is None else np.nan_to_num(strip.errors) * strip.measure.factor
 
-    @property
-    def _contacts(self) -> tuple[ContactInterval, ...]:
+    def _contacts(self, adapted: AdaptedMotion) -> tuple[ContactInterval, ...]:
+        if adapted.composite is not None:
+            return adapted.composite.contacts
         return tuple(self.project.contacts_of(self.subject.motion_id).values())
 
     def _slide(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
@@ -120,7 +132,7 @@ class Asked:
 
         performer = self.project.performers[performer_id]
         ground = self.project.ground.seen_from(performer.position, performer.heading)
-        slides, _ = contact_tracks(adapted, self._contacts, ground)
+        slides, _ = contact_tracks(adapted, self._contacts(adapted), ground)
         return np.asarray(1000.0 * np.nan_to_num(slides).max(axis=0))
 
     def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
@@ -128,7 +140,7 @@ class Asked:
         from studio.core.solver.support import mass_path, outlines, standing_points, support_margins  # as above
 
         stop = adapted.first_frame + adapted.frame_count
-        stands = standing_points(self._contacts, stop)[:, adapted.first_frame :]
+        stands = standing_points(self._contacts(adapted), stop)[:, adapted.first_frame :]
         areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)
         margins = support_margins(areas, mass_path(adapted.positions, adapted.morphology)[:, :2])
         return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))

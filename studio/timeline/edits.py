@@ -43,7 +43,7 @@ def go_to_key(shown: Shown, direction: int) -> None:
     """Bring the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""
     playhead = shown.document.playhead
     times = [
-        time + shown.subject.offset
+        shown.subject.to_stage(time)
         for each in shown.project.constraints_of(shown.subject.motion_id).values()
         for time in (*(time_of(each.activation, part) for part in HANDLES), *key_times(each))
     ] + [

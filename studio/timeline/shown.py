@@ -89,7 +89,7 @@ class Shown:
 
     def xs_of_frames(self, frames: FloatArray) -> FloatArray:
         """Pixels of frames of the motion, of any shape."""
-        seconds = frames / self.subject.frame_rate + self.subject.offset
+        seconds = self.subject.to_stage(frames / self.subject.frame_rate)
         return self.axis.left + (seconds - self.axis.start) * self.axis.scale
 
     def frame_at(self, x: float) -> float:
@@ -98,7 +98,7 @@ class Shown:
 
     def x_of_motion_time(self, seconds: float) -> float:
         """Pixel of a time counted from the motion's beginning."""
-        return self.axis.x_of_time(seconds + self.subject.offset)
+        return self.axis.x_of_time(self.subject.to_stage(seconds))
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """A body's newest adapted motion."""
@@ -106,7 +106,7 @@ class Shown:
 
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
         """How well a constraint holds on a body; None while that is not known, or nothing is asked."""
-        return strip_of(self.project, self.live.told(performer_id), constraint_id)
+        return strip_of(self.project, performer_id, self.live.told(performer_id), constraint_id)
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
         """The worst miss of a constraint on a body."""

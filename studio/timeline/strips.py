@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.measures import LENGTH, Measure, measure_of
-from studio.engine.residuals import residual_row
+from studio.engine.residuals import missed_by
 
 
 class StripState(StrEnum):
@@ -77,14 +77,14 @@ class Strip:
 STATES = tuple(StripState)
 
 
-def strip_of(project: Project, result: AdaptedMotion | None, constraint_id: str) -> Strip | None:
-    """The strip of a constraint in a body's newest result; None while there is none, or it is disabled."""
-    row = residual_row(project, result, constraint_id)
-    if row is None or result is None:
+def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, constraint_id: str) -> Strip | None:
+    """The strip of a constraint in a body's newest result; None while there is none, or it is not asked."""
+    missed = missed_by(project, performer_id, result, constraint_id)
+    if missed is None:
         return None
-    times = (result.first_frame + np.arange(result.frame_count)) / result.frame_rate
+    times = (missed.first_frame + np.arange(len(missed.amounts))) / missed.frame_rate
     constraint = project.constraints[constraint_id]
-    return Strip(result.first_frame, row, constraint.activation.at(times), measure_of(constraint))
+    return Strip(missed.first_frame, missed.amounts, constraint.activation.at(times), measure_of(constraint))
 
 
 def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH) -> NDArray[np.int64]:

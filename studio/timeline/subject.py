@@ -1,8 +1,10 @@
 """Subject: which motion the timeline shows, on which bodies, and how its frames lie on the stage."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from studio.core.project import Clip, Motion, Performer, Project
+from studio.core.solver.rows import timing_of
 from studio.document.document import Document
 
 
@@ -32,22 +34,25 @@ class Subject:
         return self.clip.motion_id
 
     @property
-    def offset(self) -> float:
-        """Seconds from a time of the motion to the same moment on the stage."""
-        return self.clip.start - self.clip.first / self.frame_rate
-
-    @property
     def last_frame(self) -> int:
         """The motion's last frame."""
         return self.frame_count - 1
 
+    def to_stage(self, seconds: Any) -> Any:
+        """Seconds on the stage at which seconds of the motion, one number or many, are played first."""
+        return self.clip.start + (seconds - self.clip.first / self.frame_rate) / self.clip.speed
+
+    def to_motion(self, seconds: Any) -> Any:
+        """Seconds of the motion that are played at times of the stage, before and after the clip too."""
+        return (seconds - self.clip.start) * self.clip.speed + self.clip.first / self.frame_rate
+
     def stage_time(self, frame: float) -> float:
         """Seconds on the stage at which a frame of the motion is played."""
-        return frame / self.frame_rate + self.offset
+        return float(self.to_stage(frame / self.frame_rate))
 
     def motion_frame(self, seconds: float) -> float:
         """The motion's frame played at a time of the stage, not rounded."""
-        return (seconds - self.offset) * self.frame_rate
+        return float(self.to_motion(seconds) * self.frame_rate)
 
 
 def subject_of(document: Document) -> Subject | None:
@@ -56,7 +61,7 @@ def subject_of(document: Document) -> Subject | None:
     performer = project.performers.get(document.active_performer_id or "")
     if performer is None or not performer.clips:
         return None
-    clip = performer.clips[0]
+    clip = document.active_clip or performer.clips[0]
     motion = project.motions[clip.motion_id]
     capture = project.captures[motion.capture_id]
     return Subject(
@@ -75,13 +80,9 @@ def subject_of(document: Document) -> Subject | None:
 
 def stage_extent(project: Project) -> float:
     """Seconds at which the last clip on the stage ends; 1 where there is none."""
-    ends = [1.0]
-    for performer in project.performers.values():
-        for clip in performer.clips:
-            capture = project.captures[project.motions[clip.motion_id].capture_id]
-            ends.append(clip.start + (clip.last - clip.first) / capture.frame_rate)
-    return max(ends[1:] or ends)
+    ends = [timing_of(project, performer).end for performer in project.performers.values() if performer.clips]
+    return max(ends, default=1.0)
 
 
 def _plays(performer: Performer, motion_id: str) -> bool:
-    return bool(performer.clips) and performer.clips[0].motion_id == motion_id
+    return any(clip.motion_id == motion_id for clip in performer.clips)

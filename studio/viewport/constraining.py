@@ -67,22 +67,33 @@ class Here:
 
     def place(self, point: BodyPoint) -> FloatArray:
         """(3,) where a point of the body is, in the space of the motion."""
-        return point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0]
+        return self._of_motion(point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0])
+
+    def _of_motion(self, place: FloatArray) -> FloatArray:
+        """A place in the space of the row's motion, in that of the motion of the clip that plays."""
+        if self.pose.clip_placement == self.pose.placement:
+            return place
+        return self.pose.clip_placement.to_motion(self.pose.placement.to_stage(place))
 
     def turn(self, part: BodyPart) -> FloatArray:
         """(3, 3) how a segment is turned, in the space of the motion."""
         motion = self.pose.motion
-        return np.asarray(motion.rotations[self.pose.row, motion.morphology.layout.segment(part)])
+        turn = motion.rotations[self.pose.row, motion.morphology.layout.segment(part)]
+        if self.pose.clip_placement == self.pose.placement:
+            return np.asarray(turn)
+        return np.asarray(self.pose.clip_placement.rotation.T @ self.pose.placement.rotation @ turn)
 
     @cached_property
     def span(self) -> tuple[float, float]:
         """Seconds of the motion at which the clip begins and ends."""
-        clip, rate = self.pose.performer.clips[0], self.pose.motion.frame_rate
+        clip = self.pose.clip
+        assert clip is not None
+        rate = self.project.frame_rate_of(clip)
         return clip.first / rate, clip.last / rate
 
     def common(self, name: str, point: BodyPoint, chain: Chain, always: bool = False) -> dict[str, Any]:
         """What every kind has: last in priority, full near the playhead or all the time."""
-        motion_id = self.pose.performer.clips[0].motion_id
+        motion_id = self.pose.motion_id or ""
         existing = self.project.constraints_of(motion_id).values()
         begin, end = self.span
         now = min(max(self.pose.seconds, begin), end)
@@ -141,7 +152,7 @@ def _balance(here: Here) -> Constraint:
 def _area(here: Here) -> Constraint:
     joint = here.picked
     x, y, top = here.place(joint.point)
-    floor = float(here.project.ground.height_at(here.pose.placement.to_stage((x, y, 0.0))))
+    floor = float(here.project.ground.height_at(here.pose.clip_placement.to_stage((x, y, 0.0))))
     height = max(float(top) - floor, LEAST_TABLE)
     return AreaConstraint(
         **here.common(f"Table under {joint.name}", joint.point, joint.chain, always=True),

@@ -19,13 +19,13 @@ from studio.viewport.stills import FILM_SAMPLES, smooth_picture
 def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
     """What the viewport shows at each of the times, every performer adapted anew. Raises StudioError."""
     project, view = shots.project, shots.view
-    made = performances(project)
+    made = performances(project).performances
     if not made:
         raise StudioError("No visible character has a motion: there is nothing to film.")
-    results = {key: adapted for key, (_, adapted) in made.items()}
+    results = {key: each.adapted for key, each in made.items()}
     source = None
-    if view.ghost_of in made:
-        asked, _ = made[view.ghost_of]
+    if view.ghost_of is not None and view.ghost_of in made:
+        asked = made[view.ghost_of].request
         assert asked.actor is not None
         source = as_recorded(asked.motion, asked.actor)
     scene = StageScene()
@@ -36,7 +36,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
             scene.sync(project, seen, view.bones, stage_paths(project, posed, view.trail))
             picture = smooth_picture(scene, view.camera, shots.size, FILM_SAMPLES)
             if source is not None and view.ghost_of in posed:
-                _paint_ghost(picture, pose_of(posed[view.ghost_of].performer, source, time), view)
+                _paint_ghost(picture, pose_of(project, posed[view.ghost_of].performer, source, time), view)
             yield picture
     finally:
         scene.close()

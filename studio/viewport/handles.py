@@ -57,8 +57,8 @@ def constraint_handles(project: Project, posed: Mapping[str, Posed], active: str
             handles.append(
                 Handle(
                     constraint_id, performer_id, constraint.kind,
-                    None if place is None else pose.placement.to_stage(place),
-                    figure.placed(pose.placement),
+                    None if place is None else pose.clip_placement.to_stage(place),
+                    figure.placed(pose.clip_placement),
                     float(constraint.activation.at(pose.seconds)), performer_id == active,
                 )
             )  # fmt: skip

@@ -44,7 +44,7 @@ class Target:
 
     def __init__(self, document: Document, constraint_id: str, moment: Moment, floor: float) -> None:
         self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
-        self.placement, self._begin = moment.pose.placement, self._constraint
+        self.placement, self._begin = moment.pose.clip_placement, self._constraint
 
     @property
     def _constraint(self) -> Constraint:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from studio.core.project import Project
+from studio.core.solver.stage import asked_of
 from studio.engine.performance import Results, stage_time
 from studio.engine.residuals import Residual, worst_residual
 
@@ -27,13 +28,14 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
         motion = result_of(performer_id) if performer.visible and performer.clips else None
         if motion is None:
             continue
-        clip = performer.clips[0]
-        for constraint_id, constraint in project.constraints_of(clip.motion_id).items():
+        for asked in asked_of(project, performer_id):
+            constraint_id, constraint, clip = asked.constraint_id, asked.constraint, performer.clips[asked.clip]
             found = worst_residual(project, performer_id, motion, constraint_id)
             if found is None or found.amount <= found.measure.worth_saying:
                 continue
             if worst is None or found.weight > worst.residual.weight:
-                time = stage_time(clip, motion.frame_rate, found.frame / motion.frame_rate)
+                rate = project.frame_rate_of(clip)
+                time = stage_time(clip, rate, found.frame / rate)
                 sentence = _sentence(performer.name, found, constraint.name)
                 worst = Problem(performer_id, constraint_id, found.frame, time, found, sentence)
     return worst

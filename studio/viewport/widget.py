@@ -354,7 +354,7 @@ class Viewport(Canvas):
         if not self.ghost_shown or pose is None or pose.motion_id is None:
             return None
         source = self._live.source(pose.motion_id)
-        return pose_of(pose.performer, source, self._document.playhead.time) if source else None
+        return pose_of(self._document.project, pose.performer, source, self._document.playhead.time) if source else None
 
     def _paths(self) -> list[StagePath]:
         project, selected = self._document.project, self._document.selection.of("performers")
@@ -437,7 +437,9 @@ class Viewport(Canvas):
     def _playhead_moved(self, time: float) -> None:
         """Playback ticks faster than captures were recorded: only another frame is another picture."""
         poses = self.posed.values()
-        if not poses or any(pose_of(one.performer, one.motion, time).row != one.row for one in poses):
+        if not poses or any(
+            pose_of(self._document.project, one.performer, one.motion, time).row != one.row for one in poses
+        ):
             self.show_again()
 
     def _adapted(self, performer_id: str) -> None:

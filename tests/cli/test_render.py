@@ -56,10 +56,9 @@ def test_a_project_is_drawn_with_its_own_characters(capsys, tmp_path):
 @pytest.mark.parametrize("circle", [False, True])
 def test_performers_who_follow_each_other_are_drawn_where_they_follow(circle):
     project = stage(2, p0="p1", **({"p1": "p0"} if circle else {}))
-    free, followed = adapted_performers(stage(2)), adapted_performers(project)
-    places = [Placement.of(project.performers[key]) for key in ("p0", "p1")]
-    wrist = places[0].to_stage(place_of(RIGHT, followed["p0"]))
-    assert wrist == pytest.approx(places[1].to_stage(place_of(RIGHT, free["p1"])), abs=3e-4)
+    made = adapted_performers(project)
+    wrists = [Placement.of(project.performers[key]).to_stage(place_of(RIGHT, made[key])) for key in ("p0", "p1")]
+    assert wrists[0] == pytest.approx(wrists[1], abs=1e-3)
 
 
 def test_a_film_has_its_progress_on_standard_error(capsys, walk, tmp_path):

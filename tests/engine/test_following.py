@@ -1,4 +1,4 @@
-"""Performers and props that are followed: leaders first, circles by standing poses, everybody kept up to date."""
+"""Performers and props that are followed: leaders first, circles together, everybody kept up to date."""
 
 from dataclasses import replace
 from typing import Any
@@ -12,8 +12,9 @@ from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowPr
 from studio.core.constraints.position import PositionConstraint
 from studio.core.placement import Placement
 from studio.core.project import Motion, Project, Prop
+from studio.core.scope import Scope
 from studio.core.solver.adapt import place_of
-from studio.core.solver.stage import NEVER, asked_of, is_led_by, leader_frames, leaders_of, with_leaders
+from studio.core.solver.stage import asked_of, in_order, leaders_of
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from tests.builders import make_constraint, make_project
@@ -71,27 +72,24 @@ def on_stage(document: Document, live: LiveAdaptation, performer_id: str, point:
 def test_who_follows_whom_is_told_from_the_constraints_of_the_motion_that_is_played() -> None:
     project = stage(4, p0="p1", p1="p2", p3="p0")
     assert leaders_of(project, "p0") == {"p1"}
-    assert is_led_by(project, "p3", "p2")
-    assert not is_led_by(project, "p2", "p3")
-    assert with_leaders(project, ["p3", "p0"]) == ("p2", "p1", "p0", "p3")
+    assert in_order(project, ["p3", "p0"]) == (("p2",), ("p1",), ("p0",), ("p3",))
 
 
-def test_who_is_followed_by_itself_follows_its_own_point_or_nothing() -> None:
+def test_nobody_follows_itself_unless_that_is_asked_of_it_alone() -> None:
     project = stage(2, p0="p0")
-    [asked] = asked_of(project, "p0")
-    assert asked.activation == NEVER
+    assert asked_of(project, "p0") == ()
     other = replace(project.constraints["p0"], point=LEFT)
-    [asked] = asked_of(project.with_entity("constraints", "p0", other), "p0")
-    assert isinstance(asked, PositionConstraint)
-    assert asked.target == FollowBody(RIGHT)
+    assert asked_of(project.with_entity("constraints", "p0", other), "p0") == ()
+    alone = replace(other, scope=Scope(performer_id="p0"))
+    [asked] = asked_of(project.with_entity("constraints", "p0", alone), "p0")
+    assert isinstance(asked.constraint, PositionConstraint)
+    assert asked.constraint.target == FollowBody(RIGHT)
     assert leaders_of(project, "p0") == set()
 
 
-def test_a_leaders_frame_is_the_one_that_plays_at_the_same_moment() -> None:
-    clips = stage().performers["p0"].clips
-    later = replace(clips[0], first=10, start=1.0)
-    assert leader_frames(np.array([0, 5, 29]), 60.0, clips[0], clips[0], 120.0) == pytest.approx([0, 10, 29])
-    assert leader_frames(np.array([0, 29]), 30.0, clips[0], later, 60.0) == pytest.approx([10, 10])
+def test_who_follow_each_other_are_adapted_together() -> None:
+    project = stage(4, p0="p1", p1="p2", p2="p0", p3="p1")
+    assert in_order(project, ["p3"]) == (("p0", "p1", "p2"), ("p3",))
 
 
 def test_a_wrist_follows_another_performers_wrist_and_again_when_that_one_is_changed(live_of: Any) -> None:
@@ -112,12 +110,13 @@ def test_a_hidden_performer_is_followed_too(live_of: Any) -> None:
     assert on_stage(document, live, "p0") == pytest.approx(on_stage(document, live, "p1"), abs=3e-4)
 
 
-def test_performers_in_a_circle_follow_how_the_other_would_move_without_constraints(live_of: Any) -> None:
+def test_two_whose_wrists_follow_each_other_meet_between_them(live_of: Any) -> None:
     document, live = live_of(stage(2))
     free = {key: on_stage(document, live, key) for key in ("p0", "p1")}
     document, live = live_of(stage(2, p0="p1", p1="p0"))
-    assert on_stage(document, live, "p0") == pytest.approx(free["p1"], abs=3e-4)
-    assert on_stage(document, live, "p1") == pytest.approx(free["p0"], abs=3e-4)
+    there = {key: on_stage(document, live, key) for key in ("p0", "p1")}
+    assert np.linalg.norm(there["p0"] - there["p1"], axis=1).max() < 1e-3
+    assert there["p0"] == pytest.approx((free["p0"] + free["p1"]) / 2, abs=2e-3)
 
 
 def test_a_wrist_follows_a_prop_that_is_moved_and_goes_with_it_when_it_is_removed(live_of: Any) -> None:

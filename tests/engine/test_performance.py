@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.placement import Placement
 from studio.core.project import Clip
+from studio.core.solver.rows import timing_of
 from studio.engine.performance import motion_time, posed_performers, row_at, stage_time
 from tests.builders import make_project
 from tests.viewport.standing import FRAMES, RATE, results_of
@@ -31,8 +32,8 @@ def test_a_clip_begun_later_and_trimmed_plays_its_own_frames():
 def test_before_and_after_its_clip_a_performer_holds_the_first_and_last_pose():
     project = make_project(characters=1)
     motion = results_of(project)["performer 0"]
-    clip = project.performers["performer 0"].clips[0]
-    assert [row_at(motion, clip, time) for time in (-5.0, 3 / RATE, 60.0)] == [0, 3, FRAMES - 1]
+    timing = timing_of(project, project.performers["performer 0"])
+    assert [row_at(motion, timing, time) for time in (-5.0, 3 / RATE, 60.0)] == [0, 3, FRAMES - 1]
 
 
 def test_hidden_performers_and_those_without_a_result_are_not_posed():

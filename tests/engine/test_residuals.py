@@ -11,7 +11,7 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
 from studio.core.contacts import ContactPoint
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.residuals import residual_row, worst_residual
+from studio.engine.residuals import missed_by, worst_residual
 from studio.panels.constraint_editors.residuals import residuals_of, words_of
 from studio.viewport.problem import worst_problem
 from tests.builders import make_constraint, make_contact, make_morphology, make_project
@@ -68,8 +68,8 @@ def test_frames_that_are_not_played_do_not_count():
 
 def test_an_answer_to_an_older_question_is_not_read():
     project = project_of(make_constraint())
-    assert residual_row(project, answer(), "c") is None
-    assert residual_row(project, None, "c") is None
+    assert missed_by(project, "performer 0", answer(), "c") is None
+    assert missed_by(project, "performer 0", None, "c") is None
     assert worst_residual(project, "performer 0", answer(), "c") is None
 
 

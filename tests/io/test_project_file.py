@@ -13,6 +13,7 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.core.project import Project, Prop
+from studio.core.scope import EVERYONE
 from studio.io.archive import stamp
 from studio.io.entity_json import project_json
 from studio.io.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project
@@ -164,7 +165,7 @@ def test_a_file_packed_anew_with_compression_still_opens(saved: Path) -> None:
 
 
 def test_a_file_of_a_newer_version_opens_read_only(saved: Path) -> None:
-    repacked(saved, lambda record: record.update(schema=2))
+    repacked(saved, lambda record: record.update(schema=3))
     opened = read_project(saved)
     assert opened.read_only
     assert any("newer version" in problem for problem in opened.problems)
@@ -284,6 +285,8 @@ def test_the_frozen_sample_of_every_schema_opens_without_a_loss(tmp_path: Path) 
         assert opened.problems == ()
         assert len(opened.project.characters) == 2
         assert opened.project.constraints["constraint 0"].target == (0.4, -0.3, 1.2)
+        assert all(clip.id for performer in opened.project.performers.values() for clip in performer.clips)
+        assert opened.project.constraints["constraint 0"].scope == EVERYONE
 
 
 def test_upgrades_go_step_by_step() -> None:

@@ -53,13 +53,13 @@ def test_residuals_are_found_by_priority_among_the_enabled_constraints():
     project = make_project(constraints=3)
     project = project.with_entity("constraints", "constraint 0", make_constraint(name="off", priority=0, enabled=False))
     result = make_result(project, {"constraint 1": 0.5, "constraint 2": 0.0})
-    assert strip_of(project, result, "constraint 0") is None
-    assert strip_of(project, result, "constraint 1").error_at(10) == 0.5
-    assert strip_of(project, result, "constraint 2").error_at(10) == 0.0
+    assert strip_of(project, "performer 0", result, "constraint 0") is None
+    assert strip_of(project, "performer 0", result, "constraint 1").error_at(10) == 0.5
+    assert strip_of(project, "performer 0", result, "constraint 2").error_at(10) == 0.0
 
 
 def test_a_result_of_an_older_question_is_not_shown():
     project = make_project(constraints=1)
     result = make_result(project, {"constraint 0": 0.0})
     more = project.with_entity("constraints", "another", make_constraint(priority=1))
-    assert strip_of(more, result, "constraint 0") is None
+    assert strip_of(more, "performer 0", result, "constraint 0") is None

@@ -1,6 +1,7 @@
 """Time: play, step, jump, range, shuttle."""
 
 from studio.app.workbench import Workbench
+from studio.core.solver.rows import stage_span
 
 FASTEST = 8.0
 
@@ -53,12 +54,10 @@ def range_to_here(bench: Workbench) -> None:
 
 
 def whole_range(bench: Workbench) -> None:
-    """The range is all of the motion."""
-    project = bench.document.project
-    motion = project.motions.get(bench.document.active_motion_id or "")
-    if motion is not None:
-        capture = project.captures[motion.capture_id]
-        bench.document.playhead.set_range(capture.first_frame, capture.frame_count - 1)
+    """The range is all of the stage."""
+    span = stage_span(bench.document.project)
+    if span is not None:
+        bench.document.playhead.set_range(span.first, span.last)
 
 
 def shuttle_back(bench: Workbench) -> None:

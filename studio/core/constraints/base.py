@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
+from studio.core.scope import EVERYONE, Scope
 
 Vector = tuple[float, float, float]
 
@@ -130,7 +131,12 @@ class Constraint:
     activation: ActivationCurve
     enabled: bool = True
     weight: float = field(default=1.0, kw_only=True)
-    """How much it counts among constraints of its priority that cannot all be met; only the ratio to theirs matters."""
+    """How much it counts among constraints of its priority that cannot all be met; only the ratio to theirs matters.
+
+    Of two bodies that are to meet each other it is how much of the way each goes.
+    """
+    scope: Scope = field(default=EVERYONE, kw_only=True)
+    """Of whom it is asked: of all who play the motion, of one performer, or of one clip."""
 
     def __post_init__(self) -> None:
         if self.priority < 0:

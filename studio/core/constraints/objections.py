@@ -12,7 +12,7 @@ _LIMBS = tuple(
     for side in ("left", "right")
     for bones in (("upper_arm", "forearm", "hand"), ("thigh", "shank", "foot", "toe"))
 )
-_EVERYWHERE = {"motion_id", "name", "chain", "priority", "activation", "enabled", "weight"}
+_EVERYWHERE = {"motion_id", "scope", "name", "chain", "priority", "activation", "enabled", "weight"}
 """Values that say nothing about what is asked."""
 _MANY = {"area", "clear"}
 """Kinds of which a point may have several at once."""
@@ -37,7 +37,11 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
             f"'{constraint.name}' would follow a point of its own limb, which goes along with it. Follow one that this"
             " limb does not carry."
         )
-    rivals = [each for each in others if each.enabled and each.motion_id == constraint.motion_id]
+    rivals = [
+        each
+        for each in others
+        if each.enabled and each.motion_id == constraint.motion_id and each.scope.meets(constraint.scope)
+    ]
     for other in rivals:
         if _rivals(constraint, other):
             if _asked(constraint) == _asked(other):

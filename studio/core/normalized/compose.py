@@ -43,6 +43,16 @@ class Composite:
     timing: Timing
     played: tuple[Played, ...]
 
+    @property
+    def is_plain(self) -> bool:
+        """Whether it is one motion, whole and as it is."""
+        return self.motion is self.played[0].piece.motion
+
+    def playing(self, frame: int) -> Played:
+        """The piece that plays in a frame: of two the one that takes over."""
+        begun = [each for each in self.played if each.first <= frame]
+        return begun[-1] if begun else self.played[0]
+
 
 @lru_cache(maxsize=64)
 def compose(pieces: tuple[Piece, ...]) -> Composite:

@@ -40,6 +40,8 @@ class Piece:
     own: Planar = AS_IT_IS
     joined: bool = True
     ease: float = 0.0
+    origin: tuple[int, int] = (0, 0)
+    """Which clip of a row it is, and which of its repeats."""
 
     @property
     def end(self) -> float:

@@ -1,5 +1,7 @@
 """Where followed things are: the place and the rotation of each at every frame of a motion, in that motion's space."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
@@ -11,12 +13,14 @@ from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.kinematics import joint_world
 from studio.core.morphology import AnyMorphology, Morphology
+from studio.core.normalized.compose import Composite
 from studio.core.placement import Placement
 from studio.core.pose import PoseSequence
 from studio.core.project import Prop
 from studio.core.rotations import to_matrix
 from studio.core.solver.packing import point_indices
 from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.solver.rows import carry_of
 from studio.core.solver.tracks import Track
 
 FloatArray = NDArray[np.float64]
@@ -83,3 +87,25 @@ def tracked_track(follow: FollowTracked, capture: Capture, frame: int | None = N
     origin = np.array([*places[-1, root, :2], capture.floor])
     places, axes = places[:-1], rotations[:-1, joint]
     return Track(places[:, joint] + axes @ np.array(follow.offset) - origin, axes @ to_matrix(np.array(follow.turn)))
+
+
+def tracked_in_row(
+    follow: FollowTracked, captures: Sequence[Capture], composite: Composite, leg_length: float
+) -> Track:
+    """``tracked_track`` in the space of a row's motion: in each frame of the clip that plays then, the newest of two.
+
+    ``captures`` are those of the row's clips.
+    """
+    count = composite.motion.frame_count
+    places, axes = np.zeros((count, 3)), np.tile(np.eye(3), (count, 1, 1))
+    for played in composite.played:
+        own = tracked_track(follow, captures[played.piece.origin[0]])
+        if composite.is_plain:
+            return own
+        frames = np.arange(played.first, count)
+        rows = np.rint(played.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, len(own.places) - 1)
+        carry = carry_of(played, composite.timing, leg_length)
+        c, s = np.cos(carry.turn), np.sin(carry.turn)
+        places[frames] = carry.places(own.places[rows])
+        axes[frames] = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ own.rotations[rows]
+    return Track(places, axes)

@@ -9,6 +9,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology
+from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.tracks import Tracks
 from studio.core.volume import BodyVolume
@@ -67,6 +68,8 @@ class AdaptedMotion:
     animated: AnimatedMorphology | None = None
     volume: BodyVolume | None = None
     unasked: Unasked | None = None
+    composite: Composite | None = None
+    """What of a stage it is, where it is of one: which clips play in which of its frames."""
 
     @property
     def body(self) -> AnyMorphology:

@@ -1,119 +1,129 @@
 """Performers on one stage: what each is asked, whom it follows, and where that is at each of its frames."""
 
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
+from studio.core.normalized.compose import Composite
 from studio.core.placement import Placement
-from studio.core.project import Clip, Project
+from studio.core.project import Performer, Project
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.rows import Asked, timing_of
 from studio.core.solver.tracks import Track, Tracks
-
-NEVER = ActivationCurve(-1.0, -1.0, -1.0, -1.0)
-"""Before every motion."""
+from studio.core.timing import Timing
 
 
 @dataclass(frozen=True)
 class Followed:
-    """What a constraint follows: equal ones have equal tracks, and ``make`` computes them."""
+    """What a constraint follows: equal ones have equal tracks, and ``make`` computes them for what a row comes to."""
 
     follow: Follow
     depends_on: tuple[Any, ...]
-    make: Callable[[], Track] = field(compare=False)
+    make: Callable[[Composite], Track] = field(compare=False)
 
 
-def asked_of(project: Project, performer_id: str) -> tuple[Constraint, ...]:
-    """The constraints on a performer that are on, highest priority first, as they concern that performer.
+def asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
+    """What is asked of a performer in each of its clips, highest priority first, as it concerns that performer.
 
-    One that follows the performer itself follows a point of the same body; where that is the very point, or who is
-    followed plays nothing, nothing is asked. A place that is each body's own has this one's offset.
+    Nobody is asked to follow itself, but where that is asked of it alone: then it follows a point of the same body.
+    Who follows somebody who plays nothing is asked nothing. A place that is each body's own has this one's offset.
     """
     clips = project.performers[performer_id].clips
-    constraints = project.constraints_of(clips[0].motion_id).values() if clips else ()
     playing = {key for key, performer in project.performers.items() if performer.clips}
-    return tuple(concerning(each, performer_id, playing) for each in constraints if each.enabled)
+    asked = [
+        Asked(key, concerned, place, repeat)
+        for place, clip in enumerate(clips)
+        for key, constraint in project.constraints_for(performer_id, clip).items()
+        if constraint.enabled and (concerned := concerning(constraint, performer_id, playing)) is not None
+        for repeat in range(clip.repeats)
+    ]
+    return tuple(sorted(asked, key=lambda each: each.constraint.priority))
 
 
 def leaders_of(project: Project, performer_id: str) -> set[str]:
     """The other performers that a performer follows."""
-    follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each))
+    follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
     return {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
 
 
-def is_led_by(project: Project, performer_id: str, leader_id: str) -> bool:
-    """Whether ``performer_id`` follows ``leader_id``, or one who does."""
-    known: set[str] = set()
-    waiting = leaders_of(project, performer_id)
+def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
+    """These performers and all whom they follow, leaders first; those who follow each other in a circle together."""
+    leaders: dict[str, set[str]] = {}
+    waiting = list(performer_ids)
     while waiting:
-        if leader_id in waiting:
-            return True
-        known |= waiting
-        waiting = {each for leader in waiting for each in leaders_of(project, leader)} - known
-    return False
+        key = waiting.pop()
+        if key not in leaders:
+            leaders[key] = leaders_of(project, key)
+            waiting += leaders[key]
+    keys = sorted(leaders, key=list(project.performers).index)
+    circles = _circles(keys, leaders)
+    ordered: dict[tuple[str, ...], None] = {}
 
+    def put(circle: tuple[str, ...]) -> None:
+        if circle not in ordered:
+            for leader in sorted({leader for key in circle for leader in leaders[key]} - set(circle)):
+                put(circles[leader])
+            ordered[circle] = None
 
-def with_leaders(project: Project, performer_ids: Iterable[str]) -> tuple[str, ...]:
-    """These performers and all whom they follow, leaders first; in a circle anyone is."""
-    ordered: dict[str, None] = {}
-    begun: set[str] = set()
-
-    def put(key: str) -> None:
-        if key not in begun:
-            begun.add(key)
-            for leader in sorted(leaders_of(project, key)):
-                put(leader)
-            ordered[key] = None
-
-    for key in performer_ids:
-        put(key)
+    for key in keys:
+        put(circles[key])
     return tuple(ordered)
+
+
+def _circles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[str, ...]]:
+    """By performer, all who follow each other by some way; mostly it alone."""
+    row = {key: place for place, key in enumerate(keys)}
+    edges = np.array([(row[key], row[leader]) for key in keys for leader in leaders[key]], dtype=np.int64).reshape(
+        -1, 2
+    )
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(len(keys), len(keys)))
+    _, labels = connected_components(graph, directed=True, connection="strong")
+    return {key: tuple(other for other in keys if labels[row[other]] == labels[row[key]]) for key in keys}
 
 
 def followed_by(
     project: Project,
     performer_id: str,
     result_of: Callable[[str], AdaptedMotion | None],
-    standing_of: Callable[[str], AdaptedMotion],
+    circle: Collection[str] = (),
 ) -> tuple[Followed, ...] | None:
     """All that a performer follows beyond its own body; None while the result of someone it follows is not there.
 
-    Performers who follow each other in a circle follow each other's ``standing_of``: as they would move without any
-    constraint. That is asked for only when a track is made.
+    Those of its own ``circle`` are left out: where they are is found together with where this one is.
     """
-    own = Placement.of(project.performers[performer_id])
+    performer = project.performers[performer_id]
     found: dict[Follow, Followed] = {}
-    for follow in (follow for each in asked_of(project, performer_id) for follow in follows_of(each)):
+    for follow in (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint)):
         match follow:
             case FollowProp():
-                found[follow] = _prop(follow, project, own)
+                found[follow] = _prop(follow, project, Placement.of(performer))
             case FollowTracked():
-                found[follow] = _tracked(follow, project, performer_id)
-            case FollowPerformer():
-                leader = follow.performer_id
-                circle = is_led_by(project, leader, performer_id)
-                result = None if circle else result_of(leader)
-                if result is None and not circle:
+                found[follow] = _tracked(follow, project, performer)
+            case FollowPerformer() if follow.performer_id not in circle:
+                result = result_of(follow.performer_id)
+                if result is None:
                     return None
-                found[follow] = _performer(follow, project, performer_id, result, standing_of)
+                found[follow] = _performer(follow, project, performer, result)
     return tuple(found.values())
 
 
-def tracks_of(followed: Iterable[Followed]) -> Tracks:
+def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
     """The tracks themselves: what may take a while."""
-    return {each.follow: each.make() for each in followed}
+    return {each.follow: each.make(composite) for each in followed}
 
 
 def _prop(follow: FollowProp, project: Project, own: Placement) -> Followed:
     prop = project.props[follow.prop_id]
 
-    def make() -> Track:
+    def make(_composite: Composite) -> Track:
         from studio.core.solver.following import prop_track  # here and below: it loads kernels
 
         return prop_track(follow, prop, own)
@@ -121,54 +131,52 @@ def _prop(follow: FollowProp, project: Project, own: Placement) -> Followed:
     return Followed(follow, (prop, own), make)
 
 
-def _tracked(follow: FollowTracked, project: Project, performer_id: str) -> Followed:
-    motion_id = project.performers[performer_id].clips[0].motion_id
-    capture = project.captures[project.motions[motion_id].capture_id]
+def _tracked(follow: FollowTracked, project: Project, performer: Performer) -> Followed:
+    captures = tuple(project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips)
+    leg = project.characters[performer.character_id].morphology.leg_length
 
-    def make() -> Track:
-        from studio.core.solver.following import tracked_track
+    def make(composite: Composite) -> Track:
+        from studio.core.solver.following import tracked_in_row
 
-        return tracked_track(follow, capture)
+        return tracked_in_row(follow, captures, composite, leg)
 
-    return Followed(follow, (id(capture),), make)
+    return Followed(follow, (*map(id, captures), performer.clips, leg), make)
 
 
-def _performer(
+def _performer(follow: FollowPerformer, project: Project, performer: Performer, result: AdaptedMotion) -> Followed:
+    leader = project.performers[follow.performer_id]
+    timing, places = timing_of(project, leader), (Placement.of(leader), Placement.of(performer))
+
+    def make(composite: Composite) -> Track:
+        return leader_track(follow, result, timing, composite, *places)
+
+    return Followed(follow, (result, timing, performer.clips, places), make)
+
+
+def leader_track(
     follow: FollowPerformer,
-    project: Project,
-    performer_id: str,
-    result: AdaptedMotion | None,
-    standing_of: Callable[[str], AdaptedMotion],
-) -> Followed:
-    performer, leader = project.performers[performer_id], project.performers[follow.performer_id]
-    capture = project.captures[project.motions[performer.clips[0].motion_id].capture_id]
-    clips, places = (performer.clips[0], leader.clips[0]), (Placement.of(performer), Placement.of(leader))
+    result: AdaptedMotion,
+    timing: Timing,
+    composite: Composite,
+    placement: Placement,
+    own: Placement,
+) -> Track:
+    """Where a point of another performer is at each frame of ``composite``, as who stands at ``own`` sees it.
 
-    def make() -> Track:
-        from studio.core.solver.following import performer_track
+    ``result`` is the other's motion, which plays as ``timing`` says at ``placement``.
+    """
+    from studio.core.solver.following import performer_track
 
-        motion = standing_of(follow.performer_id) if result is None else result
-        frames = np.arange(capture.frame_count)
-        rows = leader_frames(frames, capture.frame_rate, *clips, motion.frame_rate) - motion.first_frame
-        return performer_track(follow.point, follow.turn, motion, rows, places[1], places[0])
-
-    if result is not None:
-        return Followed(follow, (result, clips, places), make)
-    build, ground = project.characters[leader.character_id].morphology, project.ground
-    contacts = tuple(project.contacts_of(leader.clips[0].motion_id).values())
-    return Followed(follow, (build, ground, contacts, clips, places), make)
+    seconds = composite.timing.begin + np.arange(composite.motion.frame_count) / composite.timing.frame_rate
+    rows = timing.frames_at(seconds) - result.first_frame
+    return performer_track(follow.point, follow.turn, result, rows, placement, own)
 
 
-def leader_frames(
-    frames: np.ndarray[Any, Any], frame_rate: float, clip: Clip, leader: Clip, leader_rate: float
-) -> np.ndarray[Any, Any]:
-    """(F,) the leader's frame, not rounded, that plays when each of ``frames`` does; held at its clip's ends."""
-    stage = clip.start + (frames - clip.first) / frame_rate
-    return np.clip(leader.first + (stage - leader.start) * leader_rate, leader.first, leader.last)
+def concerning(constraint: Constraint, performer_id: str, playing: Collection[str]) -> Constraint | None:
+    """A constraint as one performer has it, of those that are ``playing``; None where nothing is asked of it.
 
-
-def concerning(constraint: Constraint, performer_id: str, playing: Container[str]) -> Constraint:
-    """A constraint as one performer has it, of those that are ``playing``; see ``asked_of``."""
+    See ``asked_of``.
+    """
     changes: dict[str, Any] = {}
     for name in (each.name for each in fields(constraint)):
         value = getattr(constraint, name)
@@ -176,15 +184,16 @@ def concerning(constraint: Constraint, performer_id: str, playing: Container[str
             changes[name] = value.of(performer_id)
         if not isinstance(value, FollowPerformer):
             continue
-        same = value.point.part == constraint.point.part if constraint.kind == "orientation" else (
-            value.point == constraint.point
-        )  # fmt: skip
-        if value.performer_id not in playing or (value.performer_id == performer_id and same):
-            changes |= {name: _nowhere(constraint), "activation": NEVER}
-        elif value.performer_id == performer_id:
+        if value.performer_id not in playing:
+            return None
+        if value.performer_id == performer_id:
+            if not constraint.scope.is_narrow or _is_at_itself(constraint, value):
+                return None
             changes[name] = FollowBody(value.point, value.turn)
     return replace(constraint, **changes) if changes else constraint
 
 
-def _nowhere(constraint: Constraint) -> tuple[float, ...]:
-    return (0.0, 0.0, 0.0, 1.0) if constraint.kind == "orientation" else (0.0, 0.0, 0.0)
+def _is_at_itself(constraint: Constraint, follow: FollowPerformer) -> bool:
+    if constraint.kind == "orientation":
+        return follow.point.part == constraint.point.part
+    return follow.point == constraint.point

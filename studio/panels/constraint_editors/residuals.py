@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from studio.core.project import Project
 from studio.document import colours
 from studio.engine.live import Live
-from studio.engine.residuals import Residual, residual_row, worst_residual
+from studio.engine.residuals import Residual, missed_by, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
@@ -40,17 +40,21 @@ class BodyResidual:
 
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
-    """One for each visible performer that plays the constraint's motion."""
-    motion_id, enabled = project.constraints[constraint_id].motion_id, project.constraints[constraint_id].enabled
+    """One for each visible performer of whom the constraint is asked."""
+    constraint = project.constraints[constraint_id]
     return [
         BodyResidual(
             performer.name,
             project.characters[performer.character_id].colour,
             worst_residual(project, key, live.told(key), constraint_id),
-            not enabled or residual_row(project, live.told(key), constraint_id) is not None,
+            not constraint.enabled or missed_by(project, key, live.told(key), constraint_id) is not None,
         )
         for key, performer in project.performers.items()
-        if performer.visible and any(clip.motion_id == motion_id for clip in performer.clips)
+        if performer.visible
+        and any(
+            clip.motion_id == constraint.motion_id and constraint.scope.includes(key, clip.id)
+            for clip in performer.clips
+        )
     ]
 
 

@@ -239,21 +239,21 @@ class KeyRow:
     def _seconds(self) -> float:
         """The time of the motion at the playhead."""
         document = self._editor.document
-        performer = document.project.performers.get(document.active_performer_id or "")
-        if performer is None or not performer.clips:
+        clip = document.active_clip
+        if clip is None:
             return document.playhead.time
-        rate = document.playhead.frame_rate
-        return round(motion_time(performer.clips[0], rate, document.playhead.time) * rate) / rate
+        rate = document.project.frame_rate_of(clip)
+        return round(motion_time(clip, rate, document.playhead.time) * rate) / rate
 
     def _go(self, step: int) -> None:
         keyed, now = self._keyed(), self._seconds()
         ahead = [time for time in keyed.times if (time - now) * step > 1e-4]
         document = self._editor.document
-        performer = document.project.performers.get(document.active_performer_id or "")
-        if ahead and performer is not None and performer.clips:
+        clip = document.active_clip
+        if ahead and clip is not None:
             document.playhead.pause()
             time = min(ahead, key=lambda each: abs(each - now))
-            document.playhead.set_time(stage_time(performer.clips[0], document.playhead.frame_rate, time))
+            document.playhead.set_time(stage_time(clip, document.project.frame_rate_of(clip), time))
 
     def _set(self) -> None:
         """A key with what is there now."""

@@ -40,12 +40,12 @@ class DragHandle(EditGesture):
         """The time under the mouse, snapped."""
         curve, subject = self.original.activation, self.shown.subject
         old = time_of(curve, self.part)
-        caught = self.snap(old + subject.offset + self.moved(position), free)
+        caught = self.snap(subject.to_stage(old) + self.moved(position), free)
         last = max(subject.last_frame / subject.frame_rate, curve.end)
-        time = min(max(caught.time - subject.offset, min(0.0, curve.start)), last)
+        time = min(max(subject.to_motion(caught.time), min(0.0, curve.start)), last)
         self.put(replace(self.original, activation=with_time(curve, self.part, time)))
         text = f"{self.part}  {moment(time * subject.frame_rate, time)}"
-        self.mark = Mark(time + subject.offset, text, caught.caught)
+        self.mark = Mark(subject.to_stage(time), text, caught.caught)
 
 
 class MoveActivation(EditGesture):
@@ -60,7 +60,7 @@ class MoveActivation(EditGesture):
     def update(self, position: QPointF, free: bool) -> None:
         """All four times later or earlier by the same."""
         curve, subject = self.original.activation, self.shown.subject
-        begin = curve.start + subject.offset
+        begin = subject.to_stage(curve.start)
         caught = self._catch(begin + self.moved(position), free)
         seconds = caught.time - begin
         # At least a frame of it stays within the motion.
@@ -68,7 +68,7 @@ class MoveActivation(EditGesture):
         self.put(replace(self.original, activation=curve.moved(seconds)))
         start = curve.start + seconds
         text = f"{seconds:+.3f} s  starts {moment(start * subject.frame_rate, start)}"
-        self.mark = Mark(start + subject.offset, text, caught.caught)
+        self.mark = Mark(subject.to_stage(start), text, caught.caught)
 
     def _catch(self, begin: float, free: bool) -> Snapped:
         """The snapped begin: by a magnet near one of the four times, else by the frame of the begin."""

@@ -133,7 +133,7 @@ def _curve_path(shown: Shown, row: QRect, constraint: Constraint) -> QPainterPat
         return path
     ramps = [np.linspace(corner_xs[k], corner_xs[k + 1], RAMP_POINTS) for k in (0, 2)]
     xs = np.unique(np.clip([left, *ramps[0], *ramps[1], right], left, right))
-    times = np.clip(axis.start + (xs - axis.left) / axis.scale - shown.subject.offset, curve.start, curve.end)
+    times = np.clip(shown.subject.to_motion(axis.start + (xs - axis.left) / axis.scale), curve.start, curve.end)
     low = baseline(row) + 0.5
     ys = low - curve_height(row) * curve.at(times)
     outline = [QPointF(left, low), *map(QPointF, xs.tolist(), ys.tolist()), QPointF(right, low)]

@@ -1,0 +1,188 @@
+"""A constraint of a motion as it is where a clip of that motion plays: at other times, in another place, mirrored."""
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.clear import Arms
+from studio.core.constraints.follow import FOLLOWS, FollowBody, FollowPerformer, FollowProp
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys, Quaternion
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.rotations import multiply
+from studio.core.triangle_mesh import TriangleMesh
+
+FloatArray = NDArray[np.float64]
+
+COMING = 0.2
+"""Seconds in which what is asked at the very ends of a clip comes and goes."""
+_HINGED = ("upper_arm", "forearm", "hand", "thigh", "shank")
+"""Segments whose x is a hinge, which a mirror turns round."""
+_SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
+
+
+@dataclass(frozen=True)
+class Carry:
+    """From a motion to where a clip of it plays.
+
+    Second t becomes ``begin`` + t / ``speed``; a place is mirrored (y becomes -y) where it is, turned by ``turn``
+    radians about Z and moved by ``shift`` metres; lengths in leg lengths turn only. What is asked is asked from
+    ``first`` to ``last`` seconds.
+    """
+
+    begin: float
+    speed: float
+    turn: float
+    shift: tuple[float, float]
+    mirrored: bool
+    first: float
+    last: float
+
+    def times(self, times: ArrayLike) -> FloatArray:
+        """Seconds where the clip plays, of those of the motion."""
+        return self.begin + np.asarray(times, dtype=np.float64) / self.speed
+
+    def ways(self, vectors: ArrayLike) -> FloatArray:
+        """(..., 3) vectors, turned and mirrored."""
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        seen = np.asarray(vectors, dtype=np.float64) * [1.0, -1.0 if self.mirrored else 1.0, 1.0]
+        return np.asarray(seen @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
+
+    def places(self, places: ArrayLike) -> FloatArray:
+        """(..., 3) metres."""
+        return np.asarray(self.ways(places) + np.array([*self.shift, 0.0]))
+
+    def turns(self, turns: ArrayLike, part: BodyPart) -> FloatArray:
+        """(..., 4) rotations of a segment."""
+        seen = np.asarray(turns, dtype=np.float64)
+        if self.mirrored:
+            seen = seen * [-1.0, 1.0, -1.0, 1.0]
+            if is_hinged(part):
+                seen = multiply(seen, np.array([0.0, 0.0, 1.0, 0.0]))
+        return multiply(np.array([0.0, 0.0, np.sin(self.turn / 2), np.cos(self.turn / 2)]), seen)
+
+    def point(self, point: BodyPoint) -> BodyPoint:
+        """A point of the body: of the other side in a mirror."""
+        if not self.mirrored:
+            return point
+        x, y, z = point.offset
+        offset = (-x, y, z) if is_hinged(point.part) else (x, -y, z)
+        return replace(point, part=other_side(point.part), offset=offset)
+
+
+def is_hinged(part: BodyPart) -> bool:
+    """Whether the x axis of a segment is a hinge."""
+    return part.value.endswith(_HINGED)
+
+
+def other_side(part: BodyPart) -> BodyPart:
+    """The same of the other side; what is in the middle stays."""
+    swaps = {"left": "right", "right": "left"}
+    side, _, rest = part.value.partition("_")
+    return BodyPart(f"{swaps[side]}_{rest}") if side in swaps else part
+
+
+def carried_over(constraint: Constraint, carry: Carry) -> Constraint:
+    """``constraint`` as it is where a clip of its motion plays; what follows other performers and props stays so."""
+    changes: dict[str, Any] = {
+        "point": carry.point(constraint.point),
+        "chain": _chain(constraint.chain, carry),
+        "activation": _activation(constraint.activation, carry),
+    }
+    for name in (each.name for each in fields(constraint) if each.name not in ("point", "chain", "activation")):
+        value = getattr(constraint, name)
+        changed = _value(name, value, constraint, carry)
+        if changed is not value:
+            changes[name] = changed
+    return replace(constraint, **changes)
+
+
+def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
+    match value:
+        case KeyedPlace():
+            return replace(value, times=_keys(value, carry), values=_tuples(carry.places(value.values)))
+        case KeyedTurn():
+            quaternions = carry.turns(value.values, constraint.point.part)
+            return replace(value, times=_keys(value, carry), values=_tuples(quaternions))
+        case KeyedNumber():
+            turned = tuple(_heading(each, constraint, carry) for each in value.values)
+            numbers = turned if name == "heading" else value.values
+            return replace(value, times=_keys(value, carry), values=numbers)
+        case OwnPlace():
+            (x, y, z), own = carry.ways(value.offset).tolist(), value.own
+            return replace(
+                value,
+                point=carry.point(value.point),
+                time=float(carry.times(value.time)),
+                offset=(x, y, z),
+                own=tuple((key, tuple(carry.ways(each).tolist())) for key, each in own),
+            )
+        case BodyPoint():
+            return carry.point(value)
+        case FollowBody():
+            return replace(value, point=carry.point(value.point), turn=_own_turn(value.turn, value.point.part, carry))
+        case Arms():
+            return _SWAPPED[value] if carry.mirrored else value
+        case TriangleMesh() if carry.mirrored:
+            return TriangleMesh(value.vertices * [1.0, -1.0, 1.0], value.triangles[:, ::-1])
+    return _plain(name, value, constraint, carry)
+
+
+def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
+    if name == "heading":
+        return _heading(value, constraint, carry)
+    if name == "size" and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
+        x, y, z = value
+        return (x, -y, z) if carry.mirrored else value
+    if name not in ("target", "other", "centre", "place") or not isinstance(value, tuple):
+        return value
+    if len(value) == 4:
+        return tuple(carry.turns(value, constraint.point.part).tolist())
+    return tuple(carry.places((*value, 0.0)[:3]).tolist()[: len(value)])
+
+
+def _heading(heading: float, constraint: Constraint, carry: Carry) -> float:
+    """A heading counts from that of what the centre follows, where it follows something."""
+    follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
+    others = isinstance(getattr(constraint, "centre", None), FollowPerformer | FollowProp)
+    seen = -heading if carry.mirrored and not others else heading
+    return seen if follows else seen + carry.turn
+
+
+def _own_turn(turn: Quaternion, part: BodyPart, carry: Carry) -> Quaternion:
+    """A rotation in a segment's axes, in those of the other side's segment."""
+    if not carry.mirrored:
+        return turn
+    x, y, z, w = turn
+    return (x, -y, -z, w) if is_hinged(part) else (-x, y, -z, w)
+
+
+def _chain(chain: Chain, carry: Carry) -> Chain:
+    if not carry.mirrored:
+        return chain
+    return replace(chain, segments=tuple((other_side(part), weight) for part, weight in chain.segments))
+
+
+def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
+    """The curve within the clip: what would be asked before it begins comes as it begins."""
+    start, full, full_end, end = carry.times((curve.start, curve.full, curve.full_end, curve.end)).tolist()
+    coming = min(COMING, (carry.last - carry.first) / 2)
+    if start < carry.first:
+        start, full = carry.first, max(full, carry.first + coming)
+    if end > carry.last:
+        full_end, end = min(full_end, carry.last - coming), carry.last
+    start, full, full_end = np.maximum.accumulate([min(time, end) for time in (start, full, full_end)]).tolist()
+    return ActivationCurve(start, full, full_end, max(end, full_end), curve.shape)
+
+
+def _keys(keyed: Keys, carry: Carry) -> tuple[float, ...]:
+    return tuple(carry.times(keyed.times).tolist())
+
+
+def _tuples(rows: FloatArray) -> Any:
+    return tuple(tuple(row) for row in rows.tolist())

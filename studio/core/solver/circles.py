@@ -1,0 +1,179 @@
+"""Performers who follow each other: each where the others are once they have been adapted too.
+
+All are solved again, from where all were, until nobody moves who is followed (Jacobi's sweeps, so their order is all
+the same). Two points that are to meet have one place between them, to which each goes its share of the way, by weight;
+who cannot is met where it is.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.target import follows_of
+from studio.core.normalized.compose import Composite
+from studio.core.placement import Placement
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.stage import leader_track
+from studio.core.solver.tracks import Track, Tracks
+
+FloatArray = NDArray[np.float64]
+Solve = Callable[[AdaptRequest], AdaptedMotion]
+
+SWEEPS = 10
+"""Times that all of a circle are solved at most."""
+SETTLED = 2e-4
+"""Metres by which nobody who is followed moves any more from one sweep to the next."""
+STEADY = 4
+"""Sweeps after which targets go only half of their way: who chases each other comes to rest so."""
+EVEN = 1e-4
+"""Metres by which two who meet may both miss before who misses more has the say."""
+
+
+@dataclass(frozen=True, eq=False)
+class Player:
+    """One of a circle: all that is asked of it but where the others are, and where it stands."""
+
+    request: AdaptRequest
+    composite: Composite
+    placement: Placement
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Two points that follow each other: of whom, by which constraint of its request, and its share of the way."""
+
+    keys: tuple[str, str]
+    rows: tuple[int, int]
+    share: float
+    """Of the first one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Circle:
+    """What came of it: the motions, what was asked at last, and in how many sweeps."""
+
+    results: Mapping[str, AdaptedMotion]
+    requests: Mapping[str, AdaptRequest]
+    sweeps: int
+
+
+def solve_circle(players: Mapping[str, Player], solve: Solve) -> Circle:
+    """Adapt performers who follow each other."""
+    meetings = meetings_of(players)
+    results = {key: solve(replace(each.request, constraints=())) for key, each in players.items()}
+    requests = {key: each.request for key, each in players.items()}
+    before: dict[tuple[str, FollowPerformer], Track] = {}
+    for sweep in range(SWEEPS):
+        tracks = dict(_tracks(players, results))
+        for meeting in meetings:
+            _meet(meeting, players, results, before, tracks)
+        if before and _moved(before, tracks) < SETTLED:
+            return Circle(results, requests, sweep)
+        if sweep >= STEADY:
+            tracks = {key: _halfway(before[key], track) for key, track in tracks.items()}
+        for key, player in players.items():
+            own: Tracks = {follow: track for (whose, follow), track in tracks.items() if whose == key}
+            requests[key] = replace(player.request, tracks={**player.request.tracks, **own})
+        results = {key: solve(request) for key, request in requests.items()}
+        before = tracks
+    return Circle(results, requests, SWEEPS)
+
+
+def meetings_of(players: Mapping[str, Player]) -> tuple[Meeting, ...]:
+    """All pairs of positions of which each follows the other's point while both are asked."""
+    found = []
+    for one, other in combinations(players, 2):
+        for row, first in _following(players[one], other):
+            for column, second in _following(players[other], one):
+                if _target(first).point == second.point and _target(second).point == first.point:
+                    share = first.weight / (first.weight + second.weight)
+                    found.append(Meeting((one, other), (row, column), share))
+    return tuple(found)
+
+
+def _following(player: Player, leader: str) -> Iterable[tuple[int, PositionConstraint]]:
+    for row, each in enumerate(player.request.constraints):
+        target = each.target if isinstance(each, PositionConstraint) else None
+        if isinstance(target, FollowPerformer) and target.performer_id == leader:
+            assert isinstance(each, PositionConstraint)
+            yield row, each
+
+
+def _target(constraint: PositionConstraint) -> FollowPerformer:
+    assert isinstance(constraint.target, FollowPerformer)
+    return constraint.target
+
+
+def _tracks(
+    players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
+) -> Iterable[tuple[tuple[str, FollowPerformer], Track]]:
+    """Where those are whom each follows, by who follows and what."""
+    for key, player in players.items():
+        for follow in {follow for each in player.request.constraints for follow in follows_of(each)}:
+            if isinstance(follow, FollowPerformer) and follow.performer_id in players:
+                leader = players[follow.performer_id]
+                places = leader.placement, player.placement
+                timing = leader.composite.timing
+                track = leader_track(follow, results[follow.performer_id], timing, player.composite, *places)
+                yield (key, follow), track
+
+
+def _meet(
+    meeting: Meeting,
+    players: Mapping[str, Player],
+    results: Mapping[str, AdaptedMotion],
+    before: Mapping[tuple[str, FollowPerformer], Track],
+    tracks: dict[tuple[str, FollowPerformer], Track],
+) -> None:
+    """Give both the one place between them: at first by their shares, then nearer to who did not get there."""
+    for first in (True, False):
+        me, row = (meeting.keys[0], meeting.rows[0]) if first else (meeting.keys[1], meeting.rows[1])
+        other, column = (meeting.keys[1], meeting.rows[1]) if first else (meeting.keys[0], meeting.rows[0])
+        asked, theirs = players[me].request.constraints[row], players[other].request.constraints[column]
+        assert isinstance(asked, PositionConstraint)
+        follow = _target(asked)
+        mine, other_place = _point(players[me], results[me], asked), tracks[me, follow].places
+        if (me, follow) not in before:
+            share = meeting.share if first else 1.0 - meeting.share
+            place = mine + share * (other_place - mine)
+        else:
+            place = before[me, follow].places
+            held = asked.activation.at(_times(players[me]))[:, None] ** 3
+            held_there = theirs.activation.at(_times(players[me]) + _apart(players[me], players[other]))[:, None] ** 3
+            miss, miss_there = held * (mine - place), held_there * (other_place - place)
+            far, far_there = (np.linalg.norm(each, axis=1, keepdims=True) for each in (miss, miss_there))
+            place = place + (far * miss + far_there * miss_there) / (far + far_there + EVEN)
+        tracks[me, follow] = Track(place, tracks[me, follow].rotations)
+
+
+def _point(player: Player, result: AdaptedMotion, constraint: PositionConstraint) -> FloatArray:
+    """(F, 3) where the constrained point of a player is, in its motion's space."""
+    from studio.core.solver.adapt import place_of
+
+    return place_of(constraint.point, result)
+
+
+def _times(player: Player) -> FloatArray:
+    return np.arange(player.composite.motion.frame_count) / player.composite.timing.frame_rate
+
+
+def _apart(player: Player, other: Player) -> float:
+    """Seconds from a time of one motion to the same moment in the other's."""
+    return player.composite.timing.begin - other.composite.timing.begin
+
+
+def _moved(
+    before: Mapping[tuple[str, FollowPerformer], Track], after: Mapping[tuple[str, FollowPerformer], Track]
+) -> float:
+    """Metres by which what is followed has moved, at most."""
+    ways = (np.linalg.norm(track.places - before[key].places, axis=1).max() for key, track in after.items())
+    return max(map(float, ways), default=0.0)
+
+
+def _halfway(before: Track, after: Track) -> Track:
+    return Track((before.places + after.places) / 2, after.rotations)
