@@ -8,6 +8,7 @@ from studio.core.skin import Blending, skin_vertices
 from studio.core.solver.warm_up import warm_up, warm_up_constraints, warm_up_easing, warm_up_seldom, warm_up_standing
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.library.warm_up import warm_up as warm_up_search
 from studio.resources_folder import example_captures_folder
 
 
@@ -18,9 +19,11 @@ def run() -> None:
 
 
 def run_seldom() -> None:
-    """What is not called by every scene: a capture is read and normalised, and what few ask of the solver."""
+    """What is not called by every scene: a capture is read and normalised, a library is searched, what few
+    ask of the solver."""
     warm_up_seldom(_character().morphology)
     _skin(Blending.DUAL_QUATERNIONS)
+    warm_up_search()
     for path in sorted(example_captures_folder().glob("*.bvh"))[:1]:
         capture = load_capture(path)
         round_trip(capture, *normalize(capture))

@@ -18,6 +18,8 @@ VERBS = {
     "convert": "write a motion in another file format",
     "adapt": "adapt a capture to characters and report what was reached",
     "batch": "adapt every capture of a folder, by many processes",
+    "index": "bring folders of captures into the motion library",
+    "search": "find the clip of the library that hits a place best",
     "formats": "list the kinds of files that can be read and written",
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",

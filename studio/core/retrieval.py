@@ -1,7 +1,7 @@
 """Search in a motion library: which clip, played from which of its frames, hits a target best (P09 section 3.3).
 
 Poses are compared modulo a turn about Z and a shift (Kovar et al. 2002), hits by how near the path of the hit point
-comes to the target. The answer is exact: the same as trying every frame. METHOD (37) has the equations.
+comes to the target. The answer is exact: the same as trying every frame. METHOD (39) has the equations.
 """
 
 from dataclasses import dataclass

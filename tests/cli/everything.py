@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -28,6 +29,11 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.triangle_mesh import TriangleMesh
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
+from studio.library.catalogue import Catalogue
+from studio.library.indexing import index
+from studio.library.library import Library
+from studio.library.searching import Asked, find
+from studio.resources_folder import example_captures_folder
 from tests.builders import make_capture
 from tests.core.motions import ALWAYS, walk
 from tests.core.scenes import KINDS, Scene
@@ -50,12 +56,23 @@ WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 def do_everything() -> None:
     """Each of these ends; what becomes of it is others' to test."""
     read_files()
+    search_library()
     for request in scenes():
         solve(request)
     for blending in Blending:
         adapted, worn = adapt(AdaptRequest(WALK, STILL)), CHARACTERS[0]
         posed = adapted.positions[0], adapted.rotations[0]
         skin_vertices(worn.skin, worn.build, worn.morphology, *posed, blending=blending)
+
+
+def search_library() -> None:
+    """Index the examples and search them, as it is read from disk and as it stands in memory."""
+    with TemporaryDirectory() as folder, Catalogue(Path(folder)) as catalogue:
+        index(catalogue, [example_captures_folder()])
+        library = Library.of(catalogue)
+        for each in (library, Library.of_clips(list(library.clips))):
+            motion = each.clips[0].take.motion
+            find(each, Asked(replace(motion, channels=motion.channels[:1]), STILL, (0.5, 0.0, 1.2)))
 
 
 def read_files() -> None:

@@ -1,4 +1,4 @@
-"""Exact search for the pose and the hit that come nearest, among all frames of a motion library (METHOD (37)).
+"""Exact search for the pose and the hit that come nearest, among all frames of a motion library (METHOD (39)).
 
 A pose is a row of 64 float32: 20 joints as √w x (20), √w y (20) about their middle, √w z (20) above the ground, then
 |row|², the middle (2), and a place that is not used. The distance of two poses modulo a turn about Z and a shift is

@@ -1,0 +1,59 @@
+"""``index``: folders of captures into the motion library."""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from studio.cli.library_options import add_library_option
+from studio.cli.printing import print_json, print_table, progress_line
+from studio.library.catalogue import Catalogue
+from studio.library.indexing import index
+from studio.library.library import Library, LibraryClip
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Folders, where the library is."""
+    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="captures here and in folders below")
+    add_library_option(parser)
+    parser.add_argument("--json", action="store_true", help="print clips and problems as JSON instead of a table")
+
+
+def run(arguments: Namespace) -> int:
+    """Index, then list what the library holds; 1 when a file or folder could not be used."""
+    with Catalogue(arguments.library) as catalogue:
+        report = index(catalogue, arguments.folders, progress_line())
+        library = Library.of(catalogue)
+        problems = {"catalogue": catalogue.repaired} if catalogue.repaired else {}
+    problems |= report.problems
+    if arguments.json:
+        numbers = {"read": report.read, "kept": report.kept, "forgotten": report.forgotten}
+        actors = [{"name": each.name, "stature": round(each.body.stature, 3)} for each in library.actors]
+        clips = [clip_record(clip) for clip in library.clips]
+        print_json({"ok": not report.problems, **numbers, "actors": actors, "clips": clips, "problems": problems})
+    else:
+        rows = [
+            [str(value) for value in clip_record(clip).values() if not isinstance(value, list)]
+            for clip in library.clips
+        ]
+        print_table(("clip", "take", "limb", "kind", "segment", "first", "last", "hit", "confirmed"), rows)
+        print(f"\n{len(library.clips)} clips of {len(library.actors)} actors; {report.read} files read now.")
+        for name, problem in problems.items():
+            print(f"{name}: {problem}")
+    return 1 if report.problems else 0
+
+
+def clip_record(clip: LibraryClip) -> dict[str, object]:
+    """A clip as JSON has it."""
+    label = clip.label
+    return {
+        "clip": clip.number,
+        "take": clip.take.motion.name,
+        "limb": label.limb.words,
+        "kind": str(label.kind),
+        "segment": str(label.segment),
+        "first": label.first,
+        "last": label.last,
+        "hit": label.hit,
+        "confirmed": label.confirmed,
+        "tags": list(label.tags),
+        "box": clip.path.box.round(4).tolist(),
+    }

@@ -1,0 +1,34 @@
+"""From a posed body of known measures back to its channels: the way from a solved pose into another body."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.kernels import layout as at
+from studio.core.kernels.normalize import continue_turns, encode_frames
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import trunk_places
+from studio.core.rotations import frame_along, from_matrix, sign_continuous
+
+FloatArray = NDArray[np.float64]
+FORWARD = np.array([1.0, 0.0, 0.0])
+
+
+def encode(
+    positions: FloatArray, rotations: FloatArray, body: Morphology, frame_rate: float, name: str = ""
+) -> NormalizedMotion:
+    """The motion that ``realize`` gives back on ``body`` as positions (F, K+23, 3) and rotations (F, K+18, 3, 3).
+
+    Exact where the bones have the body's lengths; what a pose has beyond that (a stray of the hips) is kept as play.
+    """
+    layout = body.layout
+    rests = np.array([frame_along(rest, FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
+    sizes = np.array([body.ankle_height.mean(), body.leg_length, body.neck])
+    totals = np.concatenate([body.arm.sum(axis=1), body.leg.sum(axis=1)])
+    turns = sign_continuous(from_matrix(np.asarray(rotations[:, 0])))
+    yaw = np.unwrap(2.0 * np.arctan2(turns[:, 2], turns[:, 3]))
+    channels = np.zeros((len(positions), at.SPINE + 4 * (layout.spine_count - 1)))
+    of_body = rests, body.hip_offset, sizes, totals
+    encode_frames(np.array(positions), np.array(rotations), yaw, *of_body, channels)
+    continue_turns(np.array([*at.TURNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
+    return NormalizedMotion(name, frame_rate, channels, trunk_places(body.spine))

@@ -1,0 +1,73 @@
+"""Where the hit point of a clip goes while it can hit (P09 section 3.3.1)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyLayout
+from studio.core.morphology import Morphology
+from studio.core.solver.packing import point_indices
+from studio.library.clips import ClipLabel, HitSegment, Limb, hit_point
+
+FloatArray = NDArray[np.float64]
+
+NEAR_ITS_REACH = 0.85
+"""Part of the reach at the hit from which on a limb can hit."""
+LONGEST = 0.15
+"""Seconds on either side of the hit beyond which it cannot."""
+
+
+@dataclass(frozen=True, eq=False)
+class HitPath:
+    """Frames ``first`` to ``last`` in which a clip can hit, both included, and ``places`` (T, 3) of its hit point then,
+    in metres, in the motion's space on the actor's body.
+    """
+
+    first: int
+    last: int
+    places: FloatArray
+
+    @property
+    def box(self) -> FloatArray:
+        """(2, 3) the bounding box of the path: its lowest and its highest corner."""
+        return np.asarray([self.places.min(axis=0), self.places.max(axis=0)])
+
+
+def hit_path(positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float, label: ClipLabel) -> HitPath:
+    """The path of a clip's hit point, from a motion on its actor's body (F, K+23, 3) and (F, K+18, 3, 3)."""
+    places = hit_places(positions, rotations, body, label.limb, label.segment)
+    root = positions[:, limb_root(body.layout, label.limb)]
+    reach = np.linalg.norm((places - root)[:, :2], axis=1)
+    most = int(np.ceil(LONGEST * rate))
+    able = reach >= NEAR_ITS_REACH * reach[label.hit]
+    first = last = label.hit
+    while first - 1 > max(label.first, label.hit - most) and able[first - 1]:
+        first -= 1
+    while last + 1 < min(label.last, label.hit + most) and able[last + 1]:
+        last += 1
+    return HitPath(first, last, places[first : last + 1])
+
+
+def hit_places(
+    positions: FloatArray, rotations: FloatArray, body: Morphology, limb: Limb, segment: HitSegment
+) -> FloatArray:
+    """(F, 3) where a hit point is on a body, in metres."""
+    point = hit_point(limb, segment, body)
+    origin, carrier = point_indices(point, body.layout)
+    return np.asarray(positions[:, origin] + rotations[:, carrier] @ np.array(point.offset))
+
+
+def limb_root(layout: BodyLayout, limb: Limb) -> int:
+    """The point about which a limb swings: shoulder or hip."""
+    return layout.collar(limb.side) + 1 if limb.is_arm else layout.hip(limb.side)
+
+
+def limb_size(body: Morphology, limb: Limb) -> float:
+    """Metres from the root along the bones to the end of a limb: the size(Limb) of P09 equation 1."""
+    side = limb.side
+    if limb.is_arm:
+        hand = 0.5 * float(np.linalg.norm(body.hand[side]))
+        return body.spine_length + float(body.clavicle[side] + body.arm[side].sum()) + hand
+    hip, foot = (float(np.linalg.norm(each[side])) for each in (body.hip_offset, body.foot))
+    return hip + float(body.leg[side].sum()) + foot

@@ -1,0 +1,130 @@
+"""Folders of captures and S4D files brought into a catalogue: only what changed, a file at a time.
+
+A file that cannot be used is noted with the reason, and so is a folder that is not there; all else goes on.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from studio.core.capture import Capture
+from studio.core.errors import StudioError
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import normalize
+from studio.core.normalized.realize import realize
+from studio.io.importing import load_annotations, load_capture
+from studio.io.registry import known_formats
+from studio.library.assistant import propose
+from studio.library.catalogue import Catalogue, FileState
+from studio.library.clips import ClipLabel
+from studio.library.hitting import HitPath, hit_path
+
+Progress = Callable[[float, str], object]
+"""Hears a share from 0 to 1 and what is being done; it raises to cancel."""
+
+
+@dataclass(frozen=True)
+class IndexReport:
+    """What became of the files: how many were ``read`` now, ``kept`` from before and ``forgotten``; ``problems`` by
+    file or folder.
+    """
+
+    read: int
+    kept: int
+    forgotten: int
+    problems: dict[str, str]
+
+
+def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = lambda share, text: None) -> IndexReport:
+    """Bring ``folders``, with those below them, into the catalogue; what other folders gave stays.
+
+    Cancelled by ``progress``, it keeps what has been read. A folder that is not there keeps what it gave before.
+    """
+    roots = [folder.resolve() for folder in folders]
+    problems = {str(root): "The folder is not there." for root in roots if not root.is_dir()}
+    present = [root for root in roots if root.is_dir()]
+    paths = sorted({path for root in present for path in captures_in(root)})
+    known, read = catalogue.files(), 0
+    gone = [name for name in known if _below(name, present) and not Path(name).exists()]
+    with catalogue.changing():
+        for name in gone:
+            catalogue.forget(name)
+    for place, path in enumerate(paths):
+        progress(place / len(paths), path.name)
+        state, before = _state(path), known.get(str(path))
+        if before is None or (before.size, before.changed) != (state.size, state.changed):
+            before, read = _read(catalogue, path, state), read + 1
+        if before.problem:
+            problems[str(path)] = before.problem
+    progress(1.0, "")
+    return IndexReport(read, len(paths) - read, len(gone), problems)
+
+
+def captures_in(folder: Path) -> list[Path]:
+    """Every file below ``folder`` whose name is that of a capture."""
+    suffixes = known_formats().suffixes("capture_reader")
+    return [path for path in folder.rglob("*") if path.suffix.lower() in suffixes and path.is_file()]
+
+
+def corrected(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
+    """Put ``label`` in the place of a clip's, as somebody says it is."""
+    clip = next(each for each in catalogue.clips() if each.number == clip_number)
+    take = catalogue.takes()[clip.take]
+    path = _path_of(take.motion, catalogue.actors()[take.actor].body, label)
+    with catalogue.changing():
+        catalogue.change_clip(clip_number, replace(label, confirmed=True), path)
+
+
+def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
+    try:
+        capture = load_capture(path)
+        if capture.body_map is None:
+            raise StudioError("No human body was found in it.")
+        motion, performer = normalize(capture)
+        contacts = load_annotations(path, capture, "").contacts or ()
+    except StudioError as error:
+        state = replace(state, problem=str(error))
+        with catalogue.changing():
+            catalogue.note(str(path), state)
+        return state
+    with catalogue.changing():
+        said = catalogue.confirmed(str(path))
+        catalogue.note(str(path), state)
+        actor = catalogue.actor(_bones(capture), f"Actor of {capture.name}", performer.morphology)
+        take = catalogue.add_take(str(path), actor, motion, contacts)
+        for label in said or _proposed(motion, performer.morphology, capture.first_frame):
+            if label.last < motion.frame_count:
+                catalogue.add_clip(take, label, _path_of(motion, actor.body, label))
+    return state
+
+
+def _proposed(motion: NormalizedMotion, body: Morphology, first_frame: int) -> list[ClipLabel]:
+    return propose(*realize(motion, body, play=True), body, motion.frame_rate, first_frame)
+
+
+def _path_of(motion: NormalizedMotion, body: Morphology, label: ClipLabel) -> HitPath:
+    return hit_path(*realize(motion, body), body, motion.frame_rate, label)
+
+
+def _bones(capture: Capture) -> str:
+    """What two captures of one actor have in common: joints, and bones to the millimetre."""
+    skeleton = capture.skeleton
+    lengths = np.rint(1000.0 * skeleton.offsets[1:]).astype(np.int64).tolist()
+    text = repr((skeleton.names, skeleton.parents.tolist(), lengths))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _state(path: Path) -> FileState:
+    try:
+        found = path.stat()
+    except OSError:
+        return FileState(-1, -1)  # it went away just now: reading it will say so
+    return FileState(found.st_size, found.st_mtime_ns)
+
+
+def _below(path: str, roots: list[Path]) -> bool:
+    return any(Path(path).is_relative_to(root) for root in roots)

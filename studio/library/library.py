@@ -1,0 +1,110 @@
+"""A library in use: actors, clips and the table that is searched, as values that any thread may hold."""
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.kernels import retrieval as at
+from studio.core.normalized.realize import realize
+from studio.core.retrieval import SearchTable, pose_rows
+from studio.io.replacing import replacing_all
+from studio.library.catalogue import Actor, Catalogue, CatalogueClip, Take
+from studio.library.clips import ClipLabel
+from studio.library.hitting import HitPath
+
+FloatArray = NDArray[np.float64]
+
+SWING = 0.1
+"""Seconds that a limb needs at least until it can hit: played from later on, a blow would come out of nothing."""
+POSES, STAMP = "poses.npy", "poses.json"
+"""The table of poses, and which frames of which clips it holds."""
+
+
+@dataclass(frozen=True, eq=False)
+class LibraryClip:
+    """A clip with its take and its actor."""
+
+    number: int
+    label: ClipLabel
+    path: HitPath
+    take: Take
+    actor: Actor
+
+    @property
+    def name(self) -> str:
+        """``straight_punch: right arm punch``."""
+        return f"{self.take.motion.name}: {self.label.limb.words} {self.label.kind}"
+
+    @property
+    def searched(self) -> range:
+        """The frames of the take from which the clip may be played: those that leave time to swing."""
+        swung = self.path.first - round(SWING * self.take.motion.frame_rate)
+        return range(self.label.first, max(swung, self.label.first + 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Library:
+    """All clips that can be searched; ``actors`` and ``clips`` stand in the order of the ``table``."""
+
+    actors: tuple[Actor, ...]
+    clips: tuple[LibraryClip, ...]
+    table: SearchTable
+
+    @classmethod
+    def of(cls, catalogue: Catalogue) -> "Library":
+        """What a catalogue holds. The poses stay on disk; they are written there again when the clips have changed."""
+        takes, actors = catalogue.takes(), catalogue.actors()
+        clips = [_with_take(clip, takes[clip.take], actors) for clip in catalogue.clips()]
+        return cls.of_clips(clips, _poses_on_disk(catalogue.folder, clips))
+
+    @classmethod
+    def of_clips(cls, clips: list[LibraryClip], poses: NDArray[np.float32] | None = None) -> "Library":
+        """A library of these clips; without ``poses`` (F, 64) they are made, in memory."""
+        actors = tuple({clip.actor.number: clip.actor for clip in clips}.values())
+        places = {actor.number: place for place, actor in enumerate(actors)}
+        paths = [clip.path.places for clip in clips]
+        table = SearchTable(
+            rows=_poses_of(clips) if poses is None else poses,
+            frame_counts=np.array([len(clip.searched) for clip in clips], dtype=np.int64),
+            paths=np.concatenate([np.empty((0, 3)), *paths]),
+            path_counts=np.array([len(path) for path in paths], dtype=np.int64),
+            actors=np.array([places[clip.actor.number] for clip in clips], dtype=np.int64),
+            limbs=np.array([int(clip.label.limb) for clip in clips], dtype=np.int64),
+        )
+        return cls(actors, tuple(clips), table)
+
+    @cached_property
+    def frame_count(self) -> int:
+        """How many frames are searched."""
+        return len(self.table.rows)
+
+
+def _with_take(clip: CatalogueClip, take: Take, actors: dict[int, Actor]) -> LibraryClip:
+    return LibraryClip(clip.number, clip.label, clip.path, take, actors[take.actor])
+
+
+def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
+    """(F, 64) the searched poses of all clips, each take posed once."""
+    rows = [np.empty((0, at.WIDTH), dtype=np.float32)]
+    posed: tuple[int, FloatArray] | None = None
+    for clip in clips:
+        body = clip.actor.body
+        if posed is None or posed[0] != clip.take.number:
+            posed = clip.take.number, realize(clip.take.motion, body)[0]
+        rows.append(pose_rows(posed[1][clip.searched.start : clip.searched.stop], body.layout))
+    return np.concatenate(rows)
+
+
+def _poses_on_disk(folder: Path, clips: list[LibraryClip]) -> NDArray[np.float32]:
+    stamp = json.dumps([[clip.number, clip.take.number, clip.searched.start, clip.searched.stop] for clip in clips])
+    poses, said = folder / POSES, folder / STAMP
+    if not (poses.exists() and said.exists() and said.read_text(encoding="utf-8") == stamp):
+        with replacing_all(poses, said) as (poses_part, stamp_part):
+            with poses_part.open("wb") as file:
+                np.save(file, _poses_of(clips))
+            stamp_part.write_text(stamp, encoding="utf-8")
+    return np.asarray(np.load(poses, mmap_mode="r"))

@@ -1,0 +1,140 @@
+"""Which clip hits a place best, for a body in a pose: what P09 section 3.3 asks, and in words why.
+
+The performer's pose is put on every actor and the place scaled by the size of the limbs (its equation 1), so that
+every clip is judged on the body that performed it: another body may find another clip.
+"""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.kernels import layout as at_channel
+from studio.core.kernels import retrieval as at
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import realize
+from studio.core.retrieval import Found, Query, pose_rows, search
+from studio.library.clips import Kind, Limb
+from studio.library.hitting import limb_size
+from studio.library.library import Library, LibraryClip
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """``pose`` a motion of one frame, the performer's now; ``place`` (3,) where to hit, in the same space on ``body``.
+
+    ``limbs``, ``kinds`` and ``tags`` leave out clips that are of none of them; empty leaves out none.
+    """
+
+    pose: NormalizedMotion
+    body: Morphology
+    place: ArrayLike
+    limbs: Collection[Limb] = ()
+    kinds: Collection[Kind] = ()
+    tags: Collection[str] = ()
+    posture_weight: float = 1.0
+    reach_weight: float = 1.0
+    in_box: bool = False
+    """Whether clips whose hit point stays within a box that does not hold the place are left out, as in P09."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A clip to be played from ``start`` to ``hit`` (frames of its take), and how far it is from what was asked.
+
+    ``turn`` radians about Z bring the take onto the performer. Distances are metres on the actor's body.
+    """
+
+    clip: LibraryClip
+    start: int
+    hit: int
+    turn: float
+    posture: float
+    reach: float
+    cost: float
+
+    @property
+    def seconds(self) -> float:
+        """From now to the hit."""
+        return (self.hit - self.start) / self.clip.take.motion.frame_rate
+
+    @property
+    def reasons(self) -> tuple[str, str, str]:
+        """Posture, reach, time to hit, each in words."""
+        return (
+            f"posture {100.0 * self.posture:.0f} cm off",
+            f"passes {100.0 * self.reach:.0f} cm from the target",
+            f"hits in {self.seconds:.2f} s",
+        )
+
+
+def find(library: Library, asked: Asked, count: int = 8) -> list[Result]:
+    """The ``count`` clips that fit best, the best first, each from its best frame; exact."""
+    query, allowed = query_of(library, asked), allowed_clips(library, asked)
+    if asked.in_box and len(library.clips):
+        allowed &= _boxes_hold(library, query)
+    return [_result(library, each) for each in search(library.table, query, count, allowed)]
+
+
+def query_of(library: Library, asked: Asked) -> Query:
+    """The performer's pose on every actor, and the place scaled to each."""
+    place = np.asarray(asked.place, dtype=np.float64)
+    away = place - realize(asked.pose, asked.body)[0][0, 0]
+    poses = np.empty((len(library.actors), at.WIDTH), dtype=np.float32)
+    targets = np.empty((len(library.actors), len(Limb), 3))
+    for row, actor in enumerate(library.actors):
+        points = realize(asked.pose, actor.body)[0]
+        poses[row] = pose_rows(points, actor.body.layout)[0]
+        middle = np.array([*poses[row, at.MIDDLE : at.MIDDLE + 2], 0.0])
+        for limb in Limb:
+            scale = limb_size(actor.body, limb) / limb_size(asked.body, limb)
+            targets[row, limb] = points[0, 0] + scale * away - middle
+    return Query(poses, targets, asked.posture_weight, asked.reach_weight)
+
+
+def allowed_clips(library: Library, asked: Asked) -> NDArray[np.bool_]:
+    """(C,) which clips are of what was asked."""
+    labels = [clip.label for clip in library.clips]
+    return np.array(
+        [
+            (not asked.limbs or each.limb in asked.limbs)
+            and (not asked.kinds or each.kind in asked.kinds)
+            and (not asked.tags or not set(asked.tags).isdisjoint(each.tags))
+            for each in labels
+        ],
+        dtype=np.bool_,
+    )
+
+
+def _boxes_hold(library: Library, query: Query) -> NDArray[np.bool_]:
+    """(C,) whether the place lies in the box of a clip's hit path as seen from some frame of it.
+
+    A clip may be turned and moved to the performer, so its box is that of distances and heights about its poses.
+    """
+    blocks, table = library.table.blocks, library.table
+    targets = query.targets[table.actors, table.limbs][blocks.clips]
+    away, height = np.hypot(targets[:, 0], targets[:, 1]), targets[:, 2]
+    rings = blocks.rings
+    holds = (rings[:, 0] <= away) & (away <= rings[:, 1]) & (rings[:, 2] <= height) & (height <= rings[:, 3])
+    return np.asarray(np.bincount(blocks.clips, holds, table.clip_count) > 0)
+
+
+def _result(library: Library, found: Found) -> Result:
+    clip = library.clips[found.clip]
+    start, hit = clip.searched.start + found.frame, clip.path.first + found.contact
+    return Result(clip, start, hit, found.turn, found.posture, found.reach, found.cost)
+
+
+def place_before(pose: NormalizedMotion, body: Morphology, place: ArrayLike) -> FloatArray:
+    """(3,) in the space of ``pose`` what is given in metres forward and left of where its root is, above the ground.
+
+    Forward is the heading of the pelvis.
+    """
+    root = realize(pose, body)[0][0, 0]
+    c, s = np.cos(pose.channels[0, at_channel.YAW]), np.sin(pose.channels[0, at_channel.YAW])
+    x, y, z = np.asarray(place, dtype=np.float64)
+    return np.array([root[0] + c * x - s * y, root[1] + s * x + c * y, z])
