@@ -134,10 +134,10 @@ class Form:
             parts.append(blob(0.27, 0.010 + 0.02 * p.belly, 0.0, (0.062 * p.belly, 0.080 * p.belly, 0.085), 0.08))
         shoulder, neck = self.point("shoulder"), self.point("neck base")
         inner, outer = (
-            neck + _vector(0.002 * h, 0.010 * h, 0.012 * h),
-            shoulder + _vector(-0.004 * h, -0.012 * h, 0.006 * h),
+            neck + _vector(-0.004 * h, 0.010 * h, 0.016 * h),
+            shoulder + _vector(-0.006 * h, -0.014 * h, -0.003 * h),
         )
-        parts.append(Part(_cone(inner, outer, 0.022 * h * p.neck_girth, 0.024 * h * p.shoulders), 0.05 * h))
+        parts.append(Part(_cone(inner, outer, 0.021 * h * p.neck_girth, 0.020 * h * p.shoulders), 0.05 * h))
         return parts
 
     @cached_property
@@ -186,7 +186,7 @@ class Form:
         a, f = p.arms, p.forearms
         shoulder, elbow, wrist = self.point("shoulder"), self.point("elbow"), self.point("wrist")
         upper_rows = [
-            (-0.02, 0.0, 0.0, 0.026 * a, 0.030 * a),
+            (0.02, 0.0, 0.0, 0.026 * a, 0.028 * a),
             (0.20, -0.002, 0.000, 0.0295 * a, 0.031 * a),
             (0.50, 0.000, -0.001, 0.0270 * a, 0.0295 * a),
             (0.80, 0.000, 0.000, 0.0225 * a, 0.0235 * a),
@@ -201,8 +201,9 @@ class Form:
         ]
         upper = _limb(shoulder, self.frame(BodyPart.LEFT_UPPER_ARM), upper_rows, p.upper_arm * h, h)
         lower = _limb(elbow, self.frame(BodyPart.LEFT_FOREARM), lower_rows, p.forearm * h, h)
-        radii = np.array([0.034, 0.030, 0.036]) * h * p.shoulders
-        deltoid = Ellipsoid(shoulder + np.array([-0.002, 0.004, -0.002]) * h, radii, np.eye(3))
+        arm_frame = self.frame(BodyPart.LEFT_UPPER_ARM)
+        radii = np.array([0.030, 0.028, 0.044]) * h * p.shoulders
+        deltoid = Ellipsoid(shoulder + arm_frame[:, 2] * 0.014 * h - _UP * 0.004 * h, radii, arm_frame)
         return [Part(deltoid), Part(upper, 0.04 * h), Part(lower, 0.004 * h), *self._hand(wrist)]
 
     def _hand(self, wrist: FloatArray) -> _Parts:
