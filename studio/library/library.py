@@ -18,7 +18,7 @@ from studio.library.hitting import HitPath
 
 FloatArray = NDArray[np.float64]
 
-SWING = 0.1
+SWING = 0.2
 """Seconds that a limb needs at least until it can hit: played from later on, a blow would come out of nothing."""
 POSES, STAMP = "poses.npy", "poses.json"
 """The table of poses, and which frames of which clips it holds."""

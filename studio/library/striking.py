@@ -1,0 +1,162 @@
+"""A clip that was found, made to hit: placed and blended in, put on the performer, driven to the target (P09 3.4).
+
+The clip takes over from what plays by the transition of all clips in a row. A constraint asks for the target, and its
+offset grows from nothing at the change to all of it at the hit, and goes again: the target may move on until the hit.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.target import Place
+from studio.core.contacts import ContactInterval
+from studio.core.morphology import Morphology
+from studio.core.normalized.compose import Composite, compose
+from studio.core.normalized.differences import blended
+from studio.core.normalized.joining import join
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.pieces import Piece
+from studio.core.normalized.resample import Resampled, common_spine
+from studio.core.normalized.transition import placed
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.library.clips import ClipLabel, hit_point
+from studio.library.hitting import hit_places
+from studio.library.searching import Result
+
+FloatArray = NDArray[np.float64]
+
+CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
+"""What of the body may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
+EASED_IN = 0.6
+"""Part of the time to the hit in which the clip takes over from what played."""
+HOLD = 0.03
+"""Seconds for which the target is met whole, so that the frame of the hit is among them."""
+SHARES = (0.25, 0.5, 0.75, 1.0)
+"""How much of the other clip is tried between two."""
+
+
+@dataclass(frozen=True, eq=False)
+class Blow:
+    """A stretch of a motion that hits at frame ``hit`` of it, played from ``start`` on; what it was found as."""
+
+    motion: NormalizedMotion
+    contacts: tuple[ContactInterval, ...]
+    start: int
+    hit: int
+    last: int
+    label: ClipLabel
+
+    @classmethod
+    def of(cls, found: Result) -> "Blow":
+        """A clip as it was found."""
+        take, label = found.clip.take, found.clip.label
+        return cls(take.motion, take.contacts, found.start, found.hit, label.last, label)
+
+    @property
+    def seconds(self) -> float:
+        """From its start to its hit."""
+        return (self.hit - self.start) / self.motion.frame_rate
+
+
+@dataclass(frozen=True, eq=False)
+class Strike:
+    """What plays, with a blow behind it: ``composite`` on ``body`` with the ``constraint`` that makes it hit."""
+
+    composite: Composite
+    body: Morphology
+    constraint: PositionConstraint
+    change: int
+    """The frame of the composite from which on the blow plays."""
+    hit: int
+    """The frame in which it hits."""
+
+    def request(self, target: Place | None = None) -> AdaptRequest:
+        """What the solver is asked, with the ``target`` where it is now in the place of the first one."""
+        asked = self.constraint if target is None else replace(self.constraint, target=target)
+        whole = self.composite
+        return AdaptRequest(whole.motion, self.body, whole.contacts, (asked,))
+
+    def adapted(self, target: Place | None = None) -> AdaptedMotion:
+        """All frames solved; ``residuals[0, hit]`` is by how much the target is missed."""
+        return adapt(self.request(target))
+
+
+def make_strike(playing: Piece, at_frame: int, blow: Blow, body: Morphology, target: Place) -> Strike:
+    """Let ``blow`` take over from ``playing`` at its frame ``at_frame``, and hit ``target``.
+
+    ``target`` lies in the space of the motion that plays, on ``body``; it may be keyed or follow something.
+    """
+    rate = playing.motion.frame_rate * playing.speed
+    before = replace(playing, last=at_frame)
+    begin = before.end + 1.0 / rate
+    ease = min(EASED_IN * blow.seconds, 1.0)
+    after = Piece(blow.motion, blow.contacts, blow.start, blow.last, begin, ease=ease)
+    whole = compose((before, after))
+    timing = whole.timing
+    change = round((begin - timing.begin) * timing.frame_rate)
+    hit = change + round(blow.seconds * timing.frame_rate)
+    return Strike(whole, body, _aim(whole, change, hit, blow.label, body, target), change, hit)
+
+
+def _aim(
+    whole: Composite, change: int, hit: int, label: ClipLabel, body: Morphology, target: Place
+) -> PositionConstraint:
+    rate = whole.timing.frame_rate
+    end = min(hit + (hit - change), whole.motion.frame_count - 1)
+    times = (change / rate, hit / rate - HOLD, hit / rate + HOLD, max(end / rate, hit / rate + 2 * HOLD))
+    point = hit_point(label.limb, label.segment, body)
+    return PositionConstraint("", f"{label.kind} hits", point, CHAIN, 0, ActivationCurve(*times), target=target)
+
+
+def offset_at_hit(strike: Strike, label: ClipLabel, target: ArrayLike) -> float:
+    """Metres by which the blow would miss without being driven to the target: how far it has to be bent."""
+    free = adapt(replace(strike.request(), constraints=()), strike.hit, strike.hit)
+    place = hit_places(free.positions, free.rotations, strike.body, label.limb, label.segment)[0]
+    return float(np.linalg.norm(place - np.asarray(target, dtype=np.float64)))
+
+
+def between(first: Blow, second: Blow, share: float) -> Blow:
+    """A blow between two of the same limb: ``first`` at share 0, ``second`` laid on it at share 1, hits in one time."""
+    motion, places = first.motion, common_spine([first.motion, second.motion])
+    frames = np.arange(first.start, first.last + 1)
+    pace = (second.hit - second.start) / max(first.hit - first.start, 1)
+    own = Resampled(motion, places).at(frames.astype(np.float64))
+    others = Resampled(second.motion, places).at(second.start + pace * (frames - first.start))
+    nobody = np.zeros((len(frames), 4), dtype=np.bool_)
+    early = np.exp(-(((frames - first.start) / max(first.hit - first.start, 1)) ** 2))
+    lies = join(own, others, nobody, places, early).placement
+    mixed = blended(own, placed(others, lies.turn, np.array(lies.offset)), np.full(len(frames), share))
+    contacts = tuple(
+        replace(each, first=max(each.first - first.start, 0), last=min(each.last, first.last) - first.start)
+        for each in first.contacts
+        if each.last >= first.start and each.first <= first.last
+    )
+    name = f"{motion.name} and {second.motion.name}"
+    blow = NormalizedMotion(name, motion.frame_rate, mixed, places)
+    label = replace(first.label, first=0, last=first.last - first.start, hit=first.hit - first.start)
+    return Blow(blow, contacts, 0, first.hit - first.start, first.last - first.start, label)
+
+
+def best_between(
+    playing: Piece, at_frame: int, blows: Sequence[Blow], body: Morphology, target: ArrayLike
+) -> tuple[Blow, float]:
+    """Of the first blow and what lies between it and each other of its limb, the one to be bent least, and how far (m).
+
+    What P09 leaves to larger databases: no clip alone need come near the target.
+    """
+    aim = np.asarray(target, dtype=np.float64)
+    x, y, z = aim.tolist()
+
+    def bent(blow: Blow) -> float:
+        return offset_at_hit(make_strike(playing, at_frame, blow, body, (x, y, z)), blow.label, aim)
+
+    first = blows[0]
+    others = [other for other in blows[1:] if other.label.limb is first.label.limb]
+    mixed = [between(first, other, share) for other in others for share in SHARES]
+    return min(((blow, bent(blow)) for blow in (first, *mixed)), key=lambda pair: pair[1])

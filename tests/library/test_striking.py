@@ -1,0 +1,120 @@
+"""What was found takes over, and hits."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.constraints.keyed import KeyedPlace
+from studio.core.ground import Ground
+from studio.core.metrics import contact_quality
+from studio.core.morphology import Proportions
+from studio.core.normalized.pieces import Piece
+from studio.core.normalized.realize import realize
+from studio.io.character_file import bundled_characters
+from studio.library.catalogue import Catalogue
+from studio.library.clips import Kind
+from studio.library.hitting import hit_places
+from studio.library.indexing import index
+from studio.library.library import Library
+from studio.library.searching import Asked, find, place_before
+from studio.library.striking import Blow, between, make_strike, offset_at_hit
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    with Catalogue(tmp_path_factory.mktemp("library")) as catalogue:
+        index(catalogue, [EXAMPLES])
+        return Library.of(catalogue)
+
+
+def guard(library):
+    """A fighter on guard, at the start of the punch."""
+    take = library.clips[1].take
+    return Piece(take.motion, take.contacts, 0, 120)
+
+
+def found_for(library, body, ahead, height, frame=60, **changes):
+    playing = guard(library)
+    pose = replace(playing.motion, channels=playing.motion.channels[frame : frame + 1])
+    heading = pose.channels[0, 3]
+    offset = [ahead * np.cos(-heading), ahead * np.sin(-heading), height]
+    place = place_before(pose, body, offset)
+    return find(library, Asked(pose, body, place, **changes))[0], place
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_target_that_can_be_reached_is_hit_within_a_millimetre(library, name):
+    body = BODIES[name]
+    reach = body.arm.sum(axis=1).mean()
+    best, place = found_for(library, body, 1.25 * reach, 0.78 * body.stature)
+    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    adapted = strike.adapted()
+    point = hit_places(adapted.positions, adapted.rotations, body, best.clip.label.limb, best.clip.label.segment)
+    assert np.linalg.norm(point[strike.hit] - place) < 1e-3
+    assert adapted.residuals[0, strike.hit] < 1e-3
+    assert np.isnan(adapted.residuals[0, : strike.change]).all()
+
+
+def test_the_residual_is_told_when_a_target_is_out_of_reach(library):
+    body = BODIES["child"]
+    best, place = found_for(library, body, 3.0, 1.0)
+    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    assert strike.adapted().residuals[0, strike.hit] > 0.5
+
+
+def test_a_target_that_moves_on_is_hit_where_it_is_then(library):
+    body = BODIES["adult_woman"]
+    best, place = found_for(library, body, 0.7, 1.25)
+    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    rate = strike.composite.timing.frame_rate
+    moved = place + np.array([0.0, 0.1, 0.05])
+    times = strike.change / rate, strike.hit / rate
+    adapted = strike.adapted(KeyedPlace(times, (tuple(place.tolist()), tuple(moved.tolist()))))
+    point = hit_places(adapted.positions, adapted.rotations, body, best.clip.label.limb, best.clip.label.segment)
+    assert np.linalg.norm(point[strike.hit] - moved) < 1e-3
+
+
+def test_the_body_goes_on_smoothly_where_the_blow_takes_over(library):
+    body = BODIES["tall_man"]
+    best, place = found_for(library, body, 0.75, 1.4)
+    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    adapted = strike.adapted()
+    steps = np.linalg.norm(np.diff(adapted.positions, 2, axis=0), axis=2).max(axis=1)
+    around = steps[strike.change - 3 : strike.change + 3].max()
+    assert around < 1.5 * steps.max(where=np.arange(len(steps)) > strike.change + 3, initial=0.0)
+    assert (
+        np.linalg.norm(np.diff(adapted.positions[strike.change - 2 : strike.change + 2], axis=0), axis=2).max() < 0.05
+    )
+    assert contact_quality(adapted, strike.composite.contacts, Ground()).slide < 0.002
+
+
+def test_another_body_finds_another_clip_for_the_same_target(library):
+    small, usual = (Proportions(stature=scale).applied_to(BODIES["adult_woman"]) for scale in (0.7, 1.0))
+    chosen = [found_for(library, body, 0.5, 0.9)[0].clip.label.kind for body in (small, usual)]
+    assert chosen == [Kind.PUNCH, Kind.KICK]
+
+
+def test_between_two_blows_lies_one_and_at_its_ends_themselves(library):
+    first = Blow.of(found_for(library, BODIES["child"], 0.6, 0.9)[0])
+    other = replace(first, start=first.start - 6)
+    body = BODIES["child"]
+    own = realize(first.motion, body)[0][first.start : first.last + 1]
+    assert np.abs(realize(between(first, other, 0.0).motion, body)[0] - own).max() < 1e-6
+    half = between(first, first, 0.5)
+    assert np.abs(realize(half.motion, body)[0] - own).max() < 1e-6
+    assert half.hit == first.hit - first.start
+
+
+def test_how_far_a_blow_has_to_be_bent_is_how_far_it_passes_from_the_target(library):
+    body = BODIES["adult_woman"]
+    best, place = found_for(library, body, 0.7, 1.25)
+    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    free = realize(strike.composite.motion, body)
+    label = best.clip.label
+    passes = hit_places(*free, body, label.limb, label.segment)[strike.hit]
+    assert offset_at_hit(strike, label, place) == pytest.approx(np.linalg.norm(passes - place), abs=0.05)
