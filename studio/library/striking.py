@@ -124,10 +124,10 @@ def offset_at_hit(strike: Strike, label: ClipLabel, target: ArrayLike) -> float:
 def between(first: Blow, second: Blow, share: float) -> Blow:
     """A blow between two of the same limb: ``first`` at share 0, ``second`` laid on it at share 1, hits in one time."""
     motion, places = first.motion, common_spine([first.motion, second.motion])
-    frames = np.arange(first.start, first.last + 1)
+    frames = np.arange(first.start, first.last + 1, dtype=np.float64)
     pace = (second.hit - second.start) / max(first.hit - first.start, 1)
-    own = Resampled(motion, places).at(frames.astype(np.float64))
-    others = Resampled(second.motion, places).at(second.start + pace * (frames - first.start))
+    own = Resampled(motion, places).at(frames)
+    others = Resampled(second.motion, places).at(np.asarray(second.start + pace * (frames - first.start)))
     nobody = np.zeros((len(frames), 4), dtype=np.bool_)
     early = np.exp(-(((frames - first.start) / max(first.hit - first.start, 1)) ** 2))
     lies = join(own, others, nobody, places, early).placement

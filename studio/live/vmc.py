@@ -1,0 +1,162 @@
+"""The Virtual Motion Capture protocol: bones in Unity's axes, turned against a T-pose.
+
+Unity has x right, y up, z forward, left-handed; ours are x forward, y left, z up: v = (z, -x, y), and a rotation
+(x, y, z, w) becomes (-z, x, -y, w).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.canonical import BodyLayout, BodyPart
+from studio.core.morphology import Morphology
+from studio.core.rotations import frame_along, from_matrix, to_matrix
+from studio.core.standing import standing_points
+
+FloatArray = NDArray[np.float64]
+
+BONE, ROOT, TRACKER, HMD, OK, TIME = (
+    "/VMC/Ext/Bone/Pos",
+    "/VMC/Ext/Root/Pos",
+    "/VMC/Ext/Tra/Pos",
+    "/VMC/Ext/Hmd/Pos",
+    "/VMC/Ext/OK",
+    "/VMC/Ext/T",
+)
+SPINE = ("Spine", "Chest", "UpperChest")
+ARM, LEG = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
+FORWARD = np.array([1.0, 0.0, 0.0])
+NEEDED = ("Hips", "Spine", "Head", *(f"{side}{bone}" for side in ("Left", "Right") for bone in (*ARM[1:], *LEG[:3])))
+"""Bones without which there is no body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bone:
+    """A bone as it is sent: where it is in its parent (m) and how it is turned (x, y, z, w), in our axes."""
+
+    place: FloatArray
+    turn: FloatArray
+
+
+def from_unity(place: ArrayLike, turn: ArrayLike) -> Bone:
+    """A bone in our axes."""
+    (x, y, z), (a, b, c, w) = np.asarray(place, dtype=np.float64), np.asarray(turn, dtype=np.float64)
+    return Bone(np.array([z, -x, y]), np.array([-c, a, -b, w]))
+
+
+def to_unity(bone: Bone) -> tuple[FloatArray, FloatArray]:
+    """Place (3,) and turn (4,) in Unity's axes."""
+    (x, y, z), (a, b, c, w) = bone.place, bone.turn
+    return np.array([-y, z, x]), np.array([b, -c, -a, w])
+
+
+@dataclass(frozen=True)
+class BoneSegment:
+    """A bone and the segment that it turns; ``parent`` is a bone, empty for the hips."""
+
+    name: str
+    parent: str
+    segment: int
+
+
+def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
+    """The bones of a body, each after its parent: of a long spine the lowest, the middle and the thorax."""
+    count = layout.spine_count
+    inner = sorted({1, max(1, count // 2), count - 1})
+    spine = [BoneSegment(name, "", segment) for name, segment in zip(SPINE, inner, strict=False)]
+    chain = [BoneSegment("Hips", "", 0)]
+    for each in spine:
+        chain.append(BoneSegment(each.name, chain[-1].name, each.segment))
+    top = chain[-1].name
+    chain += [BoneSegment("Neck", top, count), BoneSegment("Head", "Neck", count + 1)]
+    for side, name in enumerate(("Left", "Right")):
+        for bones, carrier, first in ((ARM, top, count + 2 + 4 * side), (LEG, "Hips", count + 10 + 4 * side)):
+            for place, bone in enumerate(bones):
+                parent = f"{name}{bones[place - 1]}" if place else carrier
+                chain.append(BoneSegment(f"{name}{bone}", parent, first + place))
+    return tuple(chain)
+
+
+def t_pose_axes(body: Morphology) -> FloatArray:
+    """(S, 3, 3) how the canonical segments stand in the T-pose against which bones are turned."""
+    layout = body.layout
+    axes = np.tile(np.eye(3), (layout.segment_count, 1, 1))
+    axes[layout.spine_count] = frame_along(body.neck_rest, FORWARD)
+    for side, name in enumerate(("left", "right")):
+        outward = np.array([0.0, 1.0 - 2.0 * side, 0.0])
+        clavicle, thigh = (layout.segment(BodyPart(f"{name}_{part}")) for part in ("clavicle", "thigh"))
+        axes[clavicle] = frame_along(body.clavicle_rest[side], FORWARD)
+        axes[clavicle + 1 : clavicle + 4] = frame_along(outward, np.cross(outward, FORWARD))
+        axes[thigh : thigh + 2] = frame_along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
+    return axes
+
+
+def bones_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> dict[str, Bone]:
+    """The bones of one frame of a body: positions (K+23, 3), rotations (K+18, 3, 3)."""
+    world = rotations @ np.swapaxes(t_pose_axes(body), 1, 2)
+    points = body.layout.proximal_points()
+    segments = {each.name: each.segment for each in bone_segments(body.layout)}
+    bones = {}
+    for each in bone_segments(body.layout):
+        place, turn = positions[points[each.segment]], world[each.segment]
+        if each.parent:
+            carrier = segments[each.parent]
+            turn = world[carrier].T @ turn
+            place = world[carrier].T @ (place - positions[points[carrier]])
+        bones[each.name] = Bone(np.asarray(place), from_matrix(turn))
+    return bones
+
+
+def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] | None:
+    """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None while one is missing."""
+    if any(name not in bones for name in NEEDED):
+        return None
+    body = _body(bones)
+    layout, axes = body.layout, t_pose_axes(body)
+    world: dict[str, FloatArray] = {}
+    rotations = np.empty((layout.segment_count, 3, 3))
+    for each in bone_segments(layout):
+        turn = to_matrix(bones[each.name].turn) if each.name in bones else np.eye(3)
+        world[each.name] = world[each.parent] @ turn if each.parent else turn
+        rotations[each.segment] = world[each.name] @ axes[each.segment]
+    positions = standing_points(body, rotations)
+    return positions + bones["Hips"].place - positions[0], rotations, body
+
+
+def _body(bones: dict[str, Bone]) -> Morphology:
+    """The measures that the places of bones tell; hands, toes, head and soles are as usual for the rest."""
+
+    def place(name: str, usual: tuple[float, float, float]) -> FloatArray:
+        return bones[name].place if name in bones else np.array(usual)
+
+    def length(name: str) -> float:
+        return max(float(np.linalg.norm(bones[name].place)), 1e-3)
+
+    spine = [name for name in SPINE if name in bones]
+    neck = place("Neck", (0.0, 0.0, 0.25))
+    sides = "Left", "Right"
+    leg = np.array([[length(f"{side}LowerLeg"), length(f"{side}Foot")] for side in sides])
+    arm = np.array([[length(f"{side}LowerArm"), length(f"{side}Hand")] for side in sides])
+    size = float(leg.sum(axis=1).mean())
+    shoulders = [place(f"{side}Shoulder", (0.0, 0.03 * (1 - 2 * k), 0.2)) for k, side in enumerate(sides)]
+    outward = np.array([bones[f"{side}UpperArm"].place for side in sides])
+    head = bones["Head"].place
+    return Morphology(
+        spine=np.array([*(bones[name].place for name in spine), neck]),
+        neck=max(float(np.linalg.norm(head)), 1e-3),
+        head=0.22 * size,
+        collar_base=np.array(shoulders) - neck,
+        clavicle=np.maximum(np.linalg.norm(outward, axis=1), 1e-3),
+        arm=arm,
+        hand=np.stack([[0.0, 0.0, 0.7 * forearm] for forearm in arm[:, 1]]),
+        hip_offset=np.array([bones[f"{side}UpperLeg"].place for side in sides]),
+        leg=leg,
+        foot=np.array([place(f"{side}Toes", (0.16 * size, 0.0, -0.07 * size)) for side in sides]),
+        toe=np.tile([0.08 * size, 0.0, 0.0], (2, 1)),
+        ankle_height=np.full(2, 0.1 * size),
+        toe_height=np.full(2, 0.025 * size),
+        heel_length=np.full(2, 0.06 * size),
+        neck_rest=head if np.linalg.norm(head) > 1e-3 else np.array([0.0, 0.0, 1.0]),
+        clavicle_rest=outward,
+    )
