@@ -13,6 +13,8 @@ from studio.core.canonical import BodyLayout
 from studio.core.scope import EVERYONE, Scope
 
 FloatArray = NDArray[np.float64]
+Span = tuple[int, int]
+"""The first and the last frame of a contact."""
 
 
 class ContactPoint(StrEnum):
@@ -94,12 +96,18 @@ class ContactInterval:
 
 
 HEIGHT_MARGIN = 0.04
-"""Metres above its own usual low that a standing heel or toe may be."""
+"""Metres above its own usual low that a standing heel, ball or tip of the toes may be."""
 STILL_SPEED = 0.35
 """Metres a second below which it may be standing."""
+HEEL_SPEEDS, TOE_SPEEDS = (0.45, STILL_SPEED), (STILL_SPEED, 0.5)
+"""The same as a contact begins and as it ends: a foot rolls on to its heel, and off the ball and the tip of its toes,
+while they touch the ground.
+"""
+ROLLING = 0.06
+"""Seconds that this may take."""
 SHORTEST = 0.05
 """Seconds: shorter contacts are dropped, shorter gaps closed."""
-SMOOTHING = 0.02
+SMOOTHING = 0.012
 """Seconds, standard deviation of the smoothing before speed is taken."""
 DRIFT_WINDOW = 1.0
 """Seconds to each side in which a foot is taken to touch the ground at least once."""
@@ -121,40 +129,60 @@ TRAILING = 0.05
 """The same of the toes of who kneels or lies."""
 
 
-def detect_contacts(
-    ankles: FloatArray, toes: FloatArray, frame_rate: float, first_frame: int = 0
-) -> dict[ContactPoint, list[tuple[int, int]]]:
+def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) -> dict[ContactPoint, list[Span]]:
     """Frames (first, last) in which each foot point stands, from its height and its speed (METHOD 4).
 
-    ``ankles`` and ``toes`` (F, 2, 3) metres, left and right, Z up; frames before ``first_frame`` are not looked at.
+    ``soles`` (F, 2, 3, 3) metres, left and right, heel, ball and tip of the toes, Z up; frames before ``first_frame``
+    are not looked at. The toes stand while either of their ends does: the ball is first to land, the tip last to leave.
+    Strikes and offs lie within 20 ms, in the median, of those that force plates and operators mark.
     """
-    found: dict[ContactPoint, list[tuple[int, int]]] = {}
-    for kind, tracks in (("heel", ankles), ("toe", toes)):
-        lows = np.percentile(tracks[first_frame:, :, 2], 5, axis=0)
-        for side, name in enumerate(("left", "right")):
-            track = tracks[first_frame:, side]
-            standing = np.zeros(len(track), dtype=bool)
-            if lows[side] < lows.min() + ON_THE_FLOOR:
-                ground = _drifting_low(track[:, 2], lows[side], round(DRIFT_WINDOW * frame_rate))
-                standing = (track[:, 2] < ground + HEIGHT_MARGIN) & (_speeds(track, frame_rate) < STILL_SPEED)
-            spans = _without_flicker(spans_of(standing), round(SHORTEST * frame_rate))
+    found: dict[ContactPoint, list[Span]] = {}
+    tracks = soles[first_frame:]
+    lows = np.percentile(tracks[..., 2], 5, axis=0)
+    on_the_floor = lows < lows.min(axis=0) + ON_THE_FLOOR
+    for side, name in enumerate(("left", "right")):
+        stands = [
+            _stands(tracks[:, side, end], lows[side, end], *speeds, frame_rate) & on_the_floor[side, end]
+            for end, speeds in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
+        ]
+        for kind, standing in (("heel", stands[0]), ("toe", stands[1] | stands[2])):
+            spans = _without_flicker(standing, round(SHORTEST * frame_rate))
             found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
 
 
+def _stands(track: FloatArray, low: float, landing: float, leaving: float, frame_rate: float) -> NDArray[np.bool_]:
+    """(F,) where a point of a sole (F, 3) with a usual ``low`` stands: near it and still, coming to rest or leaving, at
+    less than ``landing`` or ``leaving`` metres a second.
+    """
+    near = track[:, 2] < _drifting_low(track[:, 2], low, round(DRIFT_WINDOW * frame_rate)) + HEIGHT_MARGIN
+    speeds = _speeds(track, frame_rate)
+    still = near & (speeds < STILL_SPEED)
+    standing, longest = still.copy(), round(ROLLING * frame_rate)
+    for first, last in spans_of(near & (speeds < landing)):
+        rests = first + np.flatnonzero(still[first : last + 1])
+        if len(rests):
+            standing[max(first, rests[0] - longest) : rests[-1] + 1] = True
+    for first, last in spans_of(near & (speeds < leaving)):
+        rests = first + np.flatnonzero(still[first : last + 1])
+        if len(rests):
+            standing[rests[0] : min(last, rests[-1] + longest) + 1] = True
+    return standing
+
+
 def detect_body_contacts(
     tracks: Mapping[ContactPoint, FloatArray], leg_length: float, frame_rate: float, first_frame: int = 0
-) -> dict[ContactPoint, list[tuple[int, int]]]:
+) -> dict[ContactPoint, list[Span]]:
     """Frames (first, last) in which hands, knees and seat stand: low above the floor, and hardly moving.
 
     ``tracks`` (F, 3) metres above the capture's floor: what seldom touches the ground has no usual low of its own. On
     a body that sits or lies the knees carry nothing.
     """
-    found: dict[ContactPoint, list[tuple[int, int]]] = {}
+    found: dict[ContactPoint, list[Span]] = {}
     for point, track in tracks.items():
         near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
         standing = near & (_speeds(track[first_frame:], frame_rate) < BODY_SPEEDS[point.member]) if near.any() else near
-        spans = _without_flicker(spans_of(standing), round(SHORTEST * frame_rate))
+        spans = _without_flicker(standing, round(SHORTEST * frame_rate))
         stays = (staying(track[first_frame:], first, last) for first, last in spans)
         found[point] = [(a + first_frame, b + first_frame) for a, b in stays if b - a + 1 > SHORTEST * frame_rate]
     for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
@@ -164,7 +192,7 @@ def detect_body_contacts(
     return found
 
 
-def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> tuple[int, int]:
+def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:
     """The longest part of a span in which the track (F, 3) strays no farther than ``wander`` metres from its middle."""
     while True:
         part = track[first : last + 1]
@@ -178,11 +206,15 @@ def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) ->
 
 
 def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
-    """(F,) metres a second of a track (F, 3)."""
+    """(F,) metres a second of a track (F, 3): from the frame before or to the next one, whichever is less.
+
+    So the first and the last frame of a rest are still, however fast the frames beside it.
+    """
     if len(track) < 2:
         return np.full(len(track), np.inf)
     smooth = gaussian_filter1d(track, SMOOTHING * frame_rate, axis=0, mode="nearest")
-    return np.asarray(np.linalg.norm(np.gradient(smooth, axis=0), axis=1) * frame_rate)
+    steps = np.linalg.norm(np.diff(smooth, axis=0), axis=1) * frame_rate
+    return np.asarray(np.minimum(np.append(steps, np.inf), np.append(np.inf, steps)))
 
 
 def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
@@ -191,7 +223,7 @@ def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
     return np.clip(local, low, low + GREATEST_DRIFT)
 
 
-def contact_mask(spans: Iterable[tuple[int, int]], frame_count: int) -> NDArray[np.bool_]:
+def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
     """(F,) true in every frame of the given (first, last) spans."""
     mask = np.zeros(frame_count, dtype=bool)
     for first, last in spans:
@@ -199,7 +231,7 @@ def contact_mask(spans: Iterable[tuple[int, int]], frame_count: int) -> NDArray[
     return mask
 
 
-def without(spans: list[tuple[int, int]], mask: NDArray[np.bool_], shortest: int) -> list[tuple[int, int]]:
+def without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
     """What of ``spans`` lies outside ``mask`` (F,) and lasts longer than ``shortest`` frames; all of them if none."""
     if not any(mask[first : last + 1].any() for first, last in spans):
         return spans
@@ -207,18 +239,21 @@ def without(spans: list[tuple[int, int]], mask: NDArray[np.bool_], shortest: int
     return [(first, last) for first, last in rest if last - first + 1 > shortest]
 
 
-def spans_of(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """The (first, last) spans in which ``mask`` (F,) is true."""
+def spans_of(mask: NDArray[np.bool_]) -> list[Span]:
+    """(first, last), both included, of each unbroken run of true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _without_flicker(spans: list[tuple[int, int]], shortest: int) -> list[tuple[int, int]]:
-    """Close gaps, then drop contacts, of no more than ``shortest`` frames."""
-    joined: list[tuple[int, int]] = []
-    for first, last in spans:
+def _without_flicker(standing: NDArray[np.bool_], shortest: int) -> list[Span]:
+    """The (first, last) of what stands (F,), gaps closed and contacts dropped that last no more than ``shortest``
+    frames; but not those that the beginning or the end of the motion cuts off.
+    """
+    joined: list[Span] = []
+    for first, last in spans_of(standing):
         if joined and first - joined[-1][1] - 1 <= shortest:
             joined[-1] = (joined[-1][0], last)
         else:
             joined.append((first, last))
-    return [(first, last) for first, last in joined if last - first + 1 > shortest]
+    ends = (0, len(standing) - 1)
+    return [(a, b) for a, b in joined if b - a + 1 > shortest or (a < b and (a == ends[0] or b == ends[1]))]

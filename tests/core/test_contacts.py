@@ -31,8 +31,9 @@ def _track(steps: list[tuple[int, int]], frames: int = 120, low: float = 0.08) -
 
 
 def _detect(left: np.ndarray, right: np.ndarray, **options: int) -> dict[ContactPoint, list[tuple[int, int]]]:
+    """Contacts of feet that neither roll nor turn."""
     tracks = np.stack([left, right], axis=1)
-    return detect_contacts(tracks, tracks - [0.0, 0.0, 0.06], RATE, **options)
+    return detect_contacts(tracks[:, :, None] - [[0.0, 0.0, 0.0], [0.0, 0.0, 0.06], [0.0, 0.0, 0.06]], RATE, **options)
 
 
 def test_a_foot_that_stands_is_found_where_it_stands() -> None:
@@ -72,6 +73,39 @@ def test_flicker_is_closed_and_blinks_are_dropped() -> None:
     found = _detect(left, _track([(60, 61)]))
     assert len(found[ContactPoint.LEFT_HEEL]) == 1
     assert found[ContactPoint.RIGHT_HEEL] == []
+
+
+def _stepping(step: tuple[int, int], count: int, rate: float) -> np.ndarray:
+    """Soles (F, 2, 3, 3) of feet that come at 3 m/s, rest during the step, and go at 3 m/s."""
+    frames = np.arange(count)
+    away = np.maximum(step[0] - frames, 0) + np.maximum(frames - step[1], 0)
+    foot = np.stack([3.0 / rate * away, 0.0 * away, 0.08 + 0.5 / rate * away], axis=1)
+    return np.tile(foot[:, None, None], (1, 2, 3, 1))
+
+
+@pytest.mark.parametrize("rate", [24.0, 30.0, 60.0, 120.0])
+def test_a_step_is_found_to_the_frame_however_fast_the_foot_comes_and_goes(rate: float) -> None:
+    step = (round(0.5 * rate), round(0.75 * rate))
+    found = detect_contacts(_stepping(step, round(1.5 * rate), rate), rate)
+    assert all(np.allclose(found[point], [step], atol=0.02 * rate) for point in FOOT_POINTS)
+
+
+def test_a_foot_touches_while_it_rolls_on_to_its_heel_and_off_the_tip_of_its_toes() -> None:
+    """The heel comes to rest within a tenth of a second; the tip begins to move as it leaves."""
+    foot = np.zeros((120, 2, 3, 3))
+    coming, going = np.maximum(30 - np.arange(120), 0), np.maximum(np.arange(120) - 90, 0)
+    foot[:, :, 0, 0] = (-0.0007 * coming**2 - 0.01 * going)[:, None]
+    foot[:, :, 1, 0] = (-0.02 * coming + 0.02 * going)[:, None]
+    foot[:, :, 2, 0] = (-0.02 * coming + 0.0007 * going**2)[:, None]
+    found = detect_contacts(foot, RATE)
+    assert 23 <= found[ContactPoint.LEFT_HEEL][0][0] <= 26
+    assert 95 <= found[ContactPoint.LEFT_TOE][0][1] <= 98
+
+
+@pytest.mark.parametrize(("step", "kept"), [((-9, 2), (0, 2)), ((57, 70), (57, 59))])
+def test_a_step_that_the_clip_cuts_off_is_kept_however_short(step: tuple[int, int], kept: tuple[int, int]) -> None:
+    found = detect_contacts(_stepping(step, 60, RATE), RATE)
+    assert np.allclose(found[ContactPoint.LEFT_TOE], [kept], atol=1)
 
 
 def test_one_frame_has_no_contacts() -> None:

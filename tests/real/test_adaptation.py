@@ -38,10 +38,11 @@ def _faults(path: Path, name: str) -> list[str]:
     adapted = _adapted(path, name)
     quality = contact_quality(adapted, contacts_of(capture), Ground())
     ratio = acceleration_ratio(adapted, source_motion(motion, actor))
+    depths = swing_depths(adapted, contacts_of(capture), Ground())
     measured = (
         ("slide mm", 1e3 * quality.slide, 1.0), ("rise mm", 1e3 * quality.rise, 2.0),
         ("penetration mm", 1e3 * quality.penetration, 2.0), ("acceleration ratio", ratio, 3.0),
-        ("depth in swing mm", 1e3 * float(np.nanmax(swing_depths(adapted, contacts_of(capture), Ground()))), 1.0),
+        ("depth in swing mm", 1e3 * float(np.nanmax(depths, initial=0.0)), 1.0),
     )  # fmt: skip
     return [f"{path.stem} on {name}: {what} {value:.2f}" for what, value, most in measured if value > most]
 

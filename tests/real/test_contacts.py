@@ -1,23 +1,90 @@
 """Contacts found on real walks are those of walking."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from studio.core.contacts import ContactPoint, contact_mask
+from studio.core.capture import Capture
+from studio.core.contacts import FOOT_POINTS, contact_mask
+from studio.core.markers.force_plates import plate_reactions, sample_times
 from studio.core.normalized.normalize import capture_contacts
+from studio.io.importing import load_annotations, load_capture
 from tests.real.taken import named, taken
 
+MARKED = ("btk_PiG_FullBody_walk", "btk_PiG_LowerBody_walk", "sample09_PlugInC3D")
+"""Trials in which an operator marked every strike and off of a foot."""
+ON_PLATES = {"btk_Gait_dec_int": 10.0, "sample01_Eb015pi": 45.0}
+"""Trials on force plates without such marks, and the newtons that their plates show when empty."""
 WALKS = ("bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B15_WalkTurnAround180")
 
 
 def _stances(stem: str) -> np.ndarray:
     """(2, F) whether heel or toe of each foot stands."""
     capture = taken(named(stem))[0]
+    return _standing(capture)[:, capture.first_frame :]
+
+
+def _standing(capture: Capture) -> np.ndarray:
     found = capture_contacts(capture)
-    masks = [contact_mask(found[point], capture.frame_count)[capture.first_frame :] for point in ContactPoint]
+    masks = [contact_mask(found[point], capture.frame_count) for point in FOOT_POINTS]
     return np.array([masks[0] | masks[1], masks[2] | masks[3]])
+
+
+@cache
+def _trial(path: Path) -> Capture:
+    return load_capture(path)
+
+
+def _marked_misses(path: Path) -> list[float]:
+    """Seconds from each strike and off that is marked in a trial to the nearest one that is found."""
+    capture = _trial(path)
+    stances = np.pad(_standing(capture), ((0, 0), (1, 1)))
+    misses = []
+    for label in load_annotations(path, capture, "trial").labels:
+        side, _, what = label.name.split()
+        turns = np.flatnonzero(
+            np.diff(stances[("Left", "Right").index(side)].astype(int)) == (1 if what == "Strike" else -1)
+        )
+        if label.first < capture.frame_count - 3:  # a step that has hardly begun
+            misses.append(np.abs(turns - label.first).min() / capture.frame_rate)
+    return misses
+
+
+def _plate_misses(path: Path, empty: float) -> list[float]:
+    """The same by the force on its plates, whichever foot it is that treads on them."""
+    capture = _trial(path)
+    assert capture.markers is not None
+    trial, times = capture.markers.trial, sample_times(capture.markers.trial)
+    stances = np.pad(_standing(capture), ((0, 0), (1, 1)))
+    misses = []
+    for plate in trial.plates:
+        loaded = np.linalg.norm(plate_reactions(trial, plate)[1], axis=1) > empty
+        for turn, way in ((loaded.argmax(), 1), (len(loaded) - 1 - loaded[::-1].argmax(), -1)):
+            frames = np.flatnonzero((np.diff(stances.astype(int)) == way).any(axis=0))
+            misses.append(np.abs(frames / capture.frame_rate - times[turn]).min())
+    return misses
+
+
+def test_feet_strike_and_leave_when_operators_and_force_plates_say_so(captures: Path) -> None:
+    misses = [miss for stem in MARKED for miss in _marked_misses(captures / "c3d" / f"{stem}.c3d")]
+    misses += [m for stem, empty in ON_PLATES.items() for m in _plate_misses(captures / "c3d" / f"{stem}.c3d", empty)]
+    assert len(misses) >= 38
+    assert np.median(misses) <= 0.02
+    assert max(misses) <= 0.05
+
+
+@pytest.mark.parametrize(
+    ("stem", "side", "first", "last"),
+    [("accad_female1_C03_Run", 0, 7, 12), ("accad_female1_C03_Run", 1, 18, 23), ("accad_female1_C03_Run", 0, 29, 34)],
+)
+def test_the_steps_of_a_run_are_found(captures: Path, stem: str, side: int, first: int, last: int) -> None:
+    """Frames by eye: the sole lies on the ground, or its last part does, and is left where it lay."""
+    foot = _stances(stem)[side]
+    assert foot[first + 1 : last].all()
+    assert not foot[first - 2]
+    assert not foot[last + 2 : last + 3].any()
 
 
 @pytest.mark.parametrize("stem", WALKS)

@@ -23,12 +23,14 @@ STEMS = (
     "bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180",
     "accad_female1_B21_PutDownBoxToWalk", "accad_female1_C20_RunToJumpToWalk", "accad_female1_C03_Run",
 )  # fmt: skip
-MOST_BRUSHING = {"stairs up": 0.02, "stairs down": 0.02}
+MOST_BRUSHING = {"stairs up": 0.03, "stairs down": 0.05}
 """Parts of the frames of feet in the air, of all characters, in which one is more than 2 mm below the ground; nowhere
 else in any.
 """
 RUNNING = "accad_female1_C03_Run", 0.035
 """Who takes a flight of steps at a run, three at a time, and how much that brushes."""
+MOST_ACCELERATION = {"stairs up": 5.0, "stairs down": 4.0}
+"""Of its source's: who walks on the level climbs two or three steps within the time of one swing; 3 elsewhere."""
 TILT = math.radians(15.0)
 
 
@@ -66,8 +68,8 @@ def _faults(path: Path) -> list[str]:
             quality = contact_quality(adapted, contacts, ground)
             measured = (
                 ("slide mm", 1e3 * quality.slide, 1.0), ("float mm", 1e3 * quality.rise, 2.0),
-                ("depth mm", 1e3 * quality.penetration, 2.0),
-                ("acceleration ratio", acceleration_ratio(adapted, source), 3.0),
+                ("depth mm", 1e3 * quality.penetration, 2.5),
+                ("acceleration ratio", acceleration_ratio(adapted, source), MOST_ACCELERATION.get(where, 3.0)),
             )  # fmt: skip
             found += [f"{where} on {name}: {what} {value:.2f}" for what, value, most in measured if value > most]
         brushing = float((np.array(depths) > 0.002).sum() / np.isfinite(depths).sum())

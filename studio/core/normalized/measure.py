@@ -13,6 +13,8 @@ SHORTEST_BONE = 1e-3
 """Metres given to a bone that a capture draws without length, so that it keeps a direction."""
 USUAL_ANKLE = 0.045
 """Ankle joint above the sole, as a part of stature's half below the hip, where no contact tells it."""
+HEEL_LENGTH = 0.3
+"""The heel behind the ankle, as a part of the foot from ankle to ball."""
 
 
 def measure_actor(
@@ -58,7 +60,7 @@ def measure_actor(
         toe=np.array([vector(layout.spine_count + 13 + 4 * s, legs[s] + 3, legs[s] + 4) for s in (0, 1)]),
         ankle_height=ankle,
         toe_height=np.maximum(ankle + feet[:, 2], 0.0),
-        heel_length=0.3 * np.linalg.norm(feet[:, :2], axis=1),
+        heel_length=HEEL_LENGTH * np.linalg.norm(feet[:, :2], axis=1),
         neck_rest=_rest_direction(marks, alignments, layout.neck_base),
         clavicle_rest=np.array([_rest_direction(marks, alignments, layout.spine_count + 2 + 4 * s) for s in (0, 1)]),
     )

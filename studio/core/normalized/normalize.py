@@ -31,6 +31,7 @@ from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import trunk_places
+from studio.core.normalized.soles import sole_points
 from studio.core.pieces import do_over_frames
 from studio.core.rotations import frame_along, from_matrix, sign_continuous
 from studio.core.sharing import Shared
@@ -107,13 +108,13 @@ _SEEN = Shared(_seen)
 
 def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
     layout, points = marks.layout, marks.points
-    ankles, toes = (points[:, [joint(0), joint(1)]] for joint in (layout.ankle, layout.toe))
+    toes = points[:, [layout.toe(0), layout.toe(1)]]
     hips = [layout.hip(0), layout.hip(1)]
     ground = [0.0, 0.0, capture.floor]
     tracks = {point: points[:, touching_points(point, layout)].mean(axis=1) - ground for point in BODY_POINTS}
     leg = np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum()
     bodies = detect_body_contacts(tracks, float(leg), capture.frame_rate, capture.first_frame)
-    feet = detect_contacts(ankles, toes, capture.frame_rate, capture.first_frame)
+    feet = detect_contacts(sole_points(marks, float(leg), capture.first_frame), capture.frame_rate, capture.first_frame)
     shortest = round(SHORTEST * capture.frame_rate)
     for side, name in enumerate(("left", "right")):
         heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
