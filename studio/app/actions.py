@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from studio.app import casting, recovery
 from studio.app.marker_dialog import has_markers, open_markers
+from studio.app.striking import show_strikes
 from studio.app.verbs import editing, files, playback, view
 from studio.app.verbs.constraining import add_box, adder, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
@@ -142,7 +143,9 @@ CONSTRAINT = (
            tooltip="Keep both arms of the active body out of its trunk, head and thighs", enabled=_picked,
            ends_group=True),
     Action("add_box", "Constraint", "Add box", add_box, tooltip="A prop ahead of the body, for targets to follow",
-           enabled=_viewing, ends_group=True),
+           enabled=_viewing),
+    Action("find_strike", "Constraint", "Find a strike…", show_strikes, ("Ctrl+F",),
+           "Which clip of the motion library hits a box best, and why", _performing, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",), "Copy the selected constraints",
            _constraint_selected),
 )  # fmt: skip

@@ -81,14 +81,20 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
         for character, performer in bodies:
             character_id = document.add("characters", character, text)
             document.add("performers", replace(performer, character_id=character_id), text)
-        capture_id = document.add("captures", read.capture, text)
-        document.put_all("motions", {read.motion_id: Motion(read.capture.name, capture_id)}, text)
-        _annotate(document, read.annotations, text)
+        capture_id = add_motion(document, read, text)
         _perform(document, read.motion_id, text)
     show_motion(document)
     if read.capture.markers is not None and read.capture.body_map is None:
         _show_markers(document, capture_id)
     return read.motion_id
+
+
+def add_motion(document: Document, read: ReadMotion, text: str) -> str:
+    """Capture, motion and what is known of it into the project, played by nobody yet; the capture's id."""
+    capture_id = document.add("captures", read.capture, text)
+    document.put_all("motions", {read.motion_id: Motion(read.capture.name, capture_id)}, text)
+    _annotate(document, read.annotations, text)
+    return capture_id
 
 
 def perform_capture(bench: Workbench, capture_id: str) -> None:

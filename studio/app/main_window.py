@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QVBoxLayout
 from studio.app import casting, importing, marker_solving
 from studio.app.action_set import ActionSet
 from studio.app.marker_dialog import open_markers
+from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
 from studio.app.verbs import files
 from studio.app.workbench import Workbench
@@ -163,10 +164,12 @@ class MainWindow(QMainWindow):
         self.library = Library(self.bench.document)
         self.inspector = Inspector(self.bench.document, self.bench.live)
         self.history = History(self.bench.document.undo_stack)
+        self.striking = Striking(self.bench)
         self.docks: dict[str, QDockWidget] = {}
         for name, widget, area in (
             ("Library", self.library, Area.LeftDockWidgetArea),
             ("History", self.history, Area.LeftDockWidgetArea),
+            ("Strikes", self.striking.panel, Area.RightDockWidgetArea),
             ("Inspector", self.inspector, Area.RightDockWidgetArea),
             ("Timeline", QWidget(), Area.BottomDockWidgetArea),
         ):
@@ -176,6 +179,7 @@ class MainWindow(QMainWindow):
             self.addDockWidget(area, dock)
             self.docks[name] = dock
             self._add_dock_action(dock)
+        self.docks["Strikes"].hide()  # until it is asked for
         self.arrange(False)
         self._first_state = self.saveState()
 

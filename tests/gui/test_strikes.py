@@ -1,0 +1,115 @@
+"""The Strikes panel: folders into the library, a strike for the box, played and driven to it, undone."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QPushButton
+
+from studio.core.constraints.position import PositionConstraint
+from studio.core.project import Prop
+from studio.library.clips import Limb
+from studio.panels import strikes
+from studio.resources_folder import example_captures_folder
+from tests.gui.window_use import PATIENCE, same, wait_until_idle
+
+
+@pytest.fixture
+def striking(window, qtbot, tmp_path):
+    made = window.striking
+    made.folder = tmp_path / "library"
+    window.actions_by_id.by_id["find_strike"].trigger()
+    wait_until_idle(qtbot, window)
+    return made
+
+
+def add_box(window, place=(0.75, -0.1, 1.3)):
+    return window.bench.document.add("props", Prop("Target", (0.1, 0.1, 0.1), place), "Add Target")
+
+
+def solved(window, qtbot):
+    assert window.bench.live.wait(PATIENCE / 1000)
+    return window.bench.live.result(window.bench.document.active_performer_id)
+
+
+def test_an_empty_library_says_what_to_do(striking, window):
+    assert window.docks["Strikes"].isVisible()
+    assert striking.panel.hint.text() == strikes.EMPTY
+
+
+def test_a_strike_is_found_played_and_made_to_hit_and_one_undo_takes_it_back(striking, window, qtbot):
+    document = window.bench.document
+    add_box(window)
+    striking.add_folder(example_captures_folder())
+    wait_until_idle(qtbot, window)
+    document.playhead.set_frame(20)
+    solved(window, qtbot)
+    qtbot.mouseClick(find_button(striking.panel), Qt.MouseButton.LeftButton)
+    assert striking.panel.hint.text() == strikes.READY
+    assert "cm from the target" in striking.panel.results.item(0).text()
+    assert [each.cost for each in striking.found] == sorted(each.cost for each in striking.found)
+    before, steps = document.project, document.undo_stack.count()
+    striking.panel.results.itemActivated.emit(striking.panel.results.item(0))
+    wait_until_idle(qtbot, window)
+    performer = document.project.performers[document.active_performer_id]
+    assert len(performer.clips) == 2
+    assert performer.clips[0].last == 20
+    assert document.undo_stack.count() == steps + 1
+    adapted = solved(window, qtbot)
+    assert np.nanmin(adapted.residuals[-1]) < 1e-3
+    document.undo_stack.undo()
+    assert same(document.project, before)
+    QTest.qWait(0)
+
+
+def test_the_limb_that_is_chosen_is_the_only_one_that_is_found(striking, window, qtbot):
+    add_box(window)
+    striking.add_folder(example_captures_folder())
+    wait_until_idle(qtbot, window)
+    solved(window, qtbot)
+    striking.panel.limb.setCurrentIndex(1 + Limb.RIGHT_LEG)
+    striking.search()
+    assert [each.clip.label.limb for each in striking.found] == [Limb.RIGHT_LEG]
+    striking.panel.limb.setCurrentIndex(1 + Limb.LEFT_LEG)
+    striking.search()
+    assert striking.panel.hint.text() == strikes.NOTHING
+
+
+def test_without_a_box_it_says_that_one_is_needed(striking, window, qtbot):
+    striking.add_folder(example_captures_folder())
+    wait_until_idle(qtbot, window)
+    striking.search()
+    assert striking.panel.hint.text() == strikes.NO_TARGET
+    add_box(window)
+    assert striking.panel.target.count() == 1
+
+
+def test_a_folder_without_use_is_told_and_nothing_changes(striking, window, qtbot, tmp_path):
+    said = []
+    window.bench.said.connect(said.append)
+    (tmp_path / "takes").mkdir()
+    (tmp_path / "takes" / "broken.bvh").write_text("HIERARCHY nothing")
+    before = window.bench.document.project
+    striking.add_folder(tmp_path / "takes")
+    wait_until_idle(qtbot, window)
+    assert said[-1].startswith("broken.bvh")
+    assert window.bench.document.project is before
+
+
+def test_a_constraint_of_the_strike_belongs_to_its_clip_alone(striking, window, qtbot):
+    prop = add_box(window)
+    striking.add_folder(example_captures_folder())
+    wait_until_idle(qtbot, window)
+    solved(window, qtbot)
+    striking.search()
+    striking.play(0)
+    wait_until_idle(qtbot, window)
+    document = window.bench.document
+    made = list(document.project.constraints.values())[-1]
+    assert isinstance(made, PositionConstraint)
+    assert made.target.prop_id == prop
+    assert made.scope.clip_id == document.project.performers[document.active_performer_id].clips[-1].id
+
+
+def find_button(panel):
+    return next(each for each in panel.findChildren(QPushButton) if each.text() == "Find")
