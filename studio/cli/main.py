@@ -20,6 +20,7 @@ VERBS = {
     "batch": "adapt every capture of a folder, by many processes",
     "index": "bring folders of captures into the motion library",
     "search": "find the clip of the library that hits a place best",
+    "live": "let a fighter strike at a tracked head, streamed out as VMC",
     "formats": "list the kinds of files that can be read and written",
     "render": "draw a project or a capture as a picture or a film",
     "bench": "measure how long the studio's jobs take on this machine",

@@ -66,10 +66,14 @@ class Result:
     def reasons(self) -> tuple[str, str, str]:
         """Posture, reach, time to hit, each in words."""
         return (
-            f"posture {100.0 * self.posture:.0f} cm off",
-            f"passes {100.0 * self.reach:.0f} cm from the target",
+            f"posture {_metres(self.posture)} off",
+            f"passes {_metres(self.reach)} from the target",
             f"hits in {self.seconds:.2f} s",
         )
+
+
+def _metres(length: float) -> str:
+    return f"{100.0 * length:.0f} cm" if length < 1.0 else f"{length:.2f} m"
 
 
 def find(library: Library, asked: Asked, count: int = 8) -> list[Result]:

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterable, Sequence
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from studio.document.document import Document
 from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
 
+ROW_HEIGHT = 64
+"""Pixels of a name and two lines of reasons."""
 ANY = "Any"
 EMPTY = "No clips yet. Add a folder of captures: strikes are found in them by themselves."
 READY = "Choose a box as the target and press Find. Double-click a strike to play it from the playhead on."
@@ -42,6 +44,7 @@ class Strikes(QWidget):
         self.results = QListWidget()
         self.results.setAccessibleName("Strikes found, the best first")
         self.results.setWordWrap(True)
+        self.results.setTextElideMode(Qt.TextElideMode.ElideNone)
         self.results.itemActivated.connect(lambda item: self.chosen.emit(self.results.row(item)))
         column.addWidget(self.results, 1)
         document.entity_changed.connect(lambda collection, _: self.refresh() if collection == "props" else None)
@@ -68,6 +71,7 @@ class Strikes(QWidget):
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")
+            item.setSizeHint(QSize(0, ROW_HEIGHT))
             item.setToolTip("Double-click to play it from the playhead on, driven to the target")
             self.results.addItem(item)
         self.hint.setText(hint)

@@ -1,0 +1,135 @@
+"""``live``: a fighter that keeps at striking distance of a tracked head and strikes, streamed out as VMC."""
+
+import select
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.cli.adaptation import chosen_characters, ready_capture
+from studio.cli.library_options import add_library_option
+from studio.core.errors import StudioError
+from studio.core.normalized.pieces import Piece
+from studio.io.importing import GUESS_ALL
+from studio.library.catalogue import Catalogue
+from studio.library.library import Library
+from studio.library.mirroring import with_mirrored
+from studio.live.fight import ANY_STRIKE, ORDERS, Order, fight, orders_every
+from studio.live.fighter import Fighter
+from studio.live.streamer import Streamer
+from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput, read_recording
+from studio.resources_folder import example_captures_folder
+
+FloatArray = NDArray[np.float64]
+
+GUARD, GUARD_SECONDS = "front_kick.bvh", 1.3
+"""The example that begins on guard, and for how long its feet stay in place."""
+CIRCLE, SWAY = 0.5, 0.35
+"""Metres and radians a second of the head that moves where none is tracked."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Who fights, against what, and where it is seen."""
+    parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE")
+    parser.add_argument("--guard", type=Path, metavar="CAPTURE", help="a motion that begins on guard, feet in place")
+    parser.add_argument("--seconds", type=float, default=60.0, metavar="S", help="how long it goes on")
+    parser.add_argument("--head", nargs="+", metavar="NAME", help="trackers whose middle is the target, or one bone")
+    parser.add_argument("--port", type=int, default=PORT, metavar="N", help="port at which trackers are heard")
+    parser.add_argument("--listen", default=LOOPBACK, metavar="ADDRESS", help="loopback unless you choose another")
+    parser.add_argument("--sender", nargs="+", default=[LOOPBACK], metavar="ADDRESS", help="who is listened to")
+    parser.add_argument("--replay", type=Path, metavar="FILE", help="recorded datagrams in place of the network")
+    parser.add_argument("--stream", type=int, metavar="PORT", help="send the fighter as VMC to this port")
+    parser.add_argument("--stream-to", default=LOOPBACK, metavar="ADDRESS")
+    parser.add_argument("--strike-every", type=float, metavar="S", help="strike by itself; else type 'left punch'")
+    parser.add_argument("--frozen", action="store_true", help="strike where the target was, so that it can dodge")
+    parser.add_argument("--mirrored", action="store_true", help="play every clip with the other limb, too")
+    parser.add_argument("--fast", action="store_true", help="do not wait for the clock")
+    add_library_option(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """Fight, then say what became of it."""
+    library = opened_library(arguments)
+    body = next(iter(chosen_characters([arguments.character]).values())).morphology
+    inbox = Inbox()
+    with ExitStack() as stack:
+        beside = None if arguments.fast else stack.enter_context(ThreadPoolExecutor(1))
+        fighter = Fighter(library, body, guard_of(arguments.guard), executor=beside, follows=not arguments.frozen)
+        rehearse(fighter)
+        target_at = target_of(arguments, inbox, body.stature, stack)
+        every = arguments.strike_every
+        order_at = typed_order if every is None else orders_every(every, [ANY_STRIKE])
+        timed = fighter, target_at, order_at, arguments.seconds
+        if arguments.stream is None:
+            report = fight(*timed, paced=not arguments.fast)
+        else:
+            streamer = stack.enter_context(Streamer(arguments.stream, arguments.stream_to))
+            report = fight(*timed, streamer.send, paced=not arguments.fast)
+    print(report.words)
+    if arguments.head:
+        counts = inbox.counts
+        print(f"{counts.taken} packets taken, {counts.bad} bad, {counts.strangers} of strangers")
+    return 0
+
+
+def rehearse(fighter: Fighter) -> None:
+    """Let another one strike for a moment, so that nothing is compiled or fetched when it counts."""
+    double = Fighter(fighter.library, fighter.body, fighter.guard)
+    fight(double, lambda now: swaying(now, double.body.stature), orders_every(0.1, [ANY_STRIKE]), 1.0)
+
+
+def opened_library(arguments: Namespace) -> Library:
+    """The library that is named; StudioError when it is empty."""
+    with Catalogue(arguments.library) as catalogue:
+        library = Library.of(catalogue)
+    if not library.clips:
+        raise StudioError(f"The library in '{arguments.library}' has no clips. Bring some in with `index FOLDER`.")
+    return with_mirrored(library) if arguments.mirrored else library
+
+
+def guard_of(path: Path | None) -> Piece:
+    """What is played between blows: the first moments of a capture."""
+    ready = ready_capture(path or example_captures_folder() / GUARD, GUESS_ALL)
+    first = ready.capture.first_frame
+    last = min(first + round(GUARD_SECONDS * ready.motion.frame_rate), ready.motion.frame_count - 1)
+    return Piece(ready.motion, ready.contacts, first, last)
+
+
+def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitStack) -> Callable[[float], FloatArray]:
+    """Where the target is: tracked, replayed, or a head that sways by itself."""
+    if not arguments.head:
+        return lambda now: swaying(now, stature)
+    packets = iter(read_recording(arguments.replay)) if arguments.replay else None
+    waiting = [next(packets, None)] if packets else [None]
+    if packets is None:
+        listener = UdpInput(inbox, arguments.port, arguments.listen, arguments.sender)
+        stack.callback(listener.close)
+    last = [swaying(0.0, stature)]
+
+    def target_at(now: float) -> FloatArray:
+        while packets is not None and waiting[0] is not None and waiting[0][0] <= now:
+            inbox.feed(waiting[0][1])
+            waiting[0] = next(packets, None)
+        place = inbox.place(arguments.head)
+        last[0] = last[0] if place is None else place
+        return last[0]
+
+    return target_at
+
+
+def swaying(now: float, stature: float) -> FloatArray:
+    """A head that goes to and fro, as high as the fighter's own chest."""
+    x, y = 1.0 + CIRCLE * np.sin(SWAY * now), CIRCLE * np.sin(0.7 * SWAY * now)
+    return np.array([x, y, stature * (0.78 + 0.04 * np.sin(now))])
+
+
+def typed_order(_now: float = 0.0) -> Order | None:
+    """What was typed since the last frame: ``left punch``, ``right kick``; any other line is any strike."""
+    if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:
+        return None
+    return ORDERS.get(sys.stdin.readline().strip().lower(), ANY_STRIKE)

@@ -1,0 +1,23 @@
+"""A library twice as large: every clip as seen in a mirror, with the other limb."""
+
+from dataclasses import replace
+
+from studio.core.normalized.mirror import mirrored, mirrored_contacts
+from studio.core.normalized.realize import realize
+from studio.library.clips import Limb
+from studio.library.hitting import hit_path
+from studio.library.library import Library, LibraryClip
+
+
+def with_mirrored(library: Library) -> Library:
+    """The library and its mirror image, in memory; a mirrored clip has the number of its own, below zero."""
+    return Library.of_clips([*library.clips, *(_mirrored(clip) for clip in library.clips)])
+
+
+def _mirrored(clip: LibraryClip) -> LibraryClip:
+    take = clip.take
+    motion = mirrored(take.motion)
+    turned = replace(take, number=-take.number, motion=motion, contacts=mirrored_contacts(take.contacts))
+    label = replace(clip.label, limb=Limb(clip.label.limb ^ 1))
+    path = hit_path(*realize(motion, clip.actor.body), clip.actor.body, motion.frame_rate, label)
+    return LibraryClip(-clip.number, label, path, turned, clip.actor)

@@ -1,0 +1,90 @@
+"""A fight in steps of one frame: a target, orders, a fighter, and what became of it all."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.morphology import Morphology
+from studio.library.clips import Kind, Limb
+from studio.live.fighter import Fighter, Hit, State
+
+FloatArray = NDArray[np.float64]
+Order = tuple[tuple[Limb, ...], tuple[Kind, ...]]
+
+ORDERS: dict[str, Order] = {
+    f"{side} {kind}": ((Limb[f"{side.upper()}_{'ARM' if kind is Kind.PUNCH else 'LEG'}"],), (kind,))
+    for side in ("left", "right")
+    for kind in (Kind.PUNCH, Kind.KICK)
+}
+"""What a fighter can be told; a supervisor's keys in P09."""
+ANY_STRIKE: Order = ((), ())
+
+
+@dataclass
+class FightReport:
+    """Of the whole fight: strikes, and ``latencies`` in seconds from an order to the first frame that differs."""
+
+    hits: list[Hit]
+    latencies: list[float] = field(default_factory=list)
+    slowest_frame: float = 0.0
+    frames: int = 0
+
+    @property
+    def words(self) -> str:
+        """The report in a few lines."""
+        missed = [1000.0 * hit.missed for hit in self.hits]
+        strikes = "1 strike" if len(self.hits) == 1 else f"{len(self.hits)} strikes"
+        lines = [f"{self.frames} frames, {strikes}"]
+        if missed:
+            lines.append(f"missed by {np.median(missed):.2f} mm (median), {max(missed):.2f} mm at most")
+        if self.latencies:
+            told = 1000.0 * np.array(self.latencies)
+            lines.append(f"{np.median(told):.0f} ms from order to motion (median), {told.max():.0f} ms at most")
+        lines.append(f"slowest frame {1000.0 * self.slowest_frame:.1f} ms")
+        return "\n".join(lines)
+
+
+def fight(
+    fighter: Fighter,
+    target_at: Callable[[float], FloatArray],
+    order_at: Callable[[float], Order | None],
+    seconds: float,
+    show: Callable[[FloatArray, FloatArray, Morphology, float], object] = lambda *_: None,
+    *,
+    paced: bool = False,
+) -> FightReport:
+    """Let ``fighter`` fight for some ``seconds``, a frame at a time; ``paced`` by the clock, or as fast as it goes."""
+    report, ordered, begun = FightReport(fighter.hits), 0.0, time.perf_counter()
+    waiting = False
+    for frame in range(round(seconds * fighter.rate)):
+        now = frame / fighter.rate
+        if paced:
+            time.sleep(max(begun + now - time.perf_counter(), 0.0))
+        order, target = order_at(now), target_at(now)
+        start = time.perf_counter()
+        if order is not None and fighter.strike(target, *order):
+            ordered, waiting = start, True
+        positions, rotations = fighter.step(target)
+        report.slowest_frame = max(report.slowest_frame, time.perf_counter() - start)
+        if waiting and fighter.plan.state is State.STRIKE:
+            report.latencies.append(time.perf_counter() - ordered)
+            waiting = False
+        show(positions, rotations, fighter.body, now)
+        report.frames += 1
+    return report
+
+
+def orders_every(seconds: float, orders: Sequence[Order]) -> Callable[[float], Order | None]:
+    """One order after the other, again and again, one every so many ``seconds``."""
+    given = [0]
+
+    def order_at(now: float) -> Order | None:
+        if now < seconds * (given[0] + 1):
+            return None
+        given[0] += 1
+        return orders[(given[0] - 1) % len(orders)]
+
+    return order_at

@@ -1,0 +1,146 @@
+"""A fighter keeps at striking distance of a head that moves, strikes when told, and hits."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.cli.live import guard_of, swaying
+from studio.cli.main import main
+from studio.io.character_file import bundled_characters
+from studio.library.catalogue import Catalogue
+from studio.library.clips import Kind, Limb
+from studio.library.indexing import index
+from studio.library.library import Library
+from studio.library.mirroring import with_mirrored
+from studio.live import vmc
+from studio.live.fight import ANY_STRIKE, ORDERS, fight, orders_every
+from studio.live.fighter import Fighter, State
+from studio.live.osc import encode_message
+from studio.live.tracker import write_recording
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+GUARD = guard_of(None)
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    with Catalogue(tmp_path_factory.mktemp("library")) as catalogue:
+        index(catalogue, [EXAMPLES])
+        return with_mirrored(Library.of(catalogue))
+
+
+def near(body, angle=0.0, height=0.78):
+    apart = 1.1 * body.leg_length
+    return np.array([apart * np.cos(angle), apart * np.sin(angle), height * body.stature])
+
+
+def test_a_mirrored_library_has_every_limb(library):
+    assert {clip.label.limb for clip in library.clips} == {Limb.RIGHT_ARM, Limb.RIGHT_LEG, Limb.LEFT_ARM, Limb.LEFT_LEG}
+
+
+@pytest.mark.parametrize("name", ["adult_woman", "giant"])
+def test_it_hits_a_moving_head_within_a_millimetre(library, name):
+    body = BODIES[name]
+    fighter = Fighter(library, body, GUARD)
+    report = fight(fighter, lambda now: swaying(now, body.stature), orders_every(1.5, [ANY_STRIKE]), 10.0)
+    assert len(report.hits) == 6
+    assert max(hit.missed for hit in report.hits) < 1e-3
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_it_strikes_with_the_limb_that_is_called(library, order):
+    body = BODIES["adult_woman"]
+    fighter = Fighter(library, body, GUARD)
+    height = 0.55 if ORDERS[order][1] == (Kind.KICK,) else 0.78
+    fight(fighter, lambda now: near(body, height=height), orders_every(1.0, [ORDERS[order]]), 2.5)
+    assert [(hit.limb, hit.kind) for hit in fighter.hits[:1]] == [(ORDERS[order][0][0], ORDERS[order][1][0])]
+
+
+def test_nothing_jumps_and_feet_that_stand_stay(library):
+    body = BODIES["adult_woman"]
+    fighter, shown, standing = Fighter(library, body, GUARD), [], []
+
+    def show(positions, *_):
+        frame = max(fighter.frame - 1, 0)
+        shown.append(positions)
+        contacts = fighter.plan.standing.contacts
+        standing.append(
+            {each.point.side for each in contacts if each.point.is_heel and each.first <= frame <= each.last}
+        )
+
+    fight(fighter, lambda now: swaying(now, body.stature), orders_every(2.0, [ANY_STRIKE]), 8.0, show)
+    positions = np.array(shown)
+    jerk = np.linalg.norm(np.diff(positions, 2, axis=0), axis=2).max()
+    take = next(clip for clip in library.clips if clip.label.limb is Limb.RIGHT_ARM).take
+    own = np.linalg.norm(np.diff(Fighter(library, body, GUARD).plan.standing.positions, 2, axis=0), axis=2).max()
+    assert jerk < max(0.1, own)
+    assert take.motion.frame_rate == fighter.rate
+    for side in (0, 1):
+        ankle = positions[:, body.layout.ankle(side), :2]
+        stays = [frame for frame in range(1, len(shown)) if side in standing[frame] & standing[frame - 1]]
+        assert np.linalg.norm(ankle[stays] - ankle[np.array(stays) - 1], axis=1).max() < 0.005
+
+
+def test_it_follows_a_target_that_walks_away_and_turns_to_it(library):
+    body = BODIES["child"]
+    fighter = Fighter(library, body, GUARD)
+    for frame in range(600):
+        place = near(body, 0.0015 * frame) + np.array([0.0012 * frame, 0.0, 0.0])
+        positions, _ = fighter.step(place)
+    apart = np.linalg.norm(place[:2] - positions[0, :2]) / body.leg_length
+    assert apart == pytest.approx(fighter.distance, abs=0.45)
+    assert fighter.plan.state in (State.GUARD, State.STEP)
+
+
+def test_a_frozen_target_can_be_dodged(library):
+    body = BODIES["adult_woman"]
+    fighter = Fighter(library, body, GUARD, follows=False)
+    begun = near(body)
+    fighter.strike(begun)
+    for frame in range(80):
+        fighter.step(begun + np.array([0.0, 0.004 * frame, 0.0]))
+    (hit,) = fighter.hits
+    assert hit.missed < 1e-3  # it is where the head was
+
+
+def test_the_character_can_be_changed_while_it_plays(library):
+    fighter = Fighter(library, BODIES["adult_woman"], GUARD)
+    for frame in range(90):
+        if frame == 30:
+            fighter.change_body(BODIES["giant"])
+        positions, _ = fighter.step(near(BODIES["giant"]))
+        assert np.isfinite(positions).all()
+    assert fighter.body is BODIES["giant"]
+
+
+def test_what_is_made_beside_the_animation_holds_up_no_frame(library):
+    body = BODIES["adult_woman"]
+    with ThreadPoolExecutor(1) as beside:
+        fighter = Fighter(library, body, GUARD, executor=beside)
+        assert fighter.strike(near(body))
+        assert not fighter.strike(near(body))
+        for _ in range(2000):
+            fighter.step(near(body))
+            if fighter.hits:
+                break
+    assert fighter.hits[0].missed < 1e-3
+
+
+def test_the_verb_fights_a_replayed_head_and_reports(tmp_path, capsys):
+    place = str(tmp_path / "library")
+    assert main(["index", str(EXAMPLES), "--library", place, "--json"]) == 0
+    packets = []
+    for frame in range(60):
+        unity = [0.1 * np.sin(0.1 * frame), 1.3, 0.95]
+        message = encode_message(vmc.TRACKER, ["marker", *(float(each) for each in unity), 0.0, 0.0, 0.0, 1.0])
+        packets.append((frame / 30.0, message))
+    write_recording(tmp_path / "head.osc", packets)
+    capsys.readouterr()
+    asked = ["live", "--library", place, "--fast", "--seconds", "4", "--strike-every", "1.5", "--head", "marker"]
+    assert main([*asked, "--replay", str(tmp_path / "head.osc"), "--mirrored"]) == 0
+    printed = capsys.readouterr().out
+    assert "240 frames, 2 strikes" in printed
+    assert "60 packets taken, 0 bad" in printed
