@@ -5,16 +5,22 @@ from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.document.recovery import Session, recoverable_sessions, tidy
+from studio.document.recovery import Session, put_aside, put_damaged_aside, recoverable_sessions, tidy
 
 
 def offer(bench: Workbench, folder: Path) -> None:
     """Ask about the newest session that ended without being closed, if there is one; clear away what is of no use."""
     bench.journals = folder
-    sessions = recoverable_sessions(folder)
+    try:
+        for sentence in put_damaged_aside(folder):
+            bench.document.problem.emit(sentence)
+        sessions = recoverable_sessions(folder)
+        tidy(folder)
+    except OSError as error:
+        bench.document.problem.emit(f"Earlier work in '{folder}' cannot be looked for: {error.strerror}.")
+        return
     if sessions:
-        bench.window.recovery.offer(words_of(sessions[0]), lambda: bench.document.recover(sessions[0]))
-    tidy(folder)
+        bench.window.recovery.offer(words_of(sessions[0]), lambda: _recover(bench, sessions[0]))
 
 
 def choose(bench: Workbench) -> None:
@@ -32,7 +38,15 @@ def line_of(session: Session) -> tuple[str, str]:
 
 
 def _recovery(bench: Workbench, session: Session) -> Callable[[], object]:
-    return lambda: bench.window.when_saved(lambda: bench.document.recover(session))
+    return lambda: bench.window.when_saved(lambda: _recover(bench, session))
+
+
+def _recover(bench: Workbench, session: Session) -> None:
+    """Open it; one of which nothing can be read is put aside and told."""
+    try:
+        bench.document.recover(session)
+    except StudioError as error:
+        raise StudioError(put_aside(session, str(error))) from error
 
 
 def words_of(session: Session) -> str:

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from typing import IO
 
@@ -26,8 +27,8 @@ class FileLock:
     @classmethod
     def taken(cls, path: Path) -> "FileLock | None":
         """The lock at ``path``, None when somebody else holds it. Raises OSError where nothing can be written."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        stream = open(path, "ab")  # noqa: SIM115 - open as long as the lock is held
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        stream = open(path, "ab", opener=partial(os.open, mode=0o600))  # noqa: SIM115 - open as long as the lock is held
         try:
             _lock(stream)
         except OSError:

@@ -1,7 +1,11 @@
 """The session journal: every edit is on the disk a moment after it was made, in a database of its own.
 
 SQLite in WAL mode with ``synchronous=FULL``, one connection on one writer thread. A step holds the entities it
-changed and the hash of the state after it; every fiftieth is followed by a snapshot; arrays are stored once.
+changed and the hash of the state after it; every fiftieth is followed by a snapshot; arrays are stored once. While
+nobody edits, what stands in the log moves into the database. A file beside it counts the steps, so that it shows when
+some are missing.
+
+Where it cannot be written, or its file is gone, it begins anew after a while with the state that is then.
 """
 
 import hashlib
@@ -24,6 +28,8 @@ from studio.document.playhead import PlayheadState
 from studio.io.entity_json import Members, entity_record, line, npy_parts, project_json
 
 STEPS_BETWEEN_SNAPSHOTS = 50
+RESTS, HEALS = 2.0, 2.0
+"""Seconds without an edit after which the log is worked in, and after which a journal that failed is begun anew."""
 _PIECE = 1 << 20
 """Bytes of an array that are stored at a time."""
 SCHEMA = """
@@ -50,6 +56,15 @@ class Step:
 class _Save:
     project: Project
     path: Path
+
+
+@dataclass(frozen=True, eq=False)
+class _Numbered:
+    number: int
+    step: Step
+
+
+_Item = _Numbered | _Save | PlayheadState | str
 
 
 class StateHash:
@@ -92,11 +107,12 @@ class Journal(QObject):
         self.acknowledged = 0
         self.unsaved = self._unsaved_base = unsaved
         self._base, self._document_id, self._path = base, document_id, path
-        self._file = folder / f"{document_id}-{os.getpid()}-{time.time_ns():x}.sqlite"
-        self._queue: queue.SimpleQueue[Step | _Save | PlayheadState | str | None] = queue.SimpleQueue()
+        self._folder, self._files = folder, list[Path]()
+        self._queue: queue.SimpleQueue[_Item | None] = queue.SimpleQueue()
+        self._latest, self._before = (0, base), 0
         self._hash = StateHash()
-        self._stored: set[str] = set(base.carried.get("members", {}))
-        self._begun = threading.Event()
+        self._stored = set[str]()
+        self._begun, self._closing = threading.Event(), threading.Event()
         self._stopped = False
         self._lock: FileLock | None = None
         self._thread: threading.Thread | None = None
@@ -106,18 +122,19 @@ class Journal(QObject):
     @property
     def state(self) -> str:
         """One line for the status bar."""
-        if self.acknowledged == self.recorded:
-            return f"Journal safe - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
         if self._stopped:
             return "Journal stopped - save the project"
+        if self.acknowledged == self.recorded:
+            return f"Journal safe - {self.recorded} edit{'' if self.recorded == 1 else 's'}"
         return f"Journal writing - {self.acknowledged} of {self.recorded} edits"
 
     def record(self, step: Step) -> None:
         """Write a step as soon as may be; does not wait."""
         self.recorded += 1
         self.unsaved = True
+        self._latest = self.recorded, step.project
         self._start()
-        self._queue.put(step)
+        self._queue.put(_Numbered(self.recorded, step))
 
     def mark_saved(self, project: Project, path: Path, all_of_it: bool) -> None:
         """The file now holds ``project``; steps after that state are still to be recovered if the process dies."""
@@ -136,7 +153,7 @@ class Journal(QObject):
             return True
         end = time.monotonic() + timeout
         while not self._begun.is_set() or self.acknowledged < self.recorded:
-            if time.monotonic() > end or not self._thread.is_alive():
+            if time.monotonic() > end or self._stopped or not self._thread.is_alive():
                 return False
             time.sleep(0.001)
         return True
@@ -147,10 +164,12 @@ class Journal(QObject):
             return
         self._queue.put("declined" if self.unsaved else "saved")
         self._queue.put(None)
+        self._closing.set()
         self._thread.join()
         self._thread = None
         if not self.unsaved:
-            remove_session(self._file)
+            for file in self._files:
+                remove_session(file)
         if self._lock is not None:
             self._lock.release()
 
@@ -161,25 +180,55 @@ class Journal(QObject):
             self._thread.start()
 
     def _write(self) -> None:
-        try:
-            self._lock = FileLock.taken(lock_of(self._file))
-            connection = sqlite3.connect(self._file, isolation_level=None)
+        """Until the journal is closed."""
+        while True:
             try:
-                self._begin(connection)
-                while (items := self._waiting()) is not None:
-                    self._commit(connection, items)
-            finally:
-                connection.close()
-        except (sqlite3.Error, OSError) as error:
-            self._stopped = True
-            self.failed.emit(
-                f"The journal in '{self._file.parent}' cannot be written ({error}). Save the project now: edits are"
-                " not kept for recovery any more."
-            )
+                self._write_session()
+                return
+            except (sqlite3.Error, OSError) as error:
+                told, self._stopped = self._stopped, True
+                if not told:
+                    self.failed.emit(
+                        f"The journal in '{self._folder}' cannot be written ({error}). Save the project now: edits are"
+                        " not kept for recovery until it can be."
+                    )
+                    self.acknowledged_changed.emit()
+                if self._closing.wait(HEALS):
+                    return
 
-    def _waiting(self) -> list[Step | _Save | PlayheadState | str] | None:
-        """All that is queued, at least one; None when the journal is closed."""
-        items = [self._queue.get()]
+    def _write_session(self) -> None:
+        """From the newest state on, in a file of its own."""
+        file = self._folder / f"{self._document_id}-{os.getpid()}-{time.time_ns():x}.sqlite"
+        lock = FileLock.taken(lock_of(file))
+        if self._lock is not None:
+            self._lock.release()
+        self._lock = lock
+        self._folder.chmod(0o700)
+        os.close(os.open(file, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+        self._files.append(file)
+        connection = sqlite3.connect(file, isolation_level=None)
+        try:
+            self._begin(connection)
+            while (items := self._waiting()) is not None:
+                if items:
+                    self._commit(connection, items)
+                else:
+                    connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+                    self._see_that_it_is_there()
+        finally:
+            connection.close()
+
+    def _see_that_it_is_there(self) -> None:
+        """A database that was deleted is written on without a word."""
+        if not self._files[-1].exists():
+            raise FileNotFoundError(f"'{self._files[-1].name}' was taken away")
+
+    def _waiting(self) -> list["_Item"] | None:
+        """All that is queued; none when nothing comes for a while, None when the journal is closed."""
+        try:
+            items = [self._queue.get(timeout=RESTS)]
+        except queue.Empty:
+            return []
         while not self._queue.empty():
             items.append(self._queue.get())
         wanted = [item for item in items if item is not None]
@@ -190,6 +239,9 @@ class Journal(QObject):
     def _begin(self, connection: sqlite3.Connection) -> None:
         connection.execute("PRAGMA journal_mode=WAL")
         connection.execute("PRAGMA synchronous=FULL")
+        if anew := bool(self._files[1:]):
+            self._before, self._base = self._latest
+        self._stored = set(self._base.carried.get("members", {}))
         connection.execute("BEGIN")
         for statement in SCHEMA.strip().split(";\n"):
             connection.execute(statement)
@@ -199,32 +251,48 @@ class Journal(QObject):
             "path": str(self._path or ""),
             "process": str(os.getpid()),
             "started": str(time.time()),
-            "unsaved_base": str(int(self._unsaved_base)),
+            "unsaved_base": str(int(self._unsaved_base or (anew and self.unsaved))),
             "foreign": json.dumps(sorted(foreign)),
         }
         connection.executemany("INSERT INTO arrays VALUES (?, ?)", foreign.items())
         connection.executemany("INSERT INTO session VALUES (?, ?)", session.items())
         self._snapshot(connection, 0, self._base)
         connection.execute("COMMIT")
+        self._count(0)
+        self._acknowledge(self._before)
         self._begun.set()
 
-    def _commit(self, connection: sqlite3.Connection, items: list[Step | _Save | PlayheadState | str]) -> None:
+    def _commit(self, connection: sqlite3.Connection, items: list["_Item"]) -> None:
         done = self.acknowledged
         connection.execute("BEGIN")
         for item in items:
             match item:
-                case Step():
-                    done += 1
-                    self._insert(connection, done, item)
+                case _Numbered():
+                    if item.number > self._before:
+                        done = item.number
+                        self._insert(connection, done - self._before, item.step)
                 case _Save():
-                    row = (done, str(item.path), self._hash.of(item.project))
+                    row = (done - self._before, str(item.path), self._hash.of(item.project))
                     connection.execute("INSERT INTO saves VALUES (?, ?, ?)", row)
                 case PlayheadState():
                     _put_fact(connection, "playhead", json.dumps(asdict(item)))
                 case str():
                     _put_fact(connection, "ended", item)
         connection.execute("COMMIT")
-        self.acknowledged = done
+        self._see_that_it_is_there()
+        self._count(done - self._before)
+        self._acknowledge(done)
+
+    def _count(self, steps: int) -> None:
+        """How many steps there are, beside the database."""
+        file = os.open(steps_of(self._files[-1]), os.O_CREAT | os.O_WRONLY, 0o600)
+        try:
+            os.write(file, b"%012d" % steps)
+        finally:
+            os.close(file)
+
+    def _acknowledge(self, done: int) -> None:
+        self.acknowledged, self._stopped = done, False
         self.acknowledged_changed.emit()
 
     def _insert(self, connection: sqlite3.Connection, number: int, step: Step) -> None:
@@ -273,7 +341,17 @@ def lock_of(session: Path) -> Path:
     return session.with_suffix(".lock")
 
 
+def steps_of(session: Path) -> Path:
+    """The file that counts the steps of a session."""
+    return session.with_suffix(".steps")
+
+
+def files_of(session: Path) -> tuple[Path, ...]:
+    """All that a session may consist of."""
+    return tuple(session.with_suffix(suffix) for suffix in (".sqlite", ".sqlite-wal", ".sqlite-shm", ".steps", ".lock"))
+
+
 def remove_session(session: Path) -> None:
     """Take away a session that holds nothing which is not in the project's file."""
-    for suffix in (".sqlite", ".sqlite-wal", ".sqlite-shm", ".lock"):
-        session.with_suffix(suffix).unlink(missing_ok=True)
+    for file in files_of(session):
+        file.unlink(missing_ok=True)

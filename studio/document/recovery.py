@@ -12,13 +12,19 @@ from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
-from studio.document.journal import StateHash, Step, lock_of, remove_session
+from studio.document.journal import StateHash, Step, files_of, lock_of, remove_session, steps_of
 from studio.document.playhead import PlayheadState
 from studio.io.entity_json import entity_of, parsed, project_of
 from studio.io.npy import array_of
 from studio.io.value_json import Array
 
 KEPT_WHEN_DECLINED = timedelta(days=30)
+
+
+_DAMAGE = (sqlite3.Error, StudioError, ValueError, TypeError, KeyError, ArithmeticError, OSError)
+"""What comes of reading a journal that is not as it was written."""
+ASIDE = "damaged"
+"""The folder, in that of the journals, of those of which nothing can be read."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,10 @@ class Session:
     begun: datetime
     declined: bool
     """The user chose not to save; kept all the same."""
+    written: int = 0
+    """Steps that were in it once, readable or not."""
+    damage: str = ""
+    """Why nothing of it can be read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,30 +59,48 @@ class Recovered:
 
 def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session, ...]:
     """Sessions of processes that are gone, newest first; with ``declined`` those too that the user gave up."""
-    found = [session for _, session in _abandoned(folder) if session is not None]
+    found = [session for _, session in _abandoned(folder) if session is not None and not session.damage]
     wanted = [session for session in found if declined or not session.declined]
     return tuple(sorted(wanted, key=lambda session: session.begun, reverse=True))
+
+
+def put_damaged_aside(folder: Path) -> tuple[str, ...]:
+    """Move journals of which nothing can be read into a folder beside, and say of each that it is there."""
+    damaged = [session for _, session in _abandoned(folder) if session is not None and session.damage]
+    return tuple(put_aside(session, session.damage) for session in damaged)
+
+
+def put_aside(session: Session, reason: str) -> str:
+    """Move a journal out of the way, where nothing deletes it; returns a sentence that says so."""
+    aside = session.file.parent / ASIDE
+    aside.mkdir(mode=0o700, exist_ok=True)
+    for file in files_of(session.file):
+        if file.exists():
+            file.replace(aside / file.name)
+    edits = f" of {session.written} edits" if session.written else ""
+    return f"A journal{edits} from {session.begun:%Y-%m-%d %H:%M} cannot be read ({reason}). It is kept in '{aside}'."
 
 
 def tidy(folder: Path, now: datetime | None = None) -> None:
     """Take away sessions that hold nothing unsaved, and those that the user gave up a month ago."""
     long_ago = (now or datetime.now()) - KEPT_WHEN_DECLINED
     for file, session in _abandoned(folder):
-        if session is None or (session.declined and session.begun < long_ago):
+        if session is None or (session.declined and not session.damage and session.begun < long_ago):
             remove_session(file)
 
 
 def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
-    """Readable journals of processes that are gone; with None where everything in them was saved."""
+    """Journals of processes that are gone; with None where everything in them was saved."""
     found = []
     for file in folder.glob("*.sqlite") if folder.is_dir() else ():
-        lock = FileLock.taken(lock_of(file))
+        try:
+            lock = FileLock.taken(lock_of(file))
+        except OSError:  # a folder in its place: nobody's journal
+            continue
         if lock is None:
             continue
         try:
             found.append((file, _session(file)))
-        except sqlite3.Error:  # not begun, or damaged: neither to be offered nor to be taken away
-            continue
         finally:
             lock.release()
     return found
@@ -85,9 +113,15 @@ def recover(session: Session) -> Recovered:
     """
     try:
         with closing(_opened(session.file)) as connection:
-            return replace(_recovered(connection), playhead=_playhead(connection))
-    except sqlite3.Error as error:
-        raise StudioError(f"The journal '{session.file.name}' cannot be read: {error}.") from error
+            recovered, last = _recovered(connection)
+            playhead = _playhead(connection)
+    except _DAMAGE as error:
+        raise StudioError(f"The journal '{session.file.name}' cannot be read: {error}") from error
+    problems = recovered.problems
+    if last < session.written:
+        lost = session.written - last
+        problems += (f"{lost} of the {session.written} edits in the journal could not be read: it is damaged.",)
+    return replace(recovered, problems=problems, playhead=playhead)
 
 
 def mark_recovered(session: Session) -> None:
@@ -102,26 +136,70 @@ def _opened(file: Path) -> sqlite3.Connection:
 
 def _session(file: Path) -> Session | None:
     """None for a journal without unsaved edits."""
-    with closing(_opened(file)) as connection:
-        facts = dict(connection.execute("SELECT key, value FROM session"))
-        saved = connection.execute("SELECT number, path, state FROM saves ORDER BY rowid DESC").fetchone()
-        last = connection.execute("SELECT number, state FROM steps ORDER BY number DESC").fetchone()
-    base_counts = facts.get("unsaved_base") == "1" and saved is None
-    new_steps = last is not None and (saved is None or last[1] != saved[2])
-    if not (base_counts or new_steps) or facts.get("ended") == "saved":
-        return None
-    path = saved[1] if saved else facts["path"]
-    return Session(
-        file,
-        facts["document"],
-        Path(path) if path else None,
-        (last[0] if last else 0) - (saved[0] if saved else 0),
-        datetime.fromtimestamp(float(facts["started"])),
-        facts.get("ended") == "declined",
-    )
+    counted = _counted(file)
+    begun = datetime.fromtimestamp(file.stat().st_mtime)
+    try:
+        with closing(_opened(file)) as connection:
+            if not counted and not connection.execute("SELECT 1 FROM sqlite_master").fetchone():
+                return None  # its process ended before anything was in it
+            facts = dict(connection.execute("SELECT key, value FROM session"))
+            saved = connection.execute("SELECT number, path, state FROM saves ORDER BY rowid DESC").fetchone()
+            last = connection.execute("SELECT number, state FROM steps ORDER BY number DESC").fetchone()
+            written = max(counted, last[0] if last else 0)
+            base_counts = facts.get("unsaved_base") == "1" and saved is None
+            new_steps = last is not None and (saved is None or last[1] != saved[2])
+            whole = written == (last[0] if last else 0)
+            if whole and (not (base_counts or new_steps) or facts.get("ended") == "saved"):
+                return None
+            path = saved[1] if saved else facts.get("path")
+            return Session(
+                file,
+                facts.get("document") or _document_of(file),
+                Path(path) if path else None,
+                written - (saved[0] if saved else 0),
+                _begun(facts.get("started"), begun),
+                facts.get("ended") == "declined",
+                written,
+            )
+    except _DAMAGE as error:
+        return Session(
+            file, _document_of(file), None, counted, begun, False, counted, str(error) or type(error).__name__
+        )
 
 
-def _recovered(connection: sqlite3.Connection) -> Recovered:
+def _counted(file: Path) -> int:
+    """How many steps the file beside says there are; none where it says nothing sensible."""
+    try:
+        return max(int(steps_of(file).read_bytes()[:12]), 0)
+    except (OSError, ValueError):
+        return 0
+
+
+def _document_of(file: Path) -> str:
+    return file.stem.partition("-")[0]
+
+
+def _begun(told: str | None, otherwise: datetime) -> datetime:
+    try:
+        return datetime.fromtimestamp(float(told or ""))
+    except (ValueError, ArithmeticError, OSError):
+        return otherwise
+
+
+def _readable(connection: sqlite3.Connection, question: str) -> list[Any]:
+    """Rows up to the first that cannot be read; who asks knows how many there should be."""
+    rows = []
+    try:
+        for row in connection.execute(question):
+            rows.append(row)
+    except sqlite3.Error:
+        return rows
+    return rows
+
+
+def _recovered(connection: sqlite3.Connection) -> tuple[Recovered, int]:
+    """The newest state, and the number of the last step in it."""
+
     def load(name: str) -> Array:
         row = connection.execute("SELECT content FROM arrays WHERE name = ?", (name,)).fetchone()
         if row is None:
@@ -132,23 +210,26 @@ def _recovered(connection: sqlite3.Connection) -> Recovered:
     hashes = StateHash()
     states = {
         number: _state(content, state, load, hashes, foreign)
-        for number, content, state in connection.execute("SELECT * FROM snapshots")
+        for number, content, state in _readable(connection, "SELECT * FROM snapshots ORDER BY number")
     }
-    rows = connection.execute("SELECT * FROM steps ORDER BY number").fetchall()
+    rows = _readable(connection, "SELECT * FROM steps ORDER BY number")
     whole = _replayed(states.get(0), rows, load, hashes)
     if whole is not None and not whole.problems:
-        return whole
+        return whole, len(whole.steps)
     for number in sorted(states, reverse=True):
         later = [row for row in rows if row[0] > number]
         recovered = _replayed(states[number], later, load, hashes)
         if recovered is not None:
-            return recovered
+            return recovered, number + len(recovered.steps)
     raise StudioError("No state in the journal is whole. Open the project's file instead.")
 
 
 def _playhead(connection: sqlite3.Connection) -> PlayheadState | None:
     row = connection.execute("SELECT value FROM session WHERE key = 'playhead'").fetchone()
-    return PlayheadState(**json.loads(row[0])) if row else None
+    try:
+        return PlayheadState(**json.loads(row[0])) if row else None
+    except (ValueError, TypeError):
+        return None
 
 
 def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:
@@ -163,7 +244,7 @@ def _state(content: bytes, state: str, load: Any, hashes: StateHash, foreign: di
     """A snapshot's project, or None when it is not what was written."""
     try:
         project = project_of(parsed(content, "snapshot"), load).project
-    except StudioError:
+    except (StudioError, ValueError, TypeError):
         return None
     if hashes.of(project) != state:
         return None

@@ -21,6 +21,8 @@ _WORLD_TO_FILE = [1, 2, 0]
 """Y up: file x is world Y (left), y is Z (up), z is X (forward)."""
 _ROWS = 500
 """Rows that are written between two reports of progress."""
+_TIES = 9
+"""Decimals of a radian beyond which angles are alike."""
 _SMALLEST_TRAVEL = 1e-9
 """Metres by which a translation must leave its offset to need position channels."""
 
@@ -107,7 +109,7 @@ def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], s
     last = np.empty((0, skeleton.joint_count, 3))
     for _, run in poses.runs(_ROWS):
         turned = run.local_rotations[..., [*_WORLD_TO_FILE, 3]]
-        angles = np.unwrap(np.concatenate([last, to_euler(_ORDER, turned)]), axis=0)[len(last) :]
+        angles = _continued(last, to_euler(_ORDER, turned))
         positions = run.local_translations[..., _WORLD_TO_FILE] * scale
         columns = []
         for joint in joints:
@@ -115,3 +117,13 @@ def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], s
             columns.append(np.degrees(angles[:, joint]))
         yield np.concatenate(columns, axis=1) + 0.0  # no "-0"
         last = angles[-1:]
+
+
+def _continued(last: FloatArray, angles: FloatArray) -> FloatArray:
+    """Angles (F, J, 3) with whole turns added so that none jumps, after the ``last`` (0 or 1, J, 3).
+
+    A step of half a turn goes the same way on every machine, however its last digits are rounded.
+    """
+    rough = np.round(np.concatenate([last, angles]), _TIES)
+    turns = np.round((np.unwrap(rough, axis=0) - rough) / (2.0 * np.pi))
+    return np.asarray(angles + 2.0 * np.pi * turns[len(last) :])

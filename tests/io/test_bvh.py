@@ -11,6 +11,7 @@ from studio.core.pose import PoseSequence
 from studio.core.rotations import from_euler, to_matrix
 from studio.core.skeleton import Skeleton
 from studio.io.bvh import BvhFile, read_bvh, write_bvh
+from studio.io.bvh_writer import _continued
 from tests.builders import make_poses, make_skeleton
 from tests.io.bvh_text import HIERARCHY, ROW, bvh_text
 
@@ -175,3 +176,10 @@ def test_fewer_decimals_make_a_smaller_file_that_still_is_within_a_hundredth_of_
     assert (tmp_path / "short.bvh").stat().st_size < 0.9 * (tmp_path / "whole.bvh").stat().st_size
     assert _worst_distance(skeleton, poses, tmp_path / "short.bvh") < 1e-5
     assert not any(word == "-0" for word in (tmp_path / "short.bvh").read_text().split())
+
+
+@pytest.mark.parametrize("noise", [1e-13, -1e-13])
+def test_a_step_of_half_a_turn_goes_the_same_way_however_its_last_digit_is_rounded(noise: float) -> None:
+    angles = np.array([0.0, np.pi, 0.0, -np.pi, 0.0])[:, None, None] * np.ones(3)
+    nothing = np.empty((0, 1, 3))
+    assert np.abs(_continued(nothing, angles + noise) - _continued(nothing, angles)).max() < 1e-9
