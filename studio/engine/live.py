@@ -12,8 +12,6 @@ class Live(Protocol):
     """Signal(str): a newer result of that performer is there."""
     interactive: bool
     """Whether something is being dragged: then the frames round the playhead are solved first."""
-    solve_milliseconds: float | None
-    """A body's whole clip, as of late; None while it is not known."""
 
     told_changed: Any
     """Signal(): what ``told`` gives is to be read anew."""
@@ -23,6 +21,9 @@ class Live(Protocol):
 
         None while what is asked now is not solved for the whole clip; while something is dragged, the newest answers.
         """
+
+    def asked_at(self, performer_id: str) -> float | None:
+        """When (``time.monotonic``) that was asked which the newest result answers; None while there is none."""
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest adapted motion."""

@@ -1,10 +1,8 @@
 """LiveAdaptation: every visible performer's adapted motion, kept up to date while the document changes."""
 
 import time
-from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from statistics import mean, median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
 WINDOW_SECONDS = 0.75
 KEPT_STANDING = 16
 TELL_MILLISECONDS = 100
-TIMES_KEPT = 7
 _SOURCE, _EXPECTED, _TOGETHER = "source ", "expected ", "\n"
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
@@ -97,11 +94,11 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A worker's answers by performer, to what, how long the solver took, and whether for whole motions."""
+    """A worker's answers by performer, to what, when that was asked (``time.monotonic``), whether for whole motions."""
 
     adapted: Mapping[str, AdaptedMotion]
     wanted: Mapping[str, Wanted]
-    milliseconds: float
+    asked_at: float
     whole: bool
 
 
@@ -122,7 +119,7 @@ class LiveAdaptation(QObject):
         workers: int | None = None,
         warm_up: WarmUp | None = None,
     ) -> None:
-        """No solve begins, and none is timed, before all kernels are there."""
+        """No solve begins before all kernels are there."""
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
@@ -137,7 +134,8 @@ class LiveAdaptation(QObject):
         self._leaders: set[str] = set()
         self._circles: set[tuple[str, ...]] = set()
         self.interactive = False
-        self._times: dict[str, deque[float]] = {}
+        self._asked_at: dict[str, float] = {}
+        self._changed_at = time.monotonic()
         self._scheduler = SolveScheduler(self, workers)
         self._scheduler.answered.connect(self._take)
         self._scheduler.failed.connect(self._tell)
@@ -154,10 +152,9 @@ class LiveAdaptation(QObject):
         document.project_opened.connect(self._begin_anew)
         self._refresh()
 
-    @property
-    def solve_milliseconds(self) -> float | None:
-        """What a body's whole clip takes, as of late and on average over the bodies; None while it is not known."""
-        return mean(median(times) for times in self._times.values()) if self._times else None
+    def asked_at(self, performer_id: str) -> float | None:
+        """As ``Live.asked_at``."""
+        return self._asked_at.get(performer_id)
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest whole-clip result; while dragging, with the newest window in its place."""
@@ -234,13 +231,14 @@ class LiveAdaptation(QObject):
 
     def _schedule(self, _collection: str, _entity_id: str) -> None:
         if not self._turn.isActive():
+            self._changed_at = time.monotonic()
             self._turn.start(0)
 
     def _begin_anew(self) -> None:
         together = (_TOGETHER.join(circle) for circle in self._circles)
         for key in (*together, *(_SOURCE + motion_id for motion_id in self._sources)):
             self._scheduler.forget(key)
-        for held in (self._wanted, self._results, self._answered, self._told, self._sources, self._times):
+        for held in (self._wanted, self._results, self._answered, self._told, self._sources, self._asked_at):
             held.clear()
         self._refresh()
 
@@ -256,7 +254,7 @@ class LiveAdaptation(QObject):
             leader for circle in circles for key in circle for leader in leaders_of(project, key) - {*circle}
         }
         for key in self._wanted.keys() - {key for circle in circles for key in circle}:
-            for held in (self._wanted, self._results, self._answered, self._times):
+            for held in (self._wanted, self._results, self._answered, self._asked_at):
                 held.pop(key, None)
         for circle in self._circles - {*circles}:
             self._scheduler.forget(_TOGETHER.join(circle))
@@ -276,9 +274,10 @@ class LiveAdaptation(QObject):
         if not self._telling.isActive():
             self._telling.start()
         previous = {key: self._results.get(key) for key in circle}
+        asked_at = self._changed_at
 
         def whole() -> Solved:
-            return self._timed(project, known, 0, None)
+            return self._solved(project, known, asked_at, 0, None)
 
         stages: tuple[Callable[[], Solved], ...] = (whole,)
         base = previous[circle[0]]
@@ -286,7 +285,7 @@ class LiveAdaptation(QObject):
             first, last = self._window(project, known[circle[0]].performer)
 
             def window() -> Solved:
-                solved = self._timed(project, known, first, last)
+                solved = self._solved(project, known, asked_at, first, last)
                 return replace(solved, adapted={circle[0]: merged(base, solved.adapted[circle[0]])})
 
             stages = (window, whole)
@@ -315,19 +314,19 @@ class LiveAdaptation(QObject):
             performer.limited, performer.eased,
         )  # fmt: skip
 
-    def _timed(self, project: Project, wanted: Mapping[str, Wanted], first: int, last: int | None) -> Solved:
+    def _solved(
+        self, project: Project, wanted: Mapping[str, Wanted], asked_at: float, first: int, last: int | None
+    ) -> Solved:
         if self._warm_up is not None:
             self._warm_up.join()
         players = {key: self._player(project, key, each) for key, each in wanted.items()}
-        begin = time.thread_time()  # waiting for others, who may be compiling, is no part of it
         if len(players) == 1:
             [(key, player)] = players.items()
             answers: Mapping[str, AdaptedMotion] = {key: self._solve(player.request, first, last)}
         else:
             answers = solve_circle(players, lambda request: self._solve(request, 0, None)).results
-        spent = 1000.0 * (time.thread_time() - begin)
         adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
-        return Solved(adapted, wanted, spent / len(players), last is None)
+        return Solved(adapted, wanted, asked_at, last is None)
 
     def _player(self, project: Project, key: str, wanted: Wanted) -> Player:
         def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
@@ -357,10 +356,9 @@ class LiveAdaptation(QObject):
             if not self._telling.isActive():
                 self._telling.start()
             for performer_id, adapted in answer.adapted.items():
-                self._results[performer_id] = adapted
+                self._results[performer_id], self._asked_at[performer_id] = adapted, answer.asked_at
                 if answer.whole:
                     self._answered[performer_id] = answer.wanted[performer_id]
-                    self._times.setdefault(performer_id, deque(maxlen=TIMES_KEPT)).append(answer.milliseconds)
                 self.adapted.emit(performer_id)
                 if performer_id in self._leaders:
                     self._schedule("performers", performer_id)

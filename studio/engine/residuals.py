@@ -99,6 +99,15 @@ def missed_by(project: Project, performer_id: str, motion: AdaptedMotion | None,
     return Missed(0, capture.frame_rate, amounts)
 
 
+def is_asked(project: Project, performer_id: str, constraint_id: str) -> bool:
+    """Whether a constraint is asked of a performer at all: on, of a motion that it plays, and meant for it."""
+    constraint, performer = project.constraints[constraint_id], project.performers[performer_id]
+    return constraint.enabled and any(
+        clip.motion_id == constraint.motion_id and constraint.scope.includes(performer_id, clip.id)
+        for clip in performer.clips
+    )
+
+
 def worst_residual(
     project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
 ) -> Residual | None:

@@ -47,7 +47,7 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     strip = sheet.shown.strip(constraint_id, performer_id)
     name = sheet.shown.project.performers[performer_id].name
     if strip is None:
-        return f"{name}: {StripState.UNKNOWN}" if sheet.shown.project.constraints[constraint_id].enabled else ""
+        return f"{name}: {StripState.UNKNOWN}" if sheet.shown.is_asked(constraint_id, performer_id) else ""
     if strip.state_at(frame) == StripState.INACTIVE:
         return ""
     if strip.state_at(frame) == StripState.YIELDING:

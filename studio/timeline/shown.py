@@ -11,7 +11,7 @@ from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.engine.live import Live
-from studio.engine.residuals import Residual, worst_residual
+from studio.engine.residuals import Residual, is_asked, worst_residual
 from studio.timeline.axis import TimeAxis
 from studio.timeline.strips import Strip, strip_of
 from studio.timeline.subject import Subject
@@ -107,6 +107,10 @@ class Shown:
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
         """How well a constraint holds on a body; None while that is not known, or nothing is asked."""
         return strip_of(self.project, performer_id, self.live.told(performer_id), constraint_id)
+
+    def is_asked(self, constraint_id: str, performer_id: str) -> bool:
+        """Whether a constraint is asked of a body."""
+        return is_asked(self.project, performer_id, constraint_id)
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
         """The worst miss of a constraint on a body."""

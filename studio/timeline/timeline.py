@@ -82,8 +82,10 @@ class Timeline(QWidget):
 
     def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:
         """What a body's strip shows at a frame of the motion."""
-        strip = self._sheet().shown.strip(constraint_id, performer_id)
-        return strip.state_at(frame) if strip else StripState.UNKNOWN
+        shown = self._sheet().shown
+        strip = shown.strip(constraint_id, performer_id)
+        unknown = StripState.UNKNOWN if shown.is_asked(constraint_id, performer_id) else StripState.INACTIVE
+        return strip.state_at(frame) if strip else unknown
 
     def fit(self) -> None:
         """Show all of time."""

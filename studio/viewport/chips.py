@@ -68,7 +68,7 @@ class Chips:
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
-        self.work.setAccessibleName("Bodies and the time to adapt each")
+        self.work.setAccessibleName("Bodies, pictures a second, and how far these are behind the hand")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL)
@@ -106,11 +106,11 @@ class Chips:
             self._recorded = recorded
             self.fit(self._view.width())
 
-    def tell_work(self, milliseconds: float | None, bodies: int) -> None:
-        """Show how many bodies are seen and how long a whole solve of one takes."""
+    def tell_work(self, bodies: int, pace: str) -> None:
+        """Show how many bodies are seen and, while something moves, how fast that is shown."""
         text = f"{bodies} {'body' if bodies == 1 else 'bodies'}"
-        if milliseconds is not None:
-            text += f" · {milliseconds:.1f} ms each"
+        if pace:
+            text += f" · {pace}"
         if text != self.work.text():
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)

@@ -31,6 +31,7 @@ from studio.viewport.handles import Handle, constraint_handles, floor_under
 from studio.viewport.movables import Movable, selected_movable
 from studio.viewport.opening import opening_camera
 from studio.viewport.overlay import Overlay
+from studio.viewport.pace import Pace
 from studio.viewport.paths import StagePath, selection_rings, stage_paths
 from studio.viewport.picking import PickedJoint
 from studio.viewport.problem import Problem, worst_problem
@@ -72,6 +73,7 @@ class Viewport(Canvas):
         self._opening_size = self.view_size
         self._played = document.project.motions_played
         self._follower = Follower()
+        self._pace = Pace()
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
         self._chips = Chips(
@@ -290,7 +292,11 @@ class Viewport(Canvas):
         self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
         scene.sync(project, self.posed | self.resting, self._bones, self._paths())
-        self._chips.tell_work(self._live.solve_milliseconds, len(self.posed))
+        if self.moving:
+            self._pace.picture(self._live.asked_at(active) if self._live.interactive else None)
+        else:
+            self._pace.rest()
+        self._chips.tell_work(len(self.posed), self._pace.words)
 
     def _told_changed(self) -> None:
         self._tell_problem()
@@ -399,6 +405,7 @@ class Viewport(Canvas):
             (document.project_opened, self._project_opened),
             (document.selection.changed, self._selection_changed),
             (document.playhead.changed, self._playhead_moved),
+            (document.playhead.playing_changed, self.show_again),
             (self._live.adapted, self._adapted),
             (self._live.told_changed, self._told_changed),
         )

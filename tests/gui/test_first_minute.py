@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication, QComboBox
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.settings import Settings
 from studio.document.document import Document
-from studio.engine.residuals import residual_row
+from studio.engine.residuals import worst_residual
 from studio.timeline.strips import StripState
 from studio.viewport.body_points import body_joints
 from tests.gui.window_use import drop, wait_until_idle
@@ -54,15 +54,10 @@ def move(widget, place):
 
 def misses(window, constraint_id):
     """Metres by which each performer misses the target in its worst frame of the hold."""
-    document, live = window.bench.document, window.bench.live
-    curve = document.project.constraints[constraint_id].activation
-    found = {}
-    for key in document.project.performers:
-        motion = live.told(key)
-        times = (motion.first_frame + np.arange(motion.frame_count)) / motion.frame_rate
-        full = (times >= curve.full) & (times <= curve.full_end)
-        found[key] = float(residual_row(document.project, motion, constraint_id)[full].max())
-    return found
+    project, live = window.bench.document.project, window.bench.live
+    worst = {key: worst_residual(project, key, live.told(key), constraint_id) for key in project.performers}
+    assert all(each.fully_active for each in worst.values())
+    return {key: each.amount for key, each in worst.items()}
 
 
 def pixel(viewport, place):

@@ -1,7 +1,8 @@
 """The timeline as a person uses it: with mouse and keys, on the real widget over a real document."""
 
 import pytest
-from PySide6.QtCore import QEvent, QPoint, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
@@ -191,16 +192,23 @@ def test_tab_takes_hold_of_a_handle_and_arrows_move_it_by_a_frame(document, time
     assert document.undo_stack.count() == 1
 
 
+def point_at(widget, place):
+    """As a hand that comes to rest there, wherever the real mouse is."""
+    where, no = QPointF(place), Qt.MouseButton.NoButton
+    event = QMouseEvent(QEvent.Type.MouseMove, where, widget.mapToGlobal(where), no, no, Qt.KeyboardModifier.NoModifier)
+    QApplication.sendEvent(widget, event)
+
+
 def test_hover_texts_go_when_what_they_tell_of_goes(document, timeline, live):
     said = []
     timeline.told.connect(said.append)
     row = timeline.row_rect("constraints", "kick")
-    QTest.mouseMove(timeline.tracks, QPoint(60, row.center().y()))
+    point_at(timeline.tracks, QPoint(60, row.center().y()))
     assert said[-1].startswith("Kick target")
     document.remove("constraints", "kick", "Delete")
     assert said[-1] == ""
     lane = in_lane(timeline, 10)
-    QTest.mouseMove(timeline.tracks, lane)
+    point_at(timeline.tracks, lane)
     assert "contact" in said[-1]
     QApplication.sendEvent(timeline.tracks, QEvent(QEvent.Type.Leave))
     assert said[-1] == ""

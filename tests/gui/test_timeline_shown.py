@@ -8,6 +8,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 
 from studio.core.project import Project
+from studio.core.scope import Scope
 from studio.engine.empty_stage import HIDDEN
 from studio.timeline.curves import Quantity
 from studio.timeline.hover import hover_text
@@ -221,6 +222,14 @@ def test_a_closed_timeline_follows_nothing_any_more(document, live, timeline, ha
     live.adapted.emit("performer 0")
     assert timeline.tracks.sheet is sheet
     assert timeline.transport.frame.value() == 0
+
+
+def test_a_body_of_which_a_constraint_is_not_asked_is_neither_hatched_nor_counted(document, timeline, live):
+    live.unsolved.add("performer 1")
+    kick = document.project.constraints["kick"]
+    document.replace("constraints", "kick", replace(kick, scope=Scope(performer_id="performer 0")), "Scope")
+    assert timeline.strip_state("kick", "performer 1", 40) == StripState.INACTIVE
+    assert constraint.verdict(timeline.tracks.shown, "kick")[0] == "held"
 
 
 def test_rows_are_folded_by_their_arrow_or_all_at_once_and_unfolded_again(document, timeline, hand, live):

@@ -44,12 +44,14 @@ class StandingLive(QObject):
     def __init__(self, document: Any) -> None:
         super().__init__()
         self._document = document
-        self.solve_milliseconds = 1.5
         self.interactive = False
         self.was_interactive: list[bool] = []
         self.late: set[str] = set()
         """Performers whose results are not there yet."""
         document.entity_changed.connect(lambda *_: self.was_interactive.append(self.interactive))
+
+    def asked_at(self, performer_id: str) -> float:
+        return 0.0
 
     def told(self, performer_id: str) -> AdaptedMotion | None:
         return self.result(performer_id)

@@ -152,6 +152,8 @@ def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: st
     left, right = (shown.x_of_motion_time(time) for time in (constraint.activation.start, constraint.activation.end))
     for place, body in enumerate(bodies_of(shown, row, constraint_id) if constraint.enabled else ()):
         strip, top = shown.strip(constraint_id, body.performer_id), strip_top(row, place)
+        if not shown.is_asked(constraint_id, body.performer_id):
+            continue
         if strip is not None:
             paint_strip(painter, shown, strip, left, right, top, body.colour)
         else:
@@ -161,7 +163,8 @@ def _paint_strips(painter: QPainter, row: QRect, shown: Shown, constraint_id: st
 def bodies_of(shown: Shown, row: QRect, constraint_id: str) -> tuple[Body, ...]:
     """The bodies whose strips a row shows: all, or folded the one that misses it most, or of which least is known."""
     bodies = tuple(shown.subject.bodies)
-    if not is_folded(row) or not bodies:
+    asked = [body for body in bodies if shown.is_asked(constraint_id, body.performer_id)]
+    if not is_folded(row) or not asked:
         return bodies
 
     def weight(body: Body) -> float:
@@ -170,7 +173,7 @@ def bodies_of(shown: Shown, row: QRect, constraint_id: str) -> tuple[Body, ...]:
         worst = shown.residual(constraint_id, body.performer_id)
         return worst.weight if worst else 0.0
 
-    return (max(bodies, key=weight),)
+    return (max(asked, key=weight),)
 
 
 def strip_body(shown: Shown, row: QRect, constraint_id: str, y: float) -> str | None:
@@ -183,12 +186,13 @@ def verdict(shown: Shown, constraint_id: str) -> tuple[str, str]:
     """``Child 42 mm at frame 23`` in the state's colour, that all hold it, or that this is not known."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
-    strips = [shown.strip(constraint_id, body.performer_id) for body in shown.subject.bodies]
+    bodies = [body for body in shown.subject.bodies if shown.is_asked(constraint_id, body.performer_id)]
+    strips = [shown.strip(constraint_id, body.performer_id) for body in bodies]
     unknown = strips.count(None)
     if unknown:
         who = "" if unknown == len(strips) else f" for {unknown} of {len(strips)}"
         return f"not solved yet{who}", colours.TEXT_THIRD
-    found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in shown.subject.bodies]
+    found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in bodies]
     missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
     if not missed:
         eases = any(strip.misses for strip in strips if strip)

@@ -1,0 +1,44 @@
+"""How many pictures a second were shown of late, and how long after the hand its pose came."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+
+OF_LATE = 1.0
+"""Seconds over which pictures are counted."""
+
+
+class Pace:
+    """Hears of every picture while something moves."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._pictures: deque[float] = deque()
+        self._asked_at: float | None = None
+        self._behind: float | None = None
+
+    def rest(self) -> None:
+        """Nothing moves any more."""
+        self._pictures.clear()
+        self._asked_at = self._behind = None
+
+    def picture(self, asked_at: float | None) -> None:
+        """A picture is made; ``asked_at`` (by the clock) that was asked which its pose answers, None for playback."""
+        now = self._clock()
+        self._pictures.append(now)
+        while now - self._pictures[0] > OF_LATE:
+            self._pictures.popleft()
+        if asked_at is None:
+            self._behind = None
+        elif asked_at != self._asked_at:  # the same answer seen again is no older for that
+            self._behind = now - asked_at
+        self._asked_at = asked_at
+
+    @property
+    def words(self) -> str:
+        """``12 pictures/s · 85 ms behind``; nothing at rest."""
+        if len(self._pictures) < 2:
+            return ""
+        count = (len(self._pictures) - 1) / (self._pictures[-1] - self._pictures[0])
+        behind = "" if self._behind is None else f" · {1000 * self._behind:.0f} ms behind"
+        return f"{count:.0f} pictures/s{behind}"

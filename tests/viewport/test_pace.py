@@ -1,0 +1,35 @@
+"""The chip's figures: pictures a second, and the age of the pose that a picture shows."""
+
+from studio.viewport.pace import Pace
+
+
+class Clock:
+    now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_pictures_of_the_last_second_are_counted_and_the_pose_is_as_old_as_its_question() -> None:
+    clock = Clock()
+    pace = Pace(clock)
+    assert pace.words == ""
+    for step in range(40):
+        clock.now = 100.0 + step / 20
+        pace.picture(asked_at=clock.now - 0.085)
+    assert pace.words == "20 pictures/s · 85 ms behind"
+
+
+def test_an_answer_seen_again_is_no_older_for_that_playback_has_no_age_and_at_rest_there_is_nothing_to_tell() -> None:
+    clock = Clock()
+    pace = Pace(clock)
+    for _ in range(11):
+        clock.now += 0.1
+        pace.picture(asked_at=100.05)
+    assert pace.words == "10 pictures/s · 50 ms behind"
+    for _ in range(11):
+        clock.now += 0.1
+        pace.picture(None)
+    assert pace.words == "10 pictures/s"
+    pace.rest()
+    assert pace.words == ""
