@@ -1,10 +1,12 @@
 """What the studio opens with: one bundled motion on five characters, side by side and playing."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from studio.app import importing
 from studio.app.workbench import Workbench
+from studio.core.hand_shapes import FIST
 from studio.core.project import Project
 from studio.core.staging import side_by_side, staged
 from studio.io.character_file import bundled_characters
@@ -29,7 +31,8 @@ def sample_file() -> Path | None:
 def sample_project(read: importing.ReadMotion) -> Project:
     """The bundled characters performing one motion."""
     contacts = read.annotations.of_motion("sample").contacts or ()
-    return staged(read.capture, contacts, bundled_characters(), "sample")
+    fighters = {name: replace(character, grip=FIST) for name, character in bundled_characters().items()}
+    return staged(read.capture, contacts, fighters, "sample")
 
 
 def open_sample(bench: Workbench) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from studio.core.morphology import Morphology, Proportions
-from studio.core.skin import Blending, SkinnedMesh, fit_skin
+from studio.core.skin import Blending, SkinnedMesh, fit_skin, gripping
 from studio.core.volume import BodyVolume, fitted_volume
 
 
@@ -22,10 +22,14 @@ class Character:
     skin: SkinnedMesh
     proportions: Proportions = field(default_factory=Proportions)
     blending: Blending = Blending.LINEAR
+    grip: float = 0.0
+    """Hands from open (-1) over at ease (0) to fists (1)."""
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"#[0-9A-Fa-f]{6}", self.colour):
             raise ValueError(f"colour: #RRGGBB expected, not '{self.colour[:40]}'.")
+        if not -1.0 <= self.grip <= 1.0:
+            raise ValueError(f"grip: a number from -1 to 1 expected, not {self.grip}.")
         if not self.skin.fits(self.build.layout.segment_count):
             raise ValueError("skin: it is bound to segments that the build has not.")
 
@@ -33,6 +37,11 @@ class Character:
     def morphology(self) -> Morphology:
         """The measures in force: the build with its proportions."""
         return self.proportions.applied_to(self.build)
+
+    @property
+    def shown_skin(self) -> SkinnedMesh:
+        """The skin with its hands as ``grip`` says."""
+        return gripping(self.skin, self.grip)
 
     @cached_property
     def volume(self) -> BodyVolume:

@@ -48,7 +48,7 @@ def character_skin(character: Character, skeleton: Skeleton | None = None) -> Jo
     blending of what it gives is within the elbows' and knees' creases what the studio shows.
     """
     body = character.morphology
-    mesh = fit_skin(character.skin, character.build, body)
+    mesh = fit_skin(character.shown_skin, character.build, body)
     positions, rotations = bound_pose(character.skin, body)
     segments = np.array(joint_segments(body.layout))
     joint_of = np.zeros(body.layout.segment_count, dtype=np.int32)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.appearance import Appearance
 from studio.core.canonical import BodyPart
+from studio.core.hand_shapes import HandShapes
 from studio.core.kernels import dual_quaternions, skinning
 from studio.core.morphology import FloatArray, Morphology
 from studio.core.rest_pose import rest_pose
@@ -59,6 +60,8 @@ class SkinnedMesh:
     for the rest pose."""
     appearance: Appearance | None = None
     """None for one that is all of its character's colour."""
+    hands: HandShapes | None = None
+    """None for one whose hands have one shape."""
 
     def __post_init__(self) -> None:
         for name, kind, width in _COLUMNS:
@@ -80,6 +83,8 @@ class SkinnedMesh:
             raise ValueError("weights: each row falls and sums to 1.")
         if self.stance is not None:
             self._check_stance(np.array(self.stance, dtype=np.float64))
+        if self.hands is not None and self.hands.count >= len(self.vertices):
+            raise ValueError("hands: they have more vertices than the mesh.")
         look = self.appearance
         if look and (len(look.coordinates), len(look.triangle_materials)) != (len(self.vertices), len(self.triangles)):
             raise ValueError("appearance: does not fit the mesh.")
@@ -127,6 +132,15 @@ def skin_vertices(
     return vertices, normals
 
 
+@lru_cache(maxsize=64)
+def gripping(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
+    """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); one whose hands have one shape as it is."""
+    if mesh.hands is None or grip == 0.0:
+        return mesh
+    vertices, normals = mesh.hands.shaped(mesh.vertices, mesh.normals, grip)
+    return replace(mesh, vertices=vertices, normals=normals, hands=None)
+
+
 def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     """Positions (K+23, 3) and rotations (K+18, 3, 3) in which ``mesh``, fitted to ``morphology``, is bound."""
     return _rest(morphology) if mesh.stance is None else _standing(mesh, morphology)
@@ -151,9 +165,17 @@ def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> Sk
     shifts = new_positions[proximal] - np.einsum("sij,sj->si", forms, old_positions[proximal])
     form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
     shift = np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
-    normals = np.einsum("vji,vj->vi", np.linalg.inv(form), mesh.normals)
+    turns = np.linalg.inv(form)
+    normals = np.einsum("vji,vj->vi", turns, mesh.normals)
+    hands = mesh.hands
+    if hands is not None:
+        last = slice(-hands.count, None)
+        moved = np.einsum("vij,gvj->gvi", form[last], hands.vertices) + shift[last]
+        turned = np.einsum("vji,gvj->gvi", turns[last], hands.normals)
+        hands = HandShapes(moved, turned / np.linalg.norm(turned, axis=2, keepdims=True))
     return replace(
         mesh,
+        hands=hands,
         vertices=np.einsum("vij,vj->vi", form, mesh.vertices) + shift,
         centres=np.einsum("vij,vj->vi", form, mesh.centres) + shift,
         normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),

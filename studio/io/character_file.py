@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from studio.core.appearance import Appearance, Material
 from studio.core.character import Character
 from studio.core.errors import StudioError
+from studio.core.hand_shapes import HandShapes
 from studio.core.mannequin.tailoring import tailored
 from studio.core.morphology import Morphology, Proportions
 from studio.core.skin import Blending, SkinnedMesh
@@ -67,6 +68,7 @@ def write_character(character: Character, path: Path) -> None:
         "sha256": hashlib.sha256(mesh).hexdigest(),
         "proportions": asdict(character.proportions),
         "blending": character.blending.value,
+        "grip": character.grip,
         "materials": _material_records(character.skin.appearance),
         "build": character.build.to_json(),
     }
@@ -85,7 +87,7 @@ def read_character(path: Path) -> Character:
     try:
         build = Morphology.from_json(_member(record, "build", dict, path))
         proportions = Proportions(**record.get("proportions", {}))
-        blending = Blending(record.get("blending", Blending.LINEAR))
+        blending, grip = Blending(record.get("blending", Blending.LINEAR)), float(record.get("grip", 0.0))
     except (ValueError, TypeError, ArithmeticError) as error:
         raise StudioError(f"{path}: the measures are damaged. {error}") from error
     skin = read_mesh(content, str(mesh_path), record.get("materials", []))
@@ -93,7 +95,7 @@ def read_character(path: Path) -> Character:
         raise StudioError(f"{mesh_path}: 'segments' names a segment that this body has not.")
     name, colour = (_member(record, member, str, path) for member in ("name", "colour"))
     try:
-        return Character(name, colour, build, skin, proportions, blending)
+        return Character(name, colour, build, skin, proportions, blending, grip)
     except ValueError as error:
         raise StudioError(f"{path}: {error}") from error
 
@@ -116,6 +118,8 @@ def mesh_bytes(mesh: SkinnedMesh) -> bytes:
     arrays = {name: getattr(mesh, name) for name in _MEMBERS}
     if mesh.stance is not None:
         arrays["stance"] = mesh.stance
+    if mesh.hands is not None:
+        arrays |= {"hand_vertices": mesh.hands.vertices, "hand_normals": mesh.hands.normals}
     if mesh.appearance is not None:
         arrays |= {name: getattr(mesh.appearance, name) for name in _LOOK}
         arrays |= {f"texture_{place}": picture for place, picture in enumerate(_pictures(mesh.appearance))}
@@ -138,7 +142,9 @@ def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> Ski
     try:
         file = arrays_of(content, _LIMIT)
         look = _appearance(file, materials) if len(materials) else None
-        return SkinnedMesh(**{name: file[name] for name in _MEMBERS}, stance=file.get("stance"), appearance=look)
+        hands = HandShapes(file["hand_vertices"], file["hand_normals"]) if "hand_vertices" in file else None
+        members = {name: file[name] for name in _MEMBERS}
+        return SkinnedMesh(**members, stance=file.get("stance"), appearance=look, hands=hands)
     except _DAMAGE as error:
         raise StudioError(f"{source}: the mesh is damaged. {error}") from error
 

@@ -45,6 +45,11 @@ def measure_of(name: str, body: Morphology) -> float:
     return lengths[name]()
 
 
+def grip_words(grip: float) -> str:
+    """A grip in a word."""
+    return "open" if grip < -0.5 else "at ease" if grip < 0.25 else "half closed" if grip < 0.75 else "fists"
+
+
 class BodySection(Section):
     """All proportions of one character; every picture follows while a slider moves."""
 
@@ -61,6 +66,13 @@ class BodySection(Section):
         self._blending = Choice("Skin bends by", BLENDINGS)
         self._blending.chosen.connect(self._blend)
         self.add_row("Skin bends by", self._blending)
+        self._grip = ValueSlider("Grip", -1.0, 1.0)
+        self._grip.slider.setToolTip("From open hands over hands at ease to fists. Double click to reset.")
+        self._grip.begun.connect(editor.begin)
+        self._grip.edited.connect(self._close_hands)
+        self._grip.ended.connect(editor.end)
+        self._grip.restored.connect(lambda: self._close_hands(0.0))
+        self.add_row("Hands", self._grip)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
 
     @property
@@ -86,6 +98,8 @@ class BodySection(Section):
             slider.show_value(getattr(character.proportions, name), words)
         self._preset.show_value(character.proportions)
         self._blending.show_value(character.blending)
+        self._grip.setEnabled(character.skin.hands is not None)
+        self._grip.show_value(character.grip, grip_words(character.grip))
 
     def _set(self, name: str, words: str, factor: float) -> None:
         proportions = replace(self._character.proportions, **{name: factor})
@@ -98,6 +112,10 @@ class BodySection(Section):
         make = lambda: replace(self._character, blending=blending)  # noqa: E731
         text = f"Bend the skin of {self._character.name} by {dict(BLENDINGS)[blending].lower()}"
         self._editor.put_other("characters", self._character_id(), make, text)
+
+    def _close_hands(self, grip: float) -> None:
+        make = lambda: replace(self._character, grip=round(grip, 2))  # noqa: E731
+        self._editor.put_other("characters", self._character_id(), make, f"Close the hands of {self._character.name}")
 
     def _put(self, proportions: Proportions, text: str) -> None:
         make = lambda: replace(self._character, proportions=proportions)  # noqa: E731

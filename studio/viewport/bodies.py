@@ -80,10 +80,11 @@ class BodyVisual:
             return
         if posed.resting and motion.morphology == self._character.build:
             # As it was bound: needs no kernel, which may not be compiled yet.
-            self._skin.points[:], self._skin.normals[:] = self._character.skin.vertices, self._character.skin.normals
+            shown = self._character.shown_skin
+            self._skin.points[:], self._skin.normals[:] = shown.vertices, shown.normals
         else:
             skin_vertices(
-                self._character.skin, self._character.build, motion.morphology, motion.positions[row],
+                self._character.shown_skin, self._character.build, motion.morphology, motion.positions[row],
                 motion.rotations[row], self._skin.points, self._skin.normals, self._character.blending,
             )  # fmt: skip
         self._skin.touch()

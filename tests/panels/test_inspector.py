@@ -10,8 +10,10 @@ from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QCheckBox, QCom
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
+from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
+from studio.io.character_file import bundled_characters
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.residuals import residuals_of, words_of
@@ -95,6 +97,25 @@ def test_a_drag_of_a_slider_is_one_undo_step_and_live_on_the_way(inspector, docu
     assert document.history == ("Set stature of Body 0",)
     assert document.project.characters["character 0"].proportions.stature > 1.0
     assert not live.interactive
+
+
+def test_the_hands_of_a_body_are_closed_by_a_slider_as_one_undo_step(inspector, document):
+    document.add("performers", Performer("Child", document.add("characters", bundled_characters()["child"], "")), "")
+    document.selection.set(("performers", list(document.project.performers)[-1]))
+    slider = named(inspector, QSlider, "Grip")
+    start = handle_of(slider)
+    drag(slider, start, start + QPoint(10, 0), start + QPoint(30, 0), QPoint(slider.width(), start.y()))
+    character = list(document.project.characters.values())[-1]
+    assert character.grip == 1.0
+    assert character.shown_skin is not character.skin
+    assert document.history[2:] == ("Close the hands of Child",)
+    document.undo_stack.undo()
+    assert list(document.project.characters.values())[-1].grip == 0.0
+
+
+def test_hands_of_one_shape_have_no_slider_to_close_them(inspector, document):
+    document.selection.set(("performers", "performer 0"))
+    assert not named(inspector, QSlider, "Grip").isEnabled()
 
 
 def test_dragging_a_number_sideways_scrubs_it_as_one_undo_step(inspector, document):

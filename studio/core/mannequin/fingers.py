@@ -35,11 +35,27 @@ class Finger:
     radius: float
     at_ease: tuple[float, float, float]
     """Degrees by which its three joints bend, from the root on."""
+    fist: tuple[float, float, float] = (84.0, 98.0, 62.0)
+    open: tuple[float, float, float] = (-2.0, 3.0, 2.0)
+
+    def bends(self, grip: float) -> FloatArray:
+        """(3,) radians by which its joints bend: -1 open, 0 at ease, 1 a fist."""
+        other = np.array(self.fist if grip > 0.0 else self.open)
+        return np.radians(np.array(self.at_ease) + abs(grip) * (other - self.at_ease))
 
 
 _PALM = (1.0, 0.0, 0.0)
 FINGERS = (
-    Finger((0.085, -0.190, 0.27), (0.20, -0.30, 0.93), (0.70, 0.70, 0.10), 0.37, 0.062, (4.0, 12.0, 14.0)),
+    Finger(
+        (0.085, -0.190, 0.27),
+        (0.20, -0.30, 0.93),
+        (0.70, 0.70, 0.10),
+        0.37,
+        0.062,
+        (4.0, 12.0, 14.0),
+        (26.0, 42.0, 40.0),
+        (-8.0, 2.0, 2.0),
+    ),
     Finger((0.012, -0.150, 0.50), (0.0, -0.07, 1.0), _PALM, 0.46, 0.051, (16.0, 24.0, 14.0)),
     Finger((0.004, -0.048, 0.52), (0.0, -0.02, 1.0), _PALM, 0.50, 0.053, (21.0, 28.0, 16.0)),
     Finger((0.006, 0.052, 0.50), (0.0, 0.04, 1.0), _PALM, 0.47, 0.050, (26.0, 31.0, 18.0)),
@@ -48,17 +64,17 @@ FINGERS = (
 """From the thumb to the little finger."""
 
 
-def fingers(girth: float) -> tuple[FloatArray, Triangles]:
-    """Vertices (V, 3) and triangles of a left hand's thumb and fingers at ease; ``girth`` is the palm's breadth."""
-    tubes = [_tube(finger, girth) for finger in FINGERS]
+def fingers(girth: float, grip: float = 0.0) -> tuple[FloatArray, Triangles]:
+    """Vertices (V, 3) and triangles of the thumb and fingers of a left hand of breadth ``girth``, gripping as said."""
+    tubes = [_tube(finger, girth, grip) for finger in FINGERS]
     counts = np.cumsum([0, *(len(tube) for tube in tubes[:-1])])
     return np.concatenate(tubes), np.concatenate([_TRIANGLES + count for count in counts])
 
 
-def _tube(finger: Finger, girth: float) -> FloatArray:
+def _tube(finger: Finger, girth: float, grip: float) -> FloatArray:
     """(SIDES * rings + 2, 3) vertices of one finger: its rings, then the middle of its root and its tip."""
     frame = frame_along(np.array(finger.way), np.array(finger.bends_to))
-    places, bent = _bent_line(finger)
+    places, bent = _bent_line(finger, grip)
     ways = np.stack([np.sin(bent), np.zeros(len(bent)), np.cos(bent)], axis=1)
     upward = np.stack([np.cos(bent), np.zeros(len(bent)), -np.sin(bent)], axis=1)
     angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
@@ -70,13 +86,13 @@ def _tube(finger: Finger, girth: float) -> FloatArray:
     return np.asarray(np.array(finger.root) * [girth, girth, 1.0] + tube @ frame.T)
 
 
-def _bent_line(finger: Finger) -> tuple[FloatArray, FloatArray]:
+def _bent_line(finger: Finger, grip: float) -> tuple[FloatArray, FloatArray]:
     """(R, 3) middles of the rings where z runs along the straight finger and x is where it bends to, and (R,) radians
     by which it is bent there."""
     joints = np.cumsum([0.0, *_PHALANGES[:-1]])
     fine = np.linspace(_STATIONS[0], _STATIONS[-1], 400)
     bent = np.zeros(len(fine))
-    for turn, joint in zip(np.radians(finger.at_ease), joints, strict=True):
+    for turn, joint in zip(finger.bends(grip), joints, strict=True):
         bent += turn * _smooth((fine - joint) / 0.16 + 0.5)
     steps = np.gradient(fine) * finger.length
     across, along = np.cumsum(steps * np.sin(bent)), np.cumsum(steps * np.cos(bent))

@@ -222,10 +222,10 @@ class Form:
         )
         return [Part(palm, 0.03 * u), Part(_cone(root, knuckle, 0.100 * u * g, 0.078 * u * g), 0.12 * u)]
 
-    def fingers(self) -> tuple[FloatArray, Triangles]:
+    def fingers(self, grip: float = 0.0) -> tuple[FloatArray, Triangles]:
         """Vertices and triangles of the left hand's thumb and fingers."""
         p = self.physique
-        vertices, triangles = fingers(p.hand_girth)
+        vertices, triangles = fingers(p.hand_girth, grip)
         return self.point("wrist") + vertices * p.stature * p.hand @ self.frame(BodyPart.LEFT_HAND).T, triangles
 
     @cached_property

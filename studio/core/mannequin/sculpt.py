@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyPart
+from studio.core.hand_shapes import GRIPS, HandShapes
 from studio.core.mannequin import binding, remesh, surface
 from studio.core.mannequin.form import Form
 from studio.core.mannequin.physique import Physique
@@ -49,7 +50,16 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
         triangles=triangles.astype(np.int32),
         segments=segments.astype(np.int32),
         weights=chosen.astype(np.float32),
+        hands=_hand_shapes(form),
     )
+
+
+def _hand_shapes(form: Form) -> HandShapes:
+    """Thumbs and fingers, the last vertices of the mesh, in their other shapes."""
+    shapes = [surface.mirrored(*form.fingers(grip)) for grip in GRIPS]
+    vertices = np.stack([places for places, _ in shapes])
+    normals = np.stack([surface.vertex_normals(places, triangles) for places, triangles in shapes])
+    return HandShapes(_rounded(vertices, 16), _rounded(normals, 14))
 
 
 def _rounded(array: FloatArray, bits: int) -> NDArray[np.float32]:

@@ -1,0 +1,50 @@
+"""Other shapes of the hands of a mesh: open, half closed, and as fists."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+OPEN, AT_EASE, HALF_CLOSED, FIST = -1.0, 0.0, 0.5, 1.0
+GRIPS = (OPEN, HALF_CLOSED, FIST)
+"""The grip of each shape that is stored; the mesh itself has its hands at ease."""
+
+
+@dataclass(frozen=True, eq=False)
+class HandShapes:
+    """Places and normals (3, G, 3) of the last G vertices of a mesh with its hands open, half closed and as fists.
+
+    Raises ValueError when the arrays do not fit each other.
+    """
+
+    vertices: NDArray[np.float32]
+    normals: NDArray[np.float32]
+
+    def __post_init__(self) -> None:
+        for name in ("vertices", "normals"):
+            array = np.array(getattr(self, name), dtype=np.float32)
+            if array.ndim != 3 or array.shape[0] != len(GRIPS) or array.shape[2] != 3 or not np.isfinite(array).all():
+                raise ValueError(f"hands: {name} of shape (3, G, 3) expected.")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.vertices.shape != self.normals.shape:
+            raise ValueError("hands: as many normals as vertices expected.")
+
+    @property
+    def count(self) -> int:
+        return len(self.vertices[0])
+
+    def shaped(
+        self, vertices: NDArray[np.float32], normals: NDArray[np.float32], grip: float
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Vertices and normals (V, 3) of the mesh with its hands as ``grip`` says: -1 open, 0 at ease, 1 fists."""
+        grips = (OPEN, AT_EASE, HALF_CLOSED, FIST)
+        found = []
+        for eased, stored in ((vertices, self.vertices), (normals, self.normals)):
+            shapes = np.stack([stored[0], eased[-self.count :], stored[1], stored[2]])
+            below = int(np.clip(np.searchsorted(grips, grip) - 1, 0, len(grips) - 2))
+            share = np.clip((grip - grips[below]) / (grips[below + 1] - grips[below]), 0.0, 1.0)
+            hands = shapes[below] + np.float32(share) * (shapes[below + 1] - shapes[below])
+            found.append(np.concatenate([eased[: -self.count], hands]))
+        found[1] /= np.linalg.norm(found[1], axis=1, keepdims=True)
+        return found[0], found[1]
