@@ -34,6 +34,7 @@ from studio.core.kernels.limb_constraints import (
 from studio.core.kernels.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
 from studio.core.kernels.recruiting import frees_limbs, note_balances
+from studio.core.kernels.room import make_room
 from studio.core.kernels.rows import aim_limb
 from studio.core.kernels.stance import free_part
 from studio.core.kernels.steps import KEPT, MET, step
@@ -50,6 +51,8 @@ LESS = 0.25
 """Part of its damping that every step of a level leaves the next: ways that hardly bring anything go free last. Not of
 one with a balance, for which that would be to sink to the ground, or to fling about limbs.
 """
+CRAMPED = 12
+"""Steps of a level with a leg that its limits keep from what it asks: what it misses tells the root little."""
 SIMPLE = 2
 """Steps along the rows' own ways, which are all that most targets need, before all joints are looked at (where no feet
 and no other level are to be held: there, what holds would bend the ways of all joints too).
@@ -156,6 +159,8 @@ def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
     stays = fresh and not frees_root(level, asked, chain)
     whole = stays and not frees
     tries = THOROUGH if frees or whole else TRIES
+    if not frees and make_room(level, asked, areas, chain, body, work, start, pose):
+        tries = CRAMPED
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
         less = 1.0 if frees or balances else LESS**attempt

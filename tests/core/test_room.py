@@ -1,0 +1,56 @@
+"""A foot that is to kick a target near by: bodies step back from what hip and knee do not bend to, and hold it."""
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.normalized.normalize import detected_contacts, normalize
+from studio.core.solver.adapt import Standing, hold, place_of, standing_of
+from studio.core.solver.request import AdaptRequest
+from studio.io.character_file import bundled_characters
+from studio.io.importing import load_capture
+from studio.resources_folder import example_captures_folder
+
+KICK = load_capture(example_captures_folder() / "front_kick.bvh")
+MOTION, ACTOR = normalize(KICK)
+CONTACTS = detected_contacts(KICK, "kick")
+BALL, CHAIN = BodyPoint(BodyPart.RIGHT_FOOT, at_end=True), Chain(clavicle=0.0, root=0.6)
+TOP = 154
+HOLD = slice(TOP - 6, TOP + 7)
+CURVE = ActivationCurve(*((TOP + step) / MOTION.frame_rate for step in (-24.0, -6.0, 6.0, 24.0)))
+STEPS = np.arange(0.1, 1.0, 0.1)
+"""Metres by which the target is raised above where the child kicks."""
+
+
+def _standing(name: str) -> Standing:
+    body = bundled_characters()[name].morphology
+    return standing_of(AdaptRequest(MOTION, body, CONTACTS, actor=ACTOR.morphology))
+
+
+CHILD = _standing("child")
+PLACE = place_of(BALL, hold(CHILD, ()))[TOP]
+
+
+def _missed(standing: Standing, raised: float, eased: bool = True) -> np.ndarray:
+    target = (PLACE[0], PLACE[1], PLACE[2] + raised)
+    kick = PositionConstraint("kick", "Ball", BALL, CHAIN, 0, CURVE, target=target)
+    return hold(standing, (kick,), HOLD.start, HOLD.stop - 1, eased=eased).residuals[0]
+
+
+@pytest.mark.parametrize("name", ["adult_woman", "tall_man", "stocky_man", "giant"])
+def test_nobody_who_is_taller_fails_before_the_child_or_leaves_the_target_while_holding_it(name: str) -> None:
+    """Frame by frame, and where moments between are eased: low targets are too near for long legs."""
+    standing = _standing(name)
+    for raised in STEPS[:6]:
+        assert _missed(standing, raised, eased=False).max() < 0.005, raised
+        assert _missed(standing, raised).max() < 0.05, raised
+
+
+def test_the_child_is_the_first_who_cannot_reach_it() -> None:
+    missed = [_missed(CHILD, raised).max() for raised in STEPS[:5]]
+    assert missed[0] < 1e-3
+    assert missed[-1] > 0.2
+    assert np.all(np.diff(missed) > 0.0)
