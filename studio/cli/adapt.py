@@ -21,6 +21,7 @@ from studio.cli.following import with_tracks
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json, print_table
+from studio.cli.warm_up import compile_first
 from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
@@ -179,10 +180,11 @@ def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str
 
 def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -> Record:
     """Adapt one capture to all characters asked for, write their files into ``folder``, and report."""
+    own = None if asked.constraints is None else read_constraints(asked.constraints, MOTION_ID)
+    compile_first()
     ready = ready_capture(path, options, all_frames=asked.all_frames)
-    given = ConstraintFile(ready.annotations.constraints, None)
+    given = own or ConstraintFile(ready.annotations.constraints, None)
     if asked.constraints is not None:
-        given = read_constraints(asked.constraints, MOTION_ID)
         check_frames(given, ready, asked.constraints)
     contacts = ready.contacts if given.contacts is None else given.contacts
     constraints = tuple(each for each in given.constraints if each.enabled)

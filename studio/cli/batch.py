@@ -15,6 +15,7 @@ from studio.cli.batch_jobs import FILES_ASKED_FOR, REPORTS, Job, Record, done_be
 from studio.cli.batch_summary import rows_of, write_summary
 from studio.cli.batch_workers import run_here
 from studio.cli.printing import counted, print_json
+from studio.cli.warm_up import compile_first
 from studio.core.errors import Stopped, StudioError
 
 _OWN = ("folder", "out", "overwrite", "json", "scheduler", "workers", "run", "capture")
@@ -46,6 +47,8 @@ def run(arguments: Namespace) -> int:
         _tell(number, len(jobs), name, "unchanged")
     waiting = [job for job in jobs if job.name not in records]
     try:
+        if waiting:
+            compile_first()
         with closing(_run(waiting, arguments.scheduler, arguments.workers)) as done:
             for record in done:
                 records[record["name"]] = record

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from studio.cli.main import main
+from studio.cli.process import check_libraries
 from studio.core.errors import StudioError
 from studio.resources_folder import example_captures_folder
 
@@ -17,4 +18,9 @@ def run_example() -> int:
         raise StudioError("No example capture is bundled. Make them with `make examples`.")
     picture = OUT / f"{capture.stem}.png"
     code = main(["adapt", str(capture), "--out", str(OUT), "--overwrite"])
+    try:
+        check_libraries()
+    except StudioError as error:
+        print(f"\nNo picture of it was drawn. {error}")
+        return code
     return code or main(["render", str(capture), "--out", str(picture), "--overwrite"])

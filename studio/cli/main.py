@@ -9,7 +9,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 
 from studio import __version__
-from studio.cli.process import has_display, prepare_process
+from studio.cli.process import check_libraries, has_display, prepare_process
 from studio.core.errors import Stopped, StudioError
 from studio.io.registry import known_formats
 
@@ -108,6 +108,7 @@ def open_window(files: Sequence[str] | None = None) -> int:
     It is found by name, so that nothing here knows a toolkit.
     """
     prepare_process()
+    check_libraries(window=True)
     found = entry_points(group="morpho_studio.window", name="main")
     if not found:
         raise StudioError("No window is installed. Install Morpho Studio with `pip install -e .` first.")

@@ -11,6 +11,9 @@ from pathlib import Path
 
 import platformdirs
 
+from studio.cli.system_libraries import DRAWING, WINDOW, missing, sentence_about
+from studio.core.errors import StudioError
+
 LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
 """Bytes of the largest piece of memory that is kept when it is freed, and of all that is."""
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
@@ -80,3 +83,13 @@ def has_display() -> bool:
     if not sys.platform.startswith("linux"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def check_libraries(window: bool = False) -> None:
+    """Raise StudioError with what to type where a library of the system is missing for pictures, or for a ``window``.
+
+    To be asked before Qt and VTK, which would end the process.
+    """
+    lacking = missing({**DRAWING, **WINDOW} if window else DRAWING) if sys.platform.startswith("linux") else {}
+    if lacking:
+        raise StudioError(sentence_about(lacking))

@@ -15,6 +15,8 @@ from studio.cli.adaptation import MOTION_ID, chosen_characters, make_folder, rea
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import Progress, counted, print_json, progress_line
+from studio.cli.process import check_libraries
+from studio.cli.warm_up import compile_first
 from studio.core.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.morphology import Morphology
@@ -90,6 +92,8 @@ def run(arguments: Namespace) -> int:
         raise StudioError("--time is the moment of one picture: let the file end with .png.")
     if suffix:
         refuse_replacing([arguments.out], arguments.source, arguments.overwrite)
+    check_libraries()
+    compile_first()
     project = staged_project(arguments)
     results = adapted_performers(project)
     if not results:

@@ -16,6 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from subprocess import PIPE
 
+from studio.cli.printing import progress_line
 from studio.io.child_process import child_process
 
 KERNELS = "studio.core.kernels."
@@ -90,6 +91,18 @@ class WarmUp:
         with suppress(ValueError):  # of a process that is ended the last line is cut, or its stream closed
             for line in lines:
                 self._shares[half] = float(line)
+
+
+def compile_first() -> None:
+    """Compile all kernels where there are none yet, and tell on standard error what is waited for and how far it is."""
+    if not is_cold():
+        return
+    tell, warming = progress_line(), WarmUp()
+    try:
+        warming.follow(lambda share, _: tell(share, "The solver is compiled, once on this machine"))
+    finally:
+        warming.stop()
+    tell(1.0, "The solver is ready")
 
 
 def is_cold() -> bool:

@@ -2,10 +2,14 @@ import os
 import platform
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+from studio.cli import main as main_module
+from studio.cli import process
 from studio.cli.process import content_digest, has_display, kernel_cache_folder, writable_kernel_cache
+from studio.core.errors import StudioError
 
 
 def test_the_kernel_cache_changes_with_the_content_of_any_kernel(tmp_path):
@@ -61,3 +65,42 @@ print(faults_of_rounds(10))
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert int(done.stdout) < 1000  # of 28,000 pages
+
+
+@pytest.fixture
+def bare(monkeypatch):
+    """A system without the library that Qt and VTK draw with."""
+    monkeypatch.setattr(process, "DRAWING", {"libEGL-missing.so.1": "libegl1", **process.DRAWING})
+
+
+def test_a_missing_library_is_one_sentence_with_what_to_type(bare):
+    with pytest.raises(StudioError) as raised:
+        process.check_libraries(window=True)
+    assert str(raised.value) == (
+        "System libraries are missing: libEGL-missing.so.1. Type: sudo apt-get install -y libegl1"
+    )
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")
+def test_the_window_and_pictures_are_refused_before_qt_or_vtk_is_asked(bare, monkeypatch, capsys, tmp_path):
+    monkeypatch.setenv("DISPLAY", ":99")
+    monkeypatch.setattr(main_module, "entry_points", lambda **_: pytest.fail("Qt would end the process"))
+    for arguments in ([], ["render", "walk.bvh", "--out", str(tmp_path / "walk.png")]):
+        assert main_module.main(arguments) == 1
+        assert "libegl1" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")
+def test_without_a_display_the_example_is_adapted_and_what_is_missing_told(bare, monkeypatch, capsys, tmp_path):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.chdir(tmp_path)
+    assert main_module.main([]) == 0
+    assert "libegl1" in capsys.readouterr().out
+    assert list(tmp_path.rglob("*.bvh"))
+
+
+def test_what_looks_for_libraries_needs_nothing_but_python():
+    script = Path(process.__file__).with_name("system_libraries.py")
+    done = subprocess.run((sys.executable, "-I", "-S", str(script)), capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")

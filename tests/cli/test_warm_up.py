@@ -55,6 +55,14 @@ def test_a_cold_cache_is_filled_by_two_processes_and_then_fetched(cold):
     assert cold == ["most", "rest"]
 
 
+def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
+    warm_up.compile_first()
+    told = capsys.readouterr().err.splitlines()
+    assert "The solver is compiled, once on this machine" in told[0]
+    assert told[-1] == "100% The solver is ready"
+    assert cold == ["most", "rest"]
+
+
 def test_what_another_process_fails_in_is_done_and_told_here(cold, monkeypatch):
     monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "raise SystemExit(3)"))
     warm_up.WarmUp().join()
@@ -73,6 +81,8 @@ def test_a_window_that_closes_does_not_wait_for_the_other_processes(cold, monkey
 def test_a_full_cache_needs_no_other_process(cold, tmp_path):
     (tmp_path / "kernels").mkdir()
     (tmp_path / "kernels" / warm_up.LONGEST_TO_COMPILE.replace("*", "1")).touch()
+    warm_up.compile_first()
+    assert cold == []
     warm_up.WarmUp().join()
     assert cold[0] == "most"
 
