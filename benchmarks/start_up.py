@@ -21,7 +21,7 @@ print(json.dumps([by_the_clock, sum(each.ru_utime + each.ru_stime for each in us
 _WARM = """
 import json, time
 start = time.perf_counter()
-from studio.engine import first_run
+from studio.cli import first_run
 imported, spent = time.perf_counter(), time.process_time()
 first_run.run()
 print(json.dumps([time.perf_counter() - imported, time.process_time() - spent, imported - start]))

@@ -22,6 +22,11 @@ def help_file() -> Path:
     return _bundled("docs") / "headless.md"
 
 
+def sample_folder() -> Path:
+    """What the window opens with, adapted when it was made."""
+    return _bundled("examples/sample")
+
+
 def _bundled(name: str) -> Path:
     """The wheel carries the folder inside the package; a checkout has it beside the package."""
     for folder in (PACKAGE / name, PACKAGE.parent / name):

@@ -13,13 +13,15 @@ import numpy as np
 from PySide6.QtCore import QRect
 from PySide6.QtGui import QImage
 
-from studio.app import application, importing, sample
+from studio.app import application, importing
 from studio.app.settings import Settings
 from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.staging import staged
 from studio.document.document import Document
+from studio.io.character_file import bundled_characters
 from studio.io.importing import ImportOptions
 from studio.resources_folder import example_captures_folder
 from studio.viewport.camera import OrbitCamera
@@ -42,7 +44,8 @@ class Session:
         self.window.resize(*size)
         self.window.show()
         read = importing.read_motion(example(capture), ImportOptions(), lambda share, text: None)
-        self.document.new(sample.sample_project(read))
+        contacts = read.annotations.of_motion(capture).contacts or ()
+        self.document.new(staged(read.capture, contacts, bundled_characters(), capture))
         application.import_views()
         application.show_views(self.window)
         self.settle()

@@ -83,10 +83,11 @@ def fill_window(
 
 
 def import_views() -> None:
-    """Load what the views are made of."""
+    """Load what the views are made of, and with what they draw bodies before the solver is there."""
     import_module("studio.timeline.timeline")
     import_module("studio.viewport.widget")
     import_module("studio.viewport.scene")  # VTK, which the first picture would load otherwise
+    import_module("studio.cli.first_picture").run()
 
 
 def show_views(window: MainWindow) -> None:

@@ -9,7 +9,6 @@ from studio.app.workbench import Workbench
 from studio.core.capture import Guess
 from studio.core.character import Character
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
 from studio.core.project import Performer
 from studio.document import colours
 from studio.document.document import Document
@@ -63,6 +62,8 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
 
     def work(progress: Callable[[float, str], None]) -> Character:
         progress(0.1, f"Measuring the actor of {capture.name}")
+        from studio.core.normalized.normalize import normalize  # late: it loads kernels
+
         _, actor = normalize(capture)
         return actor_character(f"Actor of {capture.name}", actor.morphology, colour)
 

@@ -14,7 +14,6 @@ from studio.core.markers.cleaning import StepReport, clean
 from studio.core.markers.take import MarkerTake, mapped_labels
 from studio.panels.fields import SIDE, labelled, press_button
 from studio.panels.markers.assistant import MarkerAssistant
-from studio.panels.markers.signals import SignalPlot
 from studio.panels.markers.steps import StepList
 
 SIZE = (1120, 680)
@@ -58,6 +57,8 @@ class MarkerDialog(QDialog):
         self.resize(*SIZE)
         self.assistant = MarkerAssistant(self._take, capture.up_axis)
         self.steps = StepList(self._take.steps)
+        from studio.panels.markers.signals import SignalPlot  # late: pyqtgraph is the views', which come later
+
         self.signals = SignalPlot(self._take.trial, self._seek)
         self.tabs = QTabWidget()
         self.tabs.setDocumentMode(True)

@@ -9,7 +9,6 @@ from studio.app.workbench import Workbench
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.markers.take import MarkerTake
-from studio.core.normalized.normalize import detected_contacts
 from studio.io.importing import ImportOptions
 from studio.io.marker_capture import capture_of_take
 
@@ -31,6 +30,8 @@ def solve_again(bench: Workbench, capture_id: str, take: MarkerTake, options: Im
     chosen = replace(chosen, body_map=None, marker_map=None)
 
     def work(progress: Callable[[float, str], None]) -> tuple[Capture, Annotations]:
+        from studio.core.normalized.normalize import detected_contacts  # late: it loads kernels
+
         solved = capture_of_take(
             take, chosen, capture.repairs, lambda share, text: progress(importing.READ_SHARE * share, text)
         )

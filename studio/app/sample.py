@@ -1,19 +1,24 @@
-"""What the studio opens with: one bundled motion on five characters, side by side and playing."""
+"""What the studio opens with: one bundled motion on five characters, side by side and playing.
+
+It is shown as it was adapted when it was made (``examples/make_sample.py``): a first start compiles the solver beside.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from studio.app import importing
 from studio.app.workbench import Workbench
 from studio.core.hand_shapes import FIST
 from studio.core.project import Project
+from studio.core.solver.request import AdaptedMotion
 from studio.core.staging import side_by_side, staged
+from studio.io.adapted_file import read_adapted
 from studio.io.character_file import bundled_characters
-from studio.io.importing import ImportOptions
-from studio.resources_folder import example_captures_folder
+from studio.io.project_file import read_project
+from studio.resources_folder import example_captures_folder, sample_folder
 
-FIRST_CHOICE = "front_kick"
+NAME, MOTION_ID = "front_kick", "sample"
+PROJECT, MOTIONS = f"{NAME}.studio", f"{NAME}.npz"
 
 
 def empty_project() -> Project:
@@ -22,36 +27,36 @@ def empty_project() -> Project:
     return Project(characters=characters, performers=side_by_side(characters))
 
 
-def sample_file() -> Path | None:
-    """The capture to begin with; None where none is bundled."""
-    files = sorted(example_captures_folder().glob("*.bvh"))
-    return next((file for file in files if file.stem == FIRST_CHOICE), next(iter(files), None))
+def capture_file() -> Path:
+    """The capture that the sample was made from."""
+    return example_captures_folder() / f"{NAME}.bvh"
 
 
-def sample_project(read: importing.ReadMotion) -> Project:
-    """The bundled characters performing one motion."""
-    contacts = read.annotations.of_motion("sample").contacts or ()
-    fighters = {name: replace(character, grip=FIST) for name, character in bundled_characters().items()}
-    return staged(read.capture, contacts, fighters, "sample")
+def read_sample() -> tuple[Project, dict[str, AdaptedMotion]]:
+    """The bundled characters performing one motion, and what becomes of it, by performer."""
+    folder = sample_folder()
+    characters = {name: replace(each, grip=FIST) for name, each in bundled_characters().items()}
+    kept = read_project(folder / PROJECT).project
+    capture = kept.captures[MOTION_ID]
+    bodies = {key: character.morphology for key, character in characters.items()}
+    project = staged(capture, tuple(kept.contacts.values()), characters, MOTION_ID)
+    return project, read_adapted(folder / MOTIONS, bodies, capture.frame_rate)
 
 
 def open_sample(bench: Workbench) -> None:
     """Read the bundled motion in the background, show it and play."""
-    file = sample_file()
-    if file is None:
-        bench.document.new(empty_project())
-        return
-
     revision = bench.document.revision
 
-    def show(project: Project) -> None:
+    def show(read: tuple[Project, dict[str, AdaptedMotion]]) -> None:
         if bench.document.revision != revision:
             return  # the user has opened or recovered something meanwhile
+        project, motions = read
         bench.document.new(project)
-        bench.sources["sample"] = file
+        bench.live.show_until_solved(motions)
+        bench.sources[MOTION_ID] = capture_file()
         bench.document.playhead.play()
 
-    def work(progress: Callable[[float, str], None]) -> Project:
-        return sample_project(importing.read_motion(file, ImportOptions(), progress))
+    def work(_progress: Callable[[float, str], None]) -> tuple[Project, dict[str, AdaptedMotion]]:
+        return read_sample()
 
-    bench.runner.run(f"Opening {file.stem}", work, show)
+    bench.runner.run(f"Opening {NAME}", work, show)

@@ -1,10 +1,10 @@
 """One small pass through all that a moved slider or target will call, and its halves for two processes."""
 
+from studio.cli import first_picture
 from studio.core.character import Character
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
-from studio.core.rest_pose import rest_pose
-from studio.core.skin import Blending, skin_vertices
+from studio.core.skin import Blending
 from studio.core.solver.warm_up import warm_up, warm_up_constraints, warm_up_easing, warm_up_seldom, warm_up_standing
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
@@ -13,16 +13,16 @@ from studio.resources_folder import example_captures_folder
 
 
 def run() -> None:
-    """Adapt a few frames to the first bundled character and skin one of them."""
+    """Adapt a few frames to the first bundled character and skin it: what every scene calls."""
     warm_up(_character().morphology)
-    _skin(Blending.LINEAR)
+    first_picture.run()
 
 
 def run_seldom() -> None:
     """What is not called by every scene: a capture is read and normalised, a library is searched, what few
     ask of the solver."""
     warm_up_seldom(_character().morphology)
-    _skin(Blending.DUAL_QUATERNIONS)
+    first_picture.run(Blending.DUAL_QUATERNIONS)
     warm_up_search()
     for path in sorted(example_captures_folder().glob("*.bvh"))[:1]:
         capture = load_capture(path)
@@ -39,11 +39,6 @@ def run_standing() -> None:
 def run_constraints() -> None:
     """The part of ``run`` that takes longest to compile, by itself."""
     warm_up_constraints(_character().morphology)
-
-
-def _skin(blending: Blending) -> None:
-    worn = _character()
-    skin_vertices(worn.skin, worn.build, worn.morphology, *rest_pose(worn.morphology), blending=blending)
 
 
 def _character() -> Character:

@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from studio.core.canonical import BodyLayout
 from studio.core.scope import EVERYONE, Scope
@@ -212,6 +211,8 @@ def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
     """
     if len(track) < 2:
         return np.full(len(track), np.inf)
+    from scipy.ndimage import gaussian_filter1d
+
     smooth = gaussian_filter1d(track, SMOOTHING * frame_rate, axis=0, mode="nearest")
     steps = np.linalg.norm(np.diff(smooth, axis=0), axis=1) * frame_rate
     return np.asarray(np.minimum(np.append(steps, np.inf), np.append(np.inf, steps)))
@@ -219,6 +220,8 @@ def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
 
 def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
     """(F,) the low of each moment, within ``reach`` frames of it: captures' floors rise and sink by centimetres."""
+    from scipy.ndimage import minimum_filter1d
+
     local = minimum_filter1d(heights, 2 * reach + 1, mode="nearest")
     return np.clip(local, low, low + GREATEST_DRIFT)
 

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.kernels import forward_kinematics
 from studio.core.pieces import do_over_frames
 from studio.core.pose import PoseSequence
 from studio.core.skeleton import Skeleton
@@ -34,6 +33,8 @@ def joint_positions(skeleton: Skeleton, poses: PoseSequence) -> FloatArray:
 def _carry(
     skeleton: Skeleton, poses: PoseSequence, run: slice, out_positions: FloatArray, out_rotations: FloatArray
 ) -> None:
+    from studio.core.kernels import forward_kinematics  # late: it loads numba
+
     if poses.joint_count != skeleton.joint_count:
         raise StudioError(f"Poses of {poses.joint_count} joints do not fit a skeleton of {skeleton.joint_count}.")
     turns, places = poses.local_rotations[run], poses.local_translations[run]

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.frozen_array import unwritten
-from studio.core.kernels.poses import unite_signs
 
 FloatArray = NDArray[np.float64]
 
@@ -28,6 +27,8 @@ class PoseSequence:
     """(F, J, 3) metres, in the parent's axes: the root's travel, the bones of the others."""
 
     def __post_init__(self) -> None:
+        from studio.core.kernels.poses import unite_signs  # late: numba takes longer than a window
+
         rotations = np.array(self.local_rotations, dtype=np.float64, order="C")
         translations = unwritten(self.local_translations)
         if rotations.ndim != 3 or rotations.shape[2] != 4 or translations.shape != (*rotations.shape[:2], 3):

@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 FloatArray = NDArray[np.float64]
 
@@ -95,6 +94,8 @@ def from_matrix(matrices: FloatArray) -> FloatArray:
     upright = np.abs(np.swapaxes(flat, 1, 2) @ flat - np.eye(3)).max(axis=(1, 2)) < _SIX_DIGITS
     other = ~(upright & (np.abs(squares - 4.0 * scaled[np.arange(len(flat)), largest]) < _SIX_DIGITS))
     if other.any():
+        from scipy.spatial.transform import Rotation
+
         quaternions[other] = Rotation.from_matrix(flat[other]).as_quat()
     return quaternions.reshape(*np.shape(matrices)[:-2], 4)
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from studio.core.appearance import Appearance
 from studio.core.canonical import BodyPart
 from studio.core.hand_shapes import HandShapes
-from studio.core.kernels import dual_quaternions, skinning
 from studio.core.morphology import FloatArray, Morphology
 from studio.core.rest_pose import rest_pose
 from studio.core.standing import standing_points
@@ -117,6 +116,8 @@ def skin_vertices(
     ``positions`` (K+23, 3) and ``rotations`` (K+18, 3, 3) pose a body of ``morphology``; ``mesh`` is bound to
     ``build``. The mesh fitted to ``morphology`` is remembered, so only a moved slider pays for it.
     """
+    from studio.core.kernels import dual_quaternions, skinning  # late: numba takes longer than a window
+
     fitted = fit_skin(mesh, build, morphology)
     rest_positions, rest_rotations = bound_pose(mesh, morphology)
     proximal = list(morphology.layout.proximal_points())

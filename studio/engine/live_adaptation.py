@@ -195,10 +195,16 @@ class LiveAdaptation(QObject):
         if known is None or known[0] is not capture:
             self._sources[motion_id] = (capture, None)
             key, revision = _SOURCE + motion_id, self._document.revision
-            self._scheduler.request(key, revision, lambda: self._realise(*self._prepare(capture)))
+            self._scheduler.request(key, revision, lambda: self._realised(capture))
             self._tell_busy()
             return None
         return known[1]
+
+    def show_until_solved(self, motions: Mapping[str, AdaptedMotion]) -> None:
+        """Show what is known already of performers, whose solves may have to wait for the kernels."""
+        for key in motions.keys() & self._wanted.keys():
+            self._results[key] = motions[key]
+            self.adapted.emit(key)
 
     def expect(self, capture: Capture) -> None:
         """Normalise a capture that is about to be shown, beside what else is done until then; from any thread."""
@@ -314,11 +320,18 @@ class LiveAdaptation(QObject):
             performer.limited, performer.eased,
         )  # fmt: skip
 
+    def _wait_for_kernels(self) -> None:
+        if self._warm_up is not None:
+            self._warm_up.join()
+
+    def _realised(self, capture: Capture) -> AdaptedMotion:
+        self._wait_for_kernels()
+        return self._realise(*self._prepare(capture))
+
     def _solved(
         self, project: Project, wanted: Mapping[str, Wanted], asked_at: float, first: int, last: int | None
     ) -> Solved:
-        if self._warm_up is not None:
-            self._warm_up.join()
+        self._wait_for_kernels()
         players = {key: self._player(project, key, each) for key, each in wanted.items()}
         if len(players) == 1:
             [(key, player)] = players.items()

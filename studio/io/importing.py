@@ -3,13 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
-from studio.core.markers.cleaning import Step
-from studio.core.markers.marker_map import MarkerMap
-from studio.core.normalized.normalize import detected_contacts
 from studio.io.registry import Progress, ReadCharacter, format_of
+
+if TYPE_CHECKING:
+    from studio.core.markers.cleaning import Step
+    from studio.core.markers.marker_map import MarkerMap
 
 
 @dataclass(frozen=True)
@@ -27,9 +29,9 @@ class ImportOptions:
     """Joints by part, as ``BodyMap.to_json`` gives them, "" for none; parts left out are still guessed."""
     reference: str | Mapping[str, Sequence[float]] | None = None
     """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
-    marker_map: MarkerMap | None = None
+    marker_map: "MarkerMap | None" = None
     """Which markers of an optical capture lie at which places of the body."""
-    marker_steps: tuple[Step, ...] | None = None
+    marker_steps: "tuple[Step, ...] | None" = None
     """How its markers are cleaned; None fills gaps."""
 
 
@@ -48,6 +50,8 @@ def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
 
 def load_annotations(path: Path | str, capture: Capture, motion_id: str) -> Annotations:
     """What the file at ``path`` says of the motion of its ``capture``; contacts it says nothing about are detected."""
+    from studio.core.normalized.normalize import detected_contacts  # late: it loads kernels
+
     path = Path(path)
     read = format_of(path, "capture_reader").read_annotations(path, motion_id) or Annotations()
     return read if read.contacts is not None else replace(read, contacts=detected_contacts(capture, motion_id))

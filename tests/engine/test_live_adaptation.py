@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -331,3 +332,22 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
     live.close()
     qapp.processEvents()
     assert solver.windows == []
+
+
+def test_what_is_known_is_shown_until_the_kernels_are_there(qapp: Any) -> None:
+    solver, document, kernels = Solver(), Document(), threading.Event()
+    warming = cast(WarmUp, SimpleNamespace(join=kernels.wait, stop=kernels.set))
+    live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=warming)
+    solver.hold.set()
+    document.new(project := make_project())
+    key = next(iter(project.performers))
+    positions, rotations = np.zeros((2, 1, 3)), np.zeros((2, 1, 3, 3))
+    known = AdaptedMotion(make_morphology(), 60.0, 0, positions, rotations, np.empty((0, 2)))
+    live.show_until_solved({key: known, "nobody": known})
+    live.wait(0.05)
+    assert live.result(key) is known
+    assert live.result("nobody") is None
+    kernels.set()
+    assert live.wait()
+    assert live.result(key) is not known
+    live.close()

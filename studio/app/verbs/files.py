@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 from studio.app import casting, importing, sample
-from studio.app.export_dialog import open_export_dialog
 from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
@@ -108,6 +107,8 @@ def import_character(bench: Workbench) -> None:
 
 def export(bench: Workbench) -> None:
     """Ask what goes out, and as what."""
+    from studio.app.export_dialog import open_export_dialog  # late: it loads the solver
+
     open_export_dialog(bench)
 
 

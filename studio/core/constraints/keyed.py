@@ -14,7 +14,6 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from studio.core.constraints.activation import EaseShape, ease
 
@@ -130,6 +129,8 @@ class KeyedTurn(Keys):
 
     def at(self, times: ArrayLike) -> FloatArray:
         """(N, 3, 3) at ``times`` (N,) seconds."""
+        from scipy.spatial.transform import Rotation
+
         keys = Rotation.from_quat(np.array(self.values))
         steps = (keys[:-1].inv() * keys[1:]).as_rotvec() if len(self.times) > 1 else np.empty((0, 3))
         rates = passing_rates(np.array(self.times), steps)

@@ -3,12 +3,14 @@
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
 
 from studio.core.ground import FloatArray, Ground
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RectBivariateSpline
 
 FEWEST = 4
 """Heights each way that a bicubic spline needs; smaller maps are continued by their edge."""
@@ -63,8 +65,10 @@ class HeightMap(Ground):
         return held, held == cells
 
     @cached_property
-    def _surface(self) -> RectBivariateSpline:
+    def _surface(self) -> "RectBivariateSpline":
         missing = [(0, max(FEWEST - count, 0)) for count in self.heights.shape]
         heights = np.pad(self.heights, missing, mode="edge")
         rows, columns = heights.shape
+        from scipy.interpolate import RectBivariateSpline
+
         return RectBivariateSpline(np.arange(rows), np.arange(columns), heights)

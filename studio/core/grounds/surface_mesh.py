@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.ground import FloatArray, Ground
-from studio.core.kernels.surface import highest_triangles
 
 MOST_CELLS = 512
 """Cells of the index along the longer side, at most."""
@@ -59,6 +58,8 @@ class SurfaceMesh(Ground):
         places = np.ascontiguousarray(xy, dtype=np.float64).reshape(-1, 2)
         heights, slopes = np.zeros(len(places)), np.zeros((len(places), 2))
         if len(self.triangles):
+            from studio.core.kernels.surface import highest_triangles  # late: it loads numba
+
             found = np.zeros(len(places), dtype=np.bool_)
             highest_triangles(places, *self._index, heights, slopes, found)
         return heights.reshape(xy.shape[:-1]), slopes.reshape(xy.shape)

@@ -1,0 +1,43 @@
+"""Make what the studio shows before it can solve anything: python examples/make_sample.py [FOLDER].
+
+The first bundled capture, read, and as the bundled characters perform it.
+"""
+
+import sys
+from pathlib import Path
+
+from studio.cli.process import prepare_process
+
+prepare_process()
+
+from studio.app import sample  # noqa: E402
+from studio.cli.render import adapted_performers  # noqa: E402
+from studio.core.normalized.normalize import detected_contacts  # noqa: E402
+from studio.core.project import Motion, Project  # noqa: E402
+from studio.core.staging import staged  # noqa: E402
+from studio.io.adapted_file import write_adapted  # noqa: E402
+from studio.io.character_file import bundled_characters  # noqa: E402
+from studio.io.importing import load_capture  # noqa: E402
+from studio.io.project_file import write_project  # noqa: E402
+
+
+def main(arguments: list[str]) -> None:
+    """Write the project and the motions into the folder, by default examples/sample."""
+    folder = Path(arguments[0]) if arguments else Path(__file__).parent / "sample"
+    folder.mkdir(parents=True, exist_ok=True)
+    capture = load_capture(sample.capture_file())
+    contacts = detected_contacts(capture, sample.MOTION_ID)
+    kept = Project(
+        captures={sample.MOTION_ID: capture},
+        motions={sample.MOTION_ID: Motion(capture.name, sample.MOTION_ID)},
+        contacts={f"contact {place}": contact for place, contact in enumerate(contacts)},
+    )
+    write_project(folder / sample.PROJECT, kept, sample.MOTION_ID)
+    project = staged(capture, contacts, bundled_characters(), sample.MOTION_ID)
+    write_adapted(folder / sample.MOTIONS, adapted_performers(project))
+    for path in (folder / sample.PROJECT, folder / sample.MOTIONS):
+        print(f"{path.name}: {path.stat().st_size // 1000} kB")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

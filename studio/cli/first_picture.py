@@ -1,0 +1,11 @@
+"""One body skinned, for what shows bodies to be there: by itself, as the solver takes much longer."""
+
+from studio.core.rest_pose import rest_pose
+from studio.core.skin import Blending, skin_vertices
+from studio.io.character_file import bundled_characters
+
+
+def run(blending: Blending = Blending.LINEAR) -> None:
+    """Skin the first bundled character as it stands."""
+    worn = next(iter(bundled_characters().values()))
+    skin_vertices(worn.skin, worn.build, worn.morphology, *rest_pose(worn.morphology), blending=blending)

@@ -1,0 +1,49 @@
+"""Adapted motions in a small file, to be shown before anything can be solved: the sample that the studio opens with.
+
+Places to a tenth of a millimetre and rotations to a ten-thousandth of a radian, as differences from frame to frame.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.morphology import Morphology
+from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
+from studio.core.solver.request import AdaptedMotion
+
+PLACES, TURNS = 1e4, 32767.0
+"""Steps a metre, and a unit of a quaternion's part."""
+
+
+def write_adapted(path: Path, motions: Mapping[str, AdaptedMotion]) -> None:
+    """Write motions without constraints, by name."""
+    arrays: dict[str, NDArray[np.int16]] = {}
+    for name, motion in motions.items():
+        arrays[f"{name}.places"] = _differences(PLACES * motion.positions)
+        arrays[f"{name}.turns"] = _differences(TURNS * sign_continuous(from_matrix(motion.rotations)))
+    np.savez_compressed(path, allow_pickle=False, **arrays)
+
+
+def read_adapted(path: Path, bodies: Mapping[str, Morphology], frame_rate: float) -> dict[str, AdaptedMotion]:
+    """The motions of those ``bodies`` that the file has."""
+    with np.load(path, allow_pickle=False) as arrays:
+        kept = {
+            name: (arrays[f"{name}.places"], arrays[f"{name}.turns"]) for name in bodies if f"{name}.places" in arrays
+        }
+    return {
+        name: AdaptedMotion(
+            bodies[name],
+            frame_rate,
+            0,
+            np.cumsum(places, axis=0, dtype=np.int64) / PLACES,
+            to_matrix(normalized(np.cumsum(turns, axis=0, dtype=np.int64) / TURNS)),
+            np.empty((0, len(places))),
+        )
+        for name, (places, turns) in kept.items()
+    }
+
+
+def _differences(values: NDArray[np.float64]) -> NDArray[np.int16]:
+    return np.diff(np.round(values), axis=0, prepend=0.0).astype(np.int16)

@@ -1,0 +1,46 @@
+"""What the studio opens with before it can solve anything is what it would solve."""
+
+import numpy as np
+
+from studio.app import sample
+from studio.cli.render import adapted_performers
+from studio.core.normalized.normalize import detected_contacts
+from studio.io.adapted_file import read_adapted, write_adapted
+from studio.io.importing import load_capture
+from tests.architecture.sources import ROOT
+
+CLOSE = 5e-3
+"""Metres by which a solver may have changed since the sample was made: nobody sees them."""
+
+
+def test_the_sample_is_as_the_solver_has_it():
+    project, shown = sample.read_sample()
+    solved = adapted_performers(project)
+    assert shown.keys() == solved.keys() == project.performers.keys()
+    for key, motion in shown.items():
+        away = np.linalg.norm(motion.positions - solved[key].positions, axis=-1).max()
+        turned = np.abs(motion.rotations - solved[key].rotations).max()
+        assert away < CLOSE, f"{key}: {1000 * away:.1f} mm. Run `make examples`."
+        assert turned < 10 * CLOSE, f"{key}. Run `make examples`."
+
+
+def test_the_sample_is_the_bundled_capture_with_its_contacts():
+    project, _ = sample.read_sample()
+    kept, capture = project.captures[sample.MOTION_ID], load_capture(sample.capture_file())
+    assert np.allclose(kept.poses.local_rotations, capture.poses.local_rotations, atol=1e-9)
+    assert np.allclose(kept.poses.local_translations, capture.poses.local_translations, atol=1e-9)
+    assert set(project.contacts.values()) == set(detected_contacts(capture, sample.MOTION_ID))
+
+
+def test_adapted_motions_come_back_as_finely_as_anybody_sees(tmp_path):
+    project, shown = sample.read_sample()
+    write_adapted(tmp_path / "again.npz", shown)
+    bodies = {key: each.morphology for key, each in project.characters.items()}
+    again = read_adapted(tmp_path / "again.npz", bodies, 60.0)
+    for key, motion in shown.items():
+        assert np.abs(again[key].positions - motion.positions).max() < 1e-4
+        assert np.abs(again[key].rotations - motion.rotations).max() < 2e-4
+
+
+def test_the_sample_is_small():
+    assert sum(path.stat().st_size for path in (ROOT / "examples" / "sample").iterdir()) < 1_000_000
