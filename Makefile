@@ -2,10 +2,20 @@
 PYTHON ?= python3
 STUDIO = .venv/bin/python main.py
 
-.PHONY: run test bench soak examples pictures format
+# Of all tests those that end within half a minute; `make test` runs every one.
+FAST = tests/architecture tests/document tests/panels tests/timeline tests/app
+
+.PHONY: run check test bench soak examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
+
+check: .venv/.ready-to-test
+	.venv/bin/ruff format --check .
+	.venv/bin/ruff check .
+	.venv/bin/mypy
+	.venv/bin/lint-imports --no-logo
+	.venv/bin/python -m pytest -q $(FAST) --ignore tests/architecture/test_wheel.py
 
 test: .venv/.ready-to-test
 	.venv/bin/ruff format --check .
