@@ -11,6 +11,7 @@ import pytest
 
 from studio.core.kernels import linked
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
+from studio.core.kernels.rotation import rotation_vector_to_matrix
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -105,3 +106,39 @@ def test_a_whole_comes_from_the_cache_without_its_parts(tmp_path) -> None:
     answers.append(json.loads(start(tmp_path).communicate()[0]))
     assert [numbers for numbers, _, _ in answers] == 3 * [[[3.0, 5.0, 7.0], 8.0]]
     assert answers[2][1:] == [1, 0]
+
+
+ANOTHER = """
+import sys
+import numba
+import numpy as np
+numba.__version__ = "0.99.0"
+from studio.core.kernels.compiling import kernel, pack
+from studio.core.kernels.rotation import rotation_vector_to_matrix
+
+@kernel
+def handed_on(packed, out_matrix):
+    vector, factor = packed
+    rotation_vector_to_matrix(factor * vector[0], factor * vector[1], factor * vector[2], out_matrix)
+
+@kernel
+def both(vector, out_matrix):
+    handed_on(pack((vector, 2.0)), out_matrix)
+
+matrix = np.empty((3, 3))
+both(np.array([0.1, 0.2, 0.3]), matrix)
+assert "studio.core.kernels.linked" not in sys.modules
+print(matrix.ravel().tolist())
+"""
+
+
+def test_a_numba_that_nobody_has_tried_is_used_by_its_public_ways(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    file = tmp_path / "another.py"  # numba's own cache wants a file
+    file.write_text(ANOTHER)
+    command = (sys.executable, str(file))
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    matrix = np.empty((3, 3))
+    rotation_vector_to_matrix(0.2, 0.4, 0.6, matrix)
+    assert json.loads(done.stdout) == pytest.approx(matrix.ravel().tolist(), abs=1e-12)

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from studio.core.kernels.compiling import kernel
-from studio.core.kernels.packed import pack
+from studio.core.kernels.compiling import kernel, pack
 
 
 @kernel

@@ -4,13 +4,12 @@ import numpy as np
 
 from studio.core.kernels.body import copy_pose, move_all
 from studio.core.kernels.clearing import clear_after, clear_before, make_clear_work
-from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, pack
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.easing import ease_frame
 from studio.core.kernels.edges import HERE, IN_PART, clear_state, keep_solution, next_edge, note_misses, pose_between
 from studio.core.kernels.jolts import note_jolts
 from studio.core.kernels.legs import is_placed, place_leg
-from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import follow
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.stages import hold_above, keep_stage, make_kept, next_stage

@@ -1,8 +1,16 @@
 """How kernels are compiled: once a machine, without Python's lock."""
 
+from importlib import import_module
 from typing import Any
 
-from studio.core.kernels.linked import compiled
+import numba
+
+TRIED = "0.68."
+"""How versions of numba begin whose inside is known: any other is used by its public ways."""
+KNOWN = numba.__version__.startswith(TRIED)
+compiled: Any = import_module(f"studio.core.kernels.{'linked' if KNOWN else 'plain'}").compiled
+pack: Any = import_module(f"studio.core.kernels.{'packed' if KNOWN else 'plain'}").pack
+"""``pack(values)``: a tuple of arrays, handed on to other kernels as one address."""
 
 _COUNTED: dict[str, Any] = {"nogil": True, "_nrt": True}
 _UNCOUNTED: dict[str, Any] = {**_COUNTED, "_nrt": False}

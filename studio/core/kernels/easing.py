@@ -13,11 +13,10 @@ import math
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import copy_pose
 from studio.core.kernels.clearing import clear_after
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, pack
 from studio.core.kernels.edges import HERE, IN_PART, THERE, blend_kept, next_edge, note_misses, note_turns, pose_kept
 from studio.core.kernels.goals import BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place, second_place
 from studio.core.kernels.limb_constraints import HUNG
-from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import KEPT_TURNS, TURN, carry_body, follow, miss_of
 from studio.core.kernels.rows import AWAY
 from studio.core.kernels.stages import measure_rooms, note_spot

@@ -18,13 +18,12 @@ import numpy as np
 
 from studio.core.kernels.clearance import PROBES, clear_arm, copy_arm, measure_arm, move_arm, place_capsules
 from studio.core.kernels.clearing import hold_arm, note_lacking
-from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, pack
 from studio.core.kernels.edges import HERE, IN_PART, THERE, blend_kept, blend_limb, note_turns
 from studio.core.kernels.goals import DISTANCE, POSITION, counts, end_place
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.joints import hang_limb
 from studio.core.kernels.limb_constraints import HUNG
-from studio.core.kernels.packed import pack
 from studio.core.kernels.placing import KEPT_TURNS, carry_body, follow, miss_of
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.steps import KEPT
