@@ -13,8 +13,17 @@ from studio.io.registry import OWN_FORMATS
 from tests.io.seeds import SEEDS, read, spoiled
 
 MUTATIONS = 2000
-ELSEWHERE = {".fbx": 12, ".c3d": 100, ".gltf": 100, ".vrm": 100, ".vrml": 100, ".x3dv": 100, ".ground": 200}
-"""Of those that are spoilt in tests of their own, or are read as another of the same parser."""
+ELSEWHERE = {
+    ".fbx": 12,
+    ".c3d": 100,
+    ".gltf": 100,
+    ".vrm": 100,
+    ".wrl": 500,
+    ".vrml": 100,
+    ".x3dv": 100,
+    ".ground": 200,
+}
+"""Of those that are spoilt in tests of their own, are read as another of the same parser, or take long to be read."""
 
 
 def test_every_kind_of_file_that_is_read_is_spoilt() -> None:
