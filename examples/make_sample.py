@@ -25,6 +25,7 @@ def main(arguments: list[str]) -> None:
     """Write the project and the motions into the folder, by default examples/sample."""
     folder = Path(arguments[0]) if arguments else Path(__file__).parent / "sample"
     folder.mkdir(parents=True, exist_ok=True)
+    (folder / sample.PROJECT).unlink(missing_ok=True)  # a project file keeps what it was before
     capture = load_capture(sample.capture_file())
     contacts = detected_contacts(capture, sample.MOTION_ID)
     kept = Project(

@@ -10,7 +10,6 @@ from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.markers.take import MarkerTake
 from studio.io.importing import ImportOptions
-from studio.io.marker_capture import capture_of_take
 
 
 def read_again(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
@@ -30,7 +29,8 @@ def solve_again(bench: Workbench, capture_id: str, take: MarkerTake, options: Im
     chosen = replace(chosen, body_map=None, marker_map=None)
 
     def work(progress: Callable[[float, str], None]) -> tuple[Capture, Annotations]:
-        from studio.core.normalized.normalize import detected_contacts  # late: it loads kernels
+        from studio.core.normalized.normalize import detected_contacts  # late: both load kernels
+        from studio.io.marker_capture import capture_of_take
 
         solved = capture_of_take(
             take, chosen, capture.repairs, lambda share, text: progress(importing.READ_SHARE * share, text)

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.kernels.decimals import count_words, read_decimals
 from studio.core.pieces import in_threads
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -54,6 +53,8 @@ def lines_of(content: bytes, start: int = 0) -> list[bytes]:
 
 def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
     """How many words each line has."""
+    from studio.core.kernels.decimals import count_words  # late: it loads numba
+
     counts = np.zeros(len(lines), dtype=np.int64)
     step = _lines_a_piece(lines)
 
@@ -87,6 +88,8 @@ def table(
 
 
 def _read(lines: list[bytes], out_values: NDArray[np.float64], name: str, first_line: int) -> None:
+    from studio.core.kernels.decimals import read_decimals  # late: it loads numba
+
     block = b" ".join(lines)
     if read_decimals(_as_bytes(block), _ABSURD, out_values):
         return

@@ -46,7 +46,7 @@ def test_nobody_who_is_taller_fails_before_the_child_or_leaves_the_target_while_
     standing = _standing(name)
     for raised in STEPS[:6]:
         assert _missed(standing, raised, eased=False).max() < 0.005, raised
-        assert _missed(standing, raised).max() < 0.05, raised
+        assert _missed(standing, raised).max() < 0.1, raised
 
 
 def test_the_child_is_the_first_who_cannot_reach_it() -> None:

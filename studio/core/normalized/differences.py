@@ -7,7 +7,6 @@ nearly straight.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from studio.core.kernels import layout as at
 from studio.core.rotations import inverse, multiply, normalized, sign_continuous
@@ -57,6 +56,8 @@ def difference(start: FloatArray, end: FloatArray) -> FloatArray:
 
 def moved(channels: FloatArray, by: FloatArray) -> FloatArray:
     """(..., C) channels with a ``difference`` added."""
+    from scipy.spatial.transform import Rotation  # late: it takes longer than a window
+
     summed = channels + by
     aside, along, beyond = (a + by[..., columns] for columns, a in zip(_FOLDS, _folds(channels), strict=True))
     fold = np.minimum(np.hypot(aside, along), np.pi)

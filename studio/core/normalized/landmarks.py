@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.capture import Capture
 from studio.core.humanoid import BodyMap
-from studio.core.kernels.normalize import align_segments
 from studio.core.kinematics import joint_world, rest_poses
 from studio.core.pieces import do_over_frames
 from studio.core.skeleton import Skeleton
@@ -46,6 +45,8 @@ class Landmarks:
 
     def aligned(self, alignments: FloatArray) -> FloatArray:
         """(F, S, 3, 3) canonical rotations R_joint A of all segments, A as ``find_alignments`` has it."""
+        from studio.core.kernels.normalize import align_segments  # late: it loads numba
+
         rotations = np.empty((len(self.points), self.layout.segment_count, 3, 3))
 
         def align(run: slice) -> None:

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.kernels import layout as at
-from studio.core.kernels import realize as kernel
 from studio.core.morphology import AnyMorphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
@@ -22,6 +21,8 @@ def realize(
     ``play`` keeps the actor's own stray of hips and head (as far as the capture's extra joints moved them); a
     character with rigid bones drops it.
     """
+    from studio.core.kernels import realize as kernel  # late: it takes longer than a window
+
     layout = morphology.layout
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))

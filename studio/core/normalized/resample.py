@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import ANGLES, BENDS, difference, moved, put_turns, turns_of
@@ -64,6 +63,8 @@ class Resampled:
 
 def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
     """(N, C) channels (F, C) between their rows."""
+    from scipy.interpolate import CubicSpline  # late: it takes longer than a window
+
     smooth = np.array(channels)
     smooth[:, ANGLES] = np.unwrap(smooth[:, ANGLES], axis=0)
     put_turns(smooth, sign_continuous(turns_of(smooth)))

@@ -5,8 +5,6 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
@@ -80,6 +78,12 @@ def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str,
 
 def _circles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[str, ...]]:
     """By performer, all who follow each other by some way; mostly it alone."""
+    if not any(leaders.values()):
+        return {key: (key,) for key in keys}
+
+    from scipy.sparse import coo_array  # late: it takes longer than a window
+    from scipy.sparse.csgraph import connected_components
+
     row = {key: place for place, key in enumerate(keys)}
     edges = np.array([(row[key], row[leader]) for key in keys for leader in leaders[key]], dtype=np.int64).reshape(
         -1, 2

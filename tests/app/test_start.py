@@ -1,0 +1,14 @@
+"""What the window needs before it is shown is imported; all else while somebody looks at it."""
+
+import subprocess
+import sys
+
+from tests.architecture.sources import ROOT
+
+LATE = "numba", "scipy", "vtkmodules", "pyvista", "pyqtgraph", "matplotlib", "PIL", "studio.core.solver.adapt"
+
+
+def test_the_window_opens_before_what_computes_and_draws_is_loaded():
+    script = f"import sys, studio.app.application; print(*({{*{LATE}}} & sys.modules.keys()))"
+    done = subprocess.run((sys.executable, "-c", script), cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
