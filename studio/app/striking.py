@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from studio.app.file_dialogs import ask_folder
 from studio.app.importing import ReadMotion, add_motion, read_motion
@@ -12,19 +12,19 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
-from studio.core.normalized.encode import encode
 from studio.core.placement import Placement
 from studio.core.project import Clip, Performer, new_id
 from studio.core.scope import Scope
 from studio.core.solver.rows import timing_of
 from studio.io.importing import GUESS_ALL
-from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind, Limb, hit_point
-from studio.library.indexing import IndexReport, index
-from studio.library.library import Library
-from studio.library.searching import Asked, Result, find
-from studio.library.striking import CHAIN, EASED_IN, HOLD
 from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, READY, Strikes
+
+# Here and below: what searches loads the solver, which takes longer than a window.
+if TYPE_CHECKING:
+    from studio.library.indexing import IndexReport
+    from studio.library.library import Library
+    from studio.library.searching import Asked, Result
 
 
 class Striking:
@@ -43,11 +43,15 @@ class Striking:
     def add_folder(self, folder: Path) -> int:
         """Index a folder in the background; returns the task."""
 
-        def work(progress: Any) -> tuple[IndexReport, Library]:
+        def work(progress: Any) -> "tuple[IndexReport, Library]":
+            from studio.library.catalogue import Catalogue
+            from studio.library.indexing import index
+            from studio.library.library import Library
+
             with Catalogue(self.folder) as catalogue:
                 return index(catalogue, [folder], progress), Library.of(catalogue)
 
-        def done(answer: tuple[IndexReport, Library]) -> None:
+        def done(answer: "tuple[IndexReport, Library]") -> None:
             report, self.library = answer
             self._show()
             if report.problems:
@@ -66,11 +70,14 @@ class Striking:
             self._search(self.library)
             return
 
-        def work(_progress: Any) -> Library:
+        def work(_progress: Any) -> "Library":
+            from studio.library.catalogue import Catalogue
+            from studio.library.library import Library
+
             with Catalogue(self.folder) as catalogue:
                 return Library.of(catalogue)
 
-        def done(library: Library) -> None:
+        def done(library: "Library") -> None:
             self.library = library
             self._search(library)
 
@@ -94,7 +101,9 @@ class Striking:
 
         self.bench.runner.run(f"Opening {path.name}", lambda progress: read_motion(path, GUESS_ALL, progress), done)
 
-    def _search(self, library: Library) -> None:
+    def _search(self, library: "Library") -> None:
+        from studio.library.searching import find
+
         asked = self._asked()
         self.found = [] if asked is None else find(library, asked)
         self._show(NO_TARGET if asked is None else READY if self.found else NOTHING)
@@ -103,8 +112,11 @@ class Striking:
         texts = [(each.clip.name, ", ".join(each.reasons)) for each in self.found]
         self.panel.show_results(texts, hint if self.library and self.library.clips else EMPTY)
 
-    def _asked(self) -> Asked | None:
+    def _asked(self) -> "Asked | None":
         """The active body as it is at the playhead, and the target; None while one of them is missing."""
+        from studio.core.normalized.encode import encode
+        from studio.library.searching import Asked
+
         document, panel = self.bench.document, self.panel
         performer_id, prop = document.active_performer_id, document.project.props.get(panel.target_id or "")
         adapted = self.bench.live.result(performer_id) if performer_id else None
@@ -120,7 +132,9 @@ class Striking:
         kinds = [panel.kind.value] if isinstance(panel.kind.value, Kind) else []
         return Asked(pose, body, place, limbs, kinds)
 
-    def _put(self, found: Result, performer_id: str, prop_id: str, source: ReadMotion | str) -> None:
+    def _put(self, found: "Result", performer_id: str, prop_id: str, source: ReadMotion | str) -> None:
+        from studio.library.striking import EASED_IN
+
         document, now = self.bench.document, self.bench.document.playhead.time
         if performer_id not in document.project.performers or prop_id not in document.project.props:
             raise StudioError("The body or the target is gone meanwhile. Search again.")
@@ -168,8 +182,10 @@ def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]
     return tuple(kept)
 
 
-def aimed(found: Result, clip: Clip, prop_id: str, body: Any) -> PositionConstraint:
+def aimed(found: "Result", clip: Clip, prop_id: str, body: Any) -> PositionConstraint:
     """What drives a clip to a prop: nothing at its start, all of it at the hit, in seconds of its motion."""
+    from studio.library.striking import CHAIN, HOLD
+
     label, rate = found.clip.label, found.clip.take.motion.frame_rate
     hit = found.hit / rate
     end = max(min(hit + found.seconds, label.last / rate), hit + 2 * HOLD)
