@@ -20,6 +20,7 @@ from studio.core.markers.take import MarkerTake, centre_errors
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
+from studio.core.remarks import remarks_on
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
 from studio.io.project_file import read_project
 from studio.io.registry import format_of
@@ -40,6 +41,7 @@ _NOTHING: Record = {
     "round_trip": None,
     "assumptions": [],
     "repairs": [],
+    "remarks": [],
 }
 
 
@@ -95,6 +97,7 @@ def _capture(path: Path, options: ImportOptions) -> Record:
         "round_trip": _round_trip(capture),
         "assumptions": _sentences(capture.guesses),
         "repairs": list(capture.repairs),
+        "remarks": [remark.sentence for remark in remarks_on(capture)],
         "first_frame": capture.first_frame,
         "floor": capture.floor,
         "end_sites": int(np.count_nonzero(capture.skeleton.end_sites)),
@@ -162,7 +165,7 @@ def lines_of(record: Record) -> list[str]:
     """One file for a person to read."""
     facts = [("error", record["error"])] if record["error"] else [("kind", record["kind"])]
     facts += [(_label(key), _words(record, key)) for key in _SHOWN if record.get(key) not in (None, {}, [])]
-    facts += [(key[:-1], sentence) for key in ("assumptions", "repairs") for sentence in record[key]]
+    facts += [(key[:-1], sentence) for key in ("assumptions", "repairs", "remarks") for sentence in record[key]]
     return [record["file"], *(_wrapped(label, text) for label, text in facts)]
 
 

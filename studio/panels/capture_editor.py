@@ -8,6 +8,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
 from studio.core.capture import Capture, Guess
+from studio.core.remarks import remarks_on
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.live import Live
@@ -139,7 +140,7 @@ def _show(choice: Choice, value: str) -> None:
 
 
 def _make_report(capture: Capture) -> QWidget:
-    """The guesses with their reasons, then the repairs."""
+    """The guesses with their reasons, then the repairs, then what is odd."""
     section = Section(f"Guessed · {len(capture.guesses)}")
     for guess in capture.guesses:
         section.add_wide(_guess_lines(guess))
@@ -147,6 +148,8 @@ def _make_report(capture: Capture) -> QWidget:
         section.add_wide(labelled("Nothing: the file says it all.", "hint"))
     for repair in capture.repairs:
         section.add_wide(labelled(f"Repaired: {repair}", "hint"))
+    for remark in remarks_on(capture):
+        section.add_wide(labelled(f"Odd: {remark.sentence}", "hint"))
     return section
 
 

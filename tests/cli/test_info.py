@@ -20,7 +20,7 @@ from tests.core.markers.made import made_trial
 
 KEYS = {
     *("file", "ok", "error", "kind", "frames", "frame_rate", "joints", "unit", "up_axis", "body_map", "contacts"),
-    *("round_trip", "assumptions", "repairs"),
+    *("round_trip", "assumptions", "repairs", "remarks"),
 }
 PROP = """HIERARCHY
 ROOT Box

@@ -1,0 +1,64 @@
+"""What no body does is remarked on, with its frames; what bodies do is not."""
+
+from dataclasses import replace
+
+import pytest
+
+from studio.core.capture import Capture
+from studio.core.humanoid import BodyPart
+from studio.core.pose import PoseSequence
+from studio.core.remarks import Remark, remarks_on
+from studio.core.skeleton import Skeleton
+from studio.io.importing import load_capture
+from studio.resources_folder import example_captures_folder
+
+
+@pytest.fixture(scope="module")
+def walk() -> Capture:
+    return load_capture(example_captures_folder() / "walk_turn.bvh")
+
+
+def _moved(capture: Capture, joint: int, frames: slice, by: float) -> Capture:
+    """With a joint put elsewhere in its parent, in some frames."""
+    translations = capture.poses.local_translations.copy()
+    translations[frames, joint, 0] += by
+    return replace(capture, poses=PoseSequence(capture.poses.local_rotations, translations))
+
+
+@pytest.mark.parametrize("stem", ["walk_turn", "front_kick", "straight_punch"])
+def test_nothing_is_odd_about_a_walk_a_kick_or_a_punch(stem: str) -> None:
+    assert remarks_on(load_capture(example_captures_folder() / f"{stem}.bvh")) == ()
+
+
+def test_hips_that_jump_are_told_with_their_frames(walk: Capture) -> None:
+    [remark] = remarks_on(_moved(walk, 0, slice(50, None), 0.5))
+    assert remark.spans == ((50, 50),)
+    assert "hips jump by up to 5" in remark.sentence
+
+
+def test_a_foot_that_is_somewhere_else_for_a_frame_is_told(walk: Capture) -> None:
+    assert walk.body_map is not None
+    odd = remarks_on(_moved(walk, walk.body_map[BodyPart.LEFT_FOOT], slice(50, 51), 0.7))
+    assert [remark.spans for remark in odd] == [((50, 51),)]
+    assert odd[0].sentence.startswith("The left foot moves at up to 4")
+
+
+def test_a_take_that_hovers_is_told(walk: Capture) -> None:
+    assert [remark.spans for remark in remarks_on(walk.with_floor(walk.floor - 0.3))] == [()]
+
+
+def test_a_giant_and_limbs_that_are_no_pair_are_told(walk: Capture) -> None:
+    assert walk.body_map is not None
+    skeleton, poses = walk.skeleton, walk.poses
+    tall = replace(
+        walk,
+        skeleton=Skeleton(skeleton.names, skeleton.parents, 1.5 * skeleton.offsets, skeleton.end_sites),
+        poses=PoseSequence(poses.local_rotations, 1.5 * poses.local_translations),
+    )
+    assert "m tall" in remarks_on(tall)[0].words
+    odd = _moved(walk, walk.body_map[BodyPart.LEFT_FOREARM], slice(None), 0.3)
+    assert any("swapped" in remark.words for remark in remarks_on(odd))
+
+
+def test_a_sentence_names_four_spans_at_most() -> None:
+    assert Remark("Odd.", tuple((k, k) for k in range(6))).sentence == "Odd. Frames 0, 1, 2, 3 and 2 more."
