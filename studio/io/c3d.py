@@ -137,6 +137,8 @@ def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str
     told = parameters.number("ANALOG", "USED")
     if told is not None and told != channels:
         repairs.append(f"{name}, byte 4: the header says {channels} analog channels, ANALOG:USED {told:g}; read so.")
+    if points == 0:
+        raise StudioError(f"{name}, byte 2: {_without_points(unsigned, channels, parameters)}")
     scale, integers = _scale(name, scale, parameters, repairs)
     header = _Header(
         points=points,
@@ -149,10 +151,18 @@ def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str
         data_start=_data_start(name, content, unsigned[8], parameters, repairs),
         frame_rate=_frame_rate(name, rate, parameters, repairs),
     )
-    if header.words_a_frame == 0:
-        raise StudioError(f"{name}, byte 2: the file holds neither points nor signals. Export it with its markers.")
     frames = _frames(name, content, unsigned, header, parameters, repairs)
     return _Header(**{**vars(header), "frames": frames})
+
+
+def _without_points(unsigned: list[int], channels: int, parameters: Parameters) -> str:
+    """What a file says that it holds in the place of points, and what to do."""
+    samples = max(unsigned[4] - unsigned[3] + 1, 0) * unsigned[9]
+    rotations = int(parameters.number("ROTATION", "USED") or 0)
+    held = [f"{channels} signals of {samples} samples"] if channels else []
+    held += [f"the rotations of {rotations} segments"] if rotations > 0 else []
+    only = f"only {' and '.join(held)}" if held else "nor any signals"
+    return f"the file holds no points, {only}. Export it with its markers."
 
 
 def _counted(name: str, what: str, header: int, parameter: float | None, repairs: list[str]) -> int:

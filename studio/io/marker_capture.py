@@ -218,12 +218,20 @@ def _contents(trial: Trial, markers: int) -> str:
     return ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for word, count in counts.items() if count)
 
 
+def _shown(trial: Trial) -> str:
+    """``all 12 points that it holds are angles or moments`` where they are, else that none is ever seen."""
+    kinds = sorted({kind for kind, ever in zip(trial.kinds, trial.ever_seen, strict=True) if ever})
+    if not kinds:
+        return f"none of its {len(trial.labels)} points is ever seen"
+    return f"all that is seen of its {len(trial.labels)} points are computed ones ({', '.join(kinds)})"
+
+
 def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list[Guess]) -> Capture:
     """Every marker as a joint of its own under one root: what is known, until somebody says which is which."""
     trial = take.trial
     labels = tuple(seen_labels(trial, take.subject))
     if not labels:
-        raise StudioError(f"{trial.source}: not one of its {len(trial.labels)} points is ever seen. Export it again.")
+        raise StudioError(f"{trial.source} shows no marker: {_shown(trial)}. Export it with its markers.")
     up_axis = (options.up_axis or "Z").upper()
     if up_axis not in AXES:
         raise StudioError(f"'{options.up_axis}' is no up axis. Choose {', '.join(AXES)}.")

@@ -9,6 +9,7 @@ import re
 import struct
 import tracemalloc
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ import pytest
 from studio.cli.info import described, lines_of
 from studio.core.errors import StudioError
 from studio.io.c3d import C3dFile, read_c3d
+from studio.io.c3d_writer import c3d_bytes
 from studio.io.importing import GUESS_ALL, load_capture
 from tests.io.c3d_hostile import (
     GOOD,
@@ -34,6 +36,7 @@ from tests.io.c3d_hostile import (
     step,
     value_of,
 )
+from tests.io.trials import make_trial
 
 START = data_start(GOOD)
 A_FRAME = 4 * (4 * 4 + 24)
@@ -67,7 +70,10 @@ REFUSED: dict[str, tuple[Spoil, str]] = {
         both(header(8, 60000), renamed("POINT", "DATA_START")),
         "take.c3d, byte 16: its frames should begin in block 60000",
     ),
-    "no points and no signals": (both(header(1, 0), header(2, 0)), "take.c3d, byte 2: the file holds neither points"),
+    "no points and no signals": (
+        both(header(1, 0), header(2, 0)),
+        "take.c3d, byte 2: the file holds no points, nor any",
+    ),
     "more points than bytes": (header(1, 65535), "there is no complete frame in this file, though it says 12."),
     "more signals than bytes": (header(2, 65532), "there is no complete frame in this file, though it says 12."),
     "half a signal": (header(2, 23), "take.c3d, byte 4: 23 analog numbers a frame are no whole multiple of 4"),
@@ -301,11 +307,25 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
         read_c3d(tmp_path / "none.c3d")
 
 
+def test_a_file_with_signals_alone_says_how_many_samples_it_has(tmp_path: Path) -> None:
+    trial = make_trial()
+    nobody = replace(trial, labels=(), kinds=(), points=np.zeros((12, 0, 3)), residuals=np.zeros((12, 0)))
+    with pytest.raises(StudioError, match=r"the file holds no points, only 6 signals of 48 samples\. Export it with"):
+        _read(tmp_path, c3d_bytes(nobody))
+
+
+def test_a_file_of_computed_points_alone_is_refused_as_such(tmp_path: Path) -> None:
+    labels = ("AAngles", "BAngles", "CAngles", "LKneeAngles")
+    (tmp_path / "take.c3d").write_bytes(c3d_bytes(make_trial(labels)))
+    with pytest.raises(StudioError, match=r"take\.c3d shows no marker: all that is seen of its 4 points are computed"):
+        load_capture(tmp_path / "take.c3d")
+
+
 def test_a_file_whose_points_are_never_seen_is_refused(tmp_path: Path) -> None:
     content = bytearray(GOOD)
     for frame in range(12):
         for place in range(4):
             point(frame, place, 3, -1.0)(content)
     (tmp_path / "take.c3d").write_bytes(content)
-    with pytest.raises(StudioError, match=r"take\.c3d: not one of its 4 points is ever seen"):
+    with pytest.raises(StudioError, match=r"take\.c3d shows no marker: none of its 4 points is ever seen"):
         load_capture(tmp_path / "take.c3d")

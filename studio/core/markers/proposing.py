@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import SIDES
+from studio.core.markers.roles import ROLE, SIDES
+from studio.core.markers.told_centres import told_centres
 from studio.core.markers.trial import Trial, whole
 
 FloatArray = NDArray[np.float64]
@@ -23,22 +24,22 @@ _WORDS: tuple[tuple[str, str], ...] = (
     ("inner_ankle", r"tam|mank(le)?|mm|ank(le)?.?(m|med|medial|in|inner|int)"),
     ("ankle", r"ank(le)?|fal|lm|mall?(eolus)?|ank(le)?.?(l|lat|lateral|out|outer|ext)"),
     ("heel", r"hee?l?|heel.?back|calc(aneus)?|fcc|ca"),
-    ("toe", r"toe|toe.?tip|fm2|mt2|foo\d*|toe.?(in|out)?"),
+    ("toe", r"toe|toe.?tip|fm[125]|mt2|met|foo\d*|toe.?(in|out)?"),
     ("foot", r"ft\d*|foot\d*"),
-    ("thigh", r"thi(gh)?\d*|th\d*|femur\d*|uleg\d*"),
-    ("shank", r"sha(nk)?\d*|shi?n\d*|tib(ia)?\d*|sk\d*|lleg\d*"),
+    ("thigh", r"bar.?1|thi(gh)?\d*|th\d*|femur\d*|uleg\d*"),
+    ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|tib(ia)?\d*|sk\d*|lleg\d*"),
     ("hip", r"hip|gt|troch(anter)?"),
-    ("shoulder", r"sho(ulder)?|acr(omion)?|shoulder.?top|sho.?top"),
+    ("shoulder", r"sho(ulder)?|should|saj|acr(omion)?|shoulder.?top|sho.?top"),
     ("inner_elbow", r"elb(ow)?.?(m|med|medial|in|inner|int)|hme"),
     ("elbow", r"elb(ow)?|hle|elb(ow)?.?(l|lat|lateral|out|outer|ext)"),
-    ("wrist", r"wra|wrist?.?(a|in|inner|thumb|rad(ius)?)|rsp"),
-    ("outer_wrist", r"wrb|wrist?.?(b|out|outer|uln(a)?)|usp"),
+    ("wrist", r"wra|wrist?.?(a|in|inner|thumb|rad(ius)?)|rsp|rhe"),
+    ("outer_wrist", r"wrb|wrist?.?(b|out|outer|uln(a)?)|usp|uhe"),
     ("wrists", r"wri(st)?\d*"),
     ("hand", r"fin(ger)?|hand\d*|knu(ckle)?|hand.?(in|out)"),
     ("upper_arm", r"upa|uarm\d*|upper.?arm\d*|arm\d*"),
     ("forearm", r"fra|frm|farm\d*|fore.?arm\d*"),
-    ("front_head", r"fhd|front.?head|head.?front"),
-    ("back_head", r"bhd|back.?head|head.?back"),
+    ("front_head", r"fhd|hdf|front.?head|head.?front"),
+    ("back_head", r"bhd|hdb|back.?head|head.?back"),
 )
 _MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
     ("neck_back", r"c7|spine.?top|neck"),
@@ -47,7 +48,9 @@ _MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
     ("breastbone", r"strn|stern(um)?|px|xip(h|hoid)?|chest"),
     ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
 )
-_NUMBERED = re.compile(r"_\d+$")
+_ACROSS = 0.7
+"""Cosine of the angle from straight across the body within which two markers are on either side of a joint."""
+_NUMBERED = re.compile(r"[_ ]\d+$")
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,7 @@ class _Marker:
 def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
     """What the labels say, sorted out by geometry: pairs on both sides of a joint, clusters on pelvis and feet."""
     found = _by_words(trial, subject)
+    centres = _take_centres(found, trial, subject)
     markers: dict[str, tuple[str, ...]] = {}
     outward = _leftward(found)
     for side in SIDES:
@@ -70,23 +74,39 @@ def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
         for role, marker in zip(("wrist", "outer_wrist"), pair, strict=False):
             found.setdefault((side, role), []).append(marker)
     _sort_pelvis(found, outward)
-    for side in SIDES:
-        _sort_foot(found, side)
+    _sort_feet(found)
     for (side, part), own in found.items():
         role = f"{side}_{part}" if side else part
         limit = None if part in ("thigh", "shank") else 1
         markers[role] = tuple(marker.label for marker in own[:limit])
     sacrum = markers.pop("sacrum", ())
-    if sacrum:
-        for side in SIDES:
-            markers.setdefault(f"{side}_back_hip", sacrum)
-    known = {role: labels for role, labels in markers.items() if not role.endswith(("_foot", "_pelvis"))}
-    return MarkerMap("proposed by names and places", {r: m for r, m in known.items() if r != "pelvis"})
+    for side in SIDES:
+        if behind := markers.pop(f"{side}_sacrum", sacrum):
+            markers.setdefault(f"{side}_back_hip", behind)
+    return MarkerMap("proposed by names and places", {r: m for r, m in markers.items() if r in ROLE}, centres)
+
+
+def _take_centres(found: dict[tuple[str, str], list[_Marker]], trial: Trial, subject: str) -> dict[str, str]:
+    """Joint centres by joint, taken out of what was ``found`` where markers of their joint remain."""
+    written = {bare: label for label, bare in seen_labels(trial, subject).items()}
+    labels = {place: [marker.label for marker in own] for place, own in found.items()}
+    tracks = {bare: trial.metres * trial.track(written[bare]) for own in labels.values() for bare in own}
+    told = told_centres(labels, tracks)
+    names = {joint.partition("_")[2] for joint in told}
+    left = {place: [each for each in own if each.label not in told.values()] for place, own in found.items()}
+    if not all(left.get((side, name)) or name == "hip" for side in SIDES for name in names):
+        return {}
+    found.clear()
+    found |= {place: own for place, own in left.items() if own}
+    return told
 
 
 def part_of(label: str) -> tuple[str, str] | None:
     """(side, part) that a label says, side empty in the middle; None where it says nothing known."""
-    plain = _NUMBERED.sub("", label).lower()
+    return _said(label.lower()) or _said(_NUMBERED.sub("", label.lower()))
+
+
+def _said(plain: str) -> tuple[str, str] | None:
     for part, words in _MIDDLE_WORDS:
         if re.fullmatch(words, plain):
             return "", part
@@ -132,13 +152,14 @@ def _leftward(found: dict[tuple[str, str], list[_Marker]]) -> FloatArray:
 
 
 def _sort_pair(found: dict[tuple[str, str], list[_Marker]], side: str, joint: str, outward: FloatArray) -> None:
-    """Of two markers at one joint the outer one and the inner one."""
+    """Of two markers at one joint the outer one and the inner one, where they are on either side of it."""
     own = found.get((side, joint), [])
     if len(own) < 2 or (side, f"inner_{joint}") in found:
         return
-    own.sort(key=lambda marker: -float(marker.place @ outward))
-    found[side, f"inner_{joint}"] = [own[-1]]
-    found[side, joint] = own[:1]
+    outer, *_, inner = sorted(own, key=lambda marker: -float(marker.place @ outward))
+    way = outer.place - inner.place
+    if way @ outward > _ACROSS * np.linalg.norm(way):
+        found[side, f"inner_{joint}"], found[side, joint] = [inner], [outer]
 
 
 def _sort_pelvis(found: dict[tuple[str, str], list[_Marker]], leftward: FloatArray) -> None:
@@ -160,14 +181,24 @@ def _sort_pelvis(found: dict[tuple[str, str], list[_Marker]], leftward: FloatArr
         found.setdefault((side, end), []).append(marker)
 
 
-def _sort_foot(found: dict[tuple[str, str], list[_Marker]], side: str) -> None:
-    """Of an unnamed cluster on a foot the two that lie farthest apart along the way the knee looks."""
-    cluster = found.pop((side, "foot"), [])
-    if len(cluster) < 2 or (side, "toe") in found:
+def _sort_feet(found: dict[tuple[str, str], list[_Marker]]) -> None:
+    """Of unnamed clusters on the feet the two that lie farthest apart along the way the body looks: heel and toe.
+
+    The same ones on either side, where they are called alike.
+    """
+    forward = np.cross(_leftward(found), _upward(found))
+    feet = [found.pop((side, "foot"), []) for side in SIDES]
+    middles = [np.mean([marker.place for marker in foot], axis=0) for foot in feet if foot]
+    if not middles:
         return
-    up, leftward = _upward(found), _leftward(found)
-    cluster.sort(key=lambda marker: float(marker.place @ np.cross(leftward, up)))
-    found[side, "heel"], found[side, "toe"] = [cluster[0]], [cluster[-1]]
+    ahead: dict[str, list[float]] = defaultdict(list)
+    for foot, middle in zip([foot for foot in feet if foot], middles, strict=True):
+        for marker in foot:
+            ahead[marker.label[1:]].append(float((marker.place - middle) @ forward))
+    for side, foot in zip(SIDES, feet, strict=True):
+        if len(foot) > 1 and (side, "toe") not in found:
+            foot.sort(key=lambda marker: float(np.mean(ahead[marker.label[1:]])))
+            found[side, "heel"], found[side, "toe"] = [foot[0]], [foot[-1]]
 
 
 def _upward(found: dict[tuple[str, str], list[_Marker]]) -> FloatArray:
