@@ -1,8 +1,9 @@
 """What several verbs share: a capture made ready, the characters named, a whole adaptation."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -96,13 +97,20 @@ def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
     bundled = bundled_characters()
     if not names:
         return dict(bundled)
+    twice = [name for place, name in enumerate(names) if name in names[:place]]
+    if twice:
+        raise StudioError(f"The character '{twice[0]}' is named twice. Name each one once.")
     chosen: dict[str, Character] = {}
     for name in names:
-        key = name if name in bundled else Path(name).stem
-        if key in chosen:
-            raise StudioError(f"Two characters are called '{key}'. Name each one once.")
-        chosen[key] = bundled[name] if name in bundled else _character_file(name, tuple(bundled))
+        character = bundled[name] if name in bundled else _character_file(name, tuple(bundled))
+        chosen[_own_key(name if name in bundled else Path(name).stem, chosen)] = character
     return chosen
+
+
+def _own_key(stem: str, taken: Container[str]) -> str:
+    """``hero``, or ``hero_2`` where another file of that name is there."""
+    keys = chain([stem], (f"{stem}_{number}" for number in count(2)))
+    return next(key for key in keys if key not in taken)
 
 
 def _character_file(name: str, bundled: Sequence[str]) -> Character:

@@ -13,8 +13,8 @@ from studio.core.skeleton import Skeleton
 FloatArray = NDArray[np.float64]
 Candidates = Mapping[BodyPart, Sequence[int]]
 
-_MOST_VARIATION = 0.03
-"""Standard deviation of a bone's length over its mean from which it is no bone."""
+MOST_VARIATION, LOOSE_VARIATION = 0.03, 0.2
+"""Standard deviation of a bone's length over its mean from which it is no bone; that of suits whose joints drift."""
 _MOST_ASYMMETRY = 0.25
 """Logarithm of the ratio of left to right from which two bones are no pair."""
 _SHORTEST_BONE = 0.25
@@ -43,9 +43,10 @@ class Match:
 class BodySearch:
     """A skeleton with some of its world positions (F, J, 3) in any unit."""
 
-    def __init__(self, skeleton: Skeleton, positions: FloatArray) -> None:
+    def __init__(self, skeleton: Skeleton, positions: FloatArray, most_variation: float = MOST_VARIATION) -> None:
         self.skeleton = skeleton
         self.positions = positions
+        self.most_variation = most_variation
 
     def match(self, candidates: Candidates) -> Match:
         """The body whose joints are taken from ``candidates``, the likeliest first in each list."""
@@ -56,6 +57,22 @@ class BodySearch:
             return Match(None, tuple(missing), 0)
         parts = dict(zip(LIMBS["left arm"] + LIMBS["right arm"], arms, strict=True))
         parts |= dict(zip(LIMBS["left leg"] + LIMBS["right leg"], legs, strict=True))
+        return self._whole(candidates, parts)
+
+    def around(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> Match:
+        """The body with these limbs, which somebody knows; however long their bones are, they need only hang together.
+
+        Trunk, head and toes are taken from ``candidates``.
+        """
+        broken = [
+            limb
+            for limb, parts in LIMBS.items()
+            if any(len(self.skeleton.path(limbs[a], limbs[b])) < 2 for a, b in pairwise(parts))
+        ]
+        return Match(None, tuple(broken), 0) if broken else self._whole(candidates, dict(limbs))
+
+    def _whole(self, candidates: Candidates, parts: dict[BodyPart, int]) -> Match:
+        """Limbs, ``parts``, with the rest of their body."""
         spine = self._trunk(candidates, parts)
         if len(spine) < 2:
             return Match(None, ("spine",), 0)
@@ -80,7 +97,7 @@ class BodySearch:
             bones = [self._bone(a, b) for a, b in pairwise(joints)]
             lengths = np.array([length for length, _ in bones])
             variation = max(share for _, share in bones)
-            if lengths.min() > _SHORTEST_BONE * lengths.max() and variation < _MOST_VARIATION:
+            if lengths.min() > _SHORTEST_BONE * lengths.max() and variation < self.most_variation:
                 detours = sum(len(way) - 2 for way in ways)
                 yield _Limb(joints, lengths, 5.0 * variation + 0.05 * detours)
 
@@ -132,4 +149,4 @@ class BodySearch:
         """A toe is a bone away from the ankle; a joint in the heel that carries the whole foot is none."""
         length, variation = self._bone(foot, toe)
         ends = [self._bone(toe, end)[0] for end in self.skeleton.descendants(toe)]
-        return variation < _MOST_VARIATION and length > 0.5 * max(ends, default=0.0)
+        return variation < self.most_variation and length > 0.5 * max(ends, default=0.0)

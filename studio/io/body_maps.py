@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body_matching import BodySearch, Match
+from studio.core.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodySearch, Match
 from studio.core.errors import StudioError
 from studio.core.humanoid import LIMBS, BodyMap, BodyPart, is_spine, part_called
 from studio.core.skeleton import Skeleton
@@ -55,19 +55,34 @@ def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, st
     """The body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
 
     ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search; no name where the body has no
-    such part. Raises StudioError when a chosen part or joint does not exist or the chosen ones do not make a body.
+    such part. Where all limbs are chosen they are believed, whatever their bones look like. Raises StudioError when a
+    chosen part or joint does not exist or the chosen ones do not make a body.
     """
-    search = BodySearch(skeleton, positions)
     fixed = _fixed(skeleton, chosen or {})
-    by_name = _joints_by_name(skeleton)
-    tries = [(family.name, search.match(_candidates(family, by_name) | fixed)) for family in naming_families()]
-    tries.append(("names of several families", search.match(_candidates(_all_families(), by_name) | fixed)))
-    family, best = max(tries, key=lambda tried: (tried[1].parts, -len(tried[1].missing)))
+    family, best = _best_match(skeleton, positions, fixed)
     if best.body_map is None:
         if fixed:
             raise _chosen_are_no_body(best)
         return FoundBody(None, "", best.missing)
     return FoundBody(_overruled(best.body_map, skeleton, chosen or {}, fixed), family, ())
+
+
+def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart, list[int]]) -> tuple[str, Match]:
+    """The body found, and the family of its names; bones may drift only where no body has constant ones."""
+    by_name = _joints_by_name(skeleton)
+    every = _candidates(_all_families(), by_name) | fixed
+    limbs = {part: fixed.get(part) for parts in LIMBS.values() for part in parts}
+    if all(limbs.values()):
+        known = {part: joints[0] for part, joints in limbs.items() if joints}
+        return "the joints chosen", BodySearch(skeleton, positions).around(known, every)
+    for most in (MOST_VARIATION, LOOSE_VARIATION):
+        search = BodySearch(skeleton, positions, most)
+        tries = [(family.name, search.match(_candidates(family, by_name) | fixed)) for family in naming_families()]
+        tries.append(("names of several families", search.match(every)))
+        family, best = max(tries, key=lambda tried: (tried[1].parts, -len(tried[1].missing)))
+        if best.body_map is not None:
+            break
+    return family, best
 
 
 def similar_joints(skeleton: Skeleton, limb: str) -> list[str]:

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body_shape import body_by_shape
 from studio.core.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.humanoid import BodyMap
@@ -16,7 +17,7 @@ from studio.core.pieces import over_frames
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
 from studio.core.skeleton import Skeleton
-from studio.io.body_maps import find_body
+from studio.io.body_maps import FoundBody, find_body
 from studio.io.bvh import read_bvh
 from studio.io.capture_guesses import body_guesses, stood_capture
 from studio.io.guessing import (
@@ -70,6 +71,8 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     sample = PoseSequence(*file.transforms(looked_at))
     points = joint_positions(file.skeleton, sample)
     found = find_body(file.skeleton, points, options.body_map)
+    if found.body_map is None:
+        found = _found_by_shape(file.skeleton, options) or found
     guesses: list[Guess] = body_guesses(file.skeleton, found, options)
     scale = _unit(points, found.body_map, options, guesses)
     up_axis = _up_axis(file.skeleton, points, found.body_map, options, guesses)
@@ -92,6 +95,18 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     )
     progress(1.0, f"Loaded {path.name}")
     return capture
+
+
+def _found_by_shape(skeleton: Skeleton, options: ImportOptions) -> FoundBody | None:
+    """The body that stands like one with all rotations zero, whatever its joints are called; None where none does."""
+    still = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    points = joint_positions(skeleton, still)[0]
+    for axis in (options.up_axis.upper(),) if options.up_axis else AXES:
+        by_shape = body_by_shape(skeleton, points @ AXES[axis].T) if axis in AXES else None
+        if by_shape is not None:
+            parts = {part: joint for part, joint in by_shape.parts.items() if not skeleton.end_sites[joint]}
+            return FoundBody(BodyMap(parts, by_shape.spine), "", ())
+    return None
 
 
 def to_world(

@@ -196,6 +196,10 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     segments = segments_of_joints(body.skeleton, body.body_map)
     pieces = _worn(figure, segments, len(body.body_map.spine), repairs)
     if not pieces:
+        if figure.moves:
+            raise StudioError(
+                f"{figure.source} is an animation: a skeleton with nothing round it. Import it as a capture."
+            )
         raise StudioError(f"{figure.source} has a skeleton and nothing round it. Export it with its mesh.")
     vertices = np.concatenate([piece.vertices for piece in pieces]) @ body.to_world.T
     width = max(piece.joints.shape[1] for piece in pieces)

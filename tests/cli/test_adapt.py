@@ -83,7 +83,7 @@ def test_characters_are_chosen_by_name_or_by_file(capsys, walk, tmp_path):
     ("names", "sentence"),
     [
         (["dwarf"], "No character is called 'dwarf'. Bundled are adult_woman"),
-        (["child", "child"], "Two characters are called 'child'"),
+        (["child", "child"], "The character 'child' is named twice."),
         (["nobody.json"], "nobody.json"),
     ],
 )

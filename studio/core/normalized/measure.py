@@ -46,6 +46,9 @@ def measure_actor(
     leg = np.array([[length(hip, hip + 1), length(hip + 1, hip + 2)] for hip in legs])
     heights = points[:, [layout.ankle(0), layout.ankle(1)], 2] - floor
     ankle = _ankle_heights(heights, contacts, float(leg.sum() / 2))
+    toe_height = np.maximum(ankle + feet[:, 2], 0.0)
+    toes = np.array([vector(layout.spine_count + 13 + 4 * side, legs[side] + 3, legs[side] + 4) for side in (0, 1)])
+    toes[:, 2] = np.maximum(toes[:, 2], -toe_height)  # tips that a file has not are guessed, but not below the ground
     return Morphology(
         spine=np.array([vector(k, k, k + 1) for k in range(layout.spine_count)]),
         neck=length(layout.neck_base, layout.head_joint),
@@ -57,9 +60,9 @@ def measure_actor(
         hip_offset=np.array([vector(0, 0, hip) for hip in legs]),
         leg=leg,
         foot=feet,
-        toe=np.array([vector(layout.spine_count + 13 + 4 * s, legs[s] + 3, legs[s] + 4) for s in (0, 1)]),
+        toe=toes,
         ankle_height=ankle,
-        toe_height=np.maximum(ankle + feet[:, 2], 0.0),
+        toe_height=toe_height,
         heel_length=HEEL_LENGTH * np.linalg.norm(feet[:, :2], axis=1),
         neck_rest=_rest_direction(marks, alignments, layout.neck_base),
         clavicle_rest=np.array([_rest_direction(marks, alignments, layout.spine_count + 2 + 4 * s) for s in (0, 1)]),
