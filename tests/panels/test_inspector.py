@@ -16,7 +16,7 @@ from studio.document.document import Document
 from studio.io.character_file import bundled_characters
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
-from studio.panels.constraint_editors.residuals import residuals_of, words_of
+from studio.panels.constraint_editors.residuals import BodyResidual, ResidualTable, residuals_of, words_of
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from tests.builders import make_morphology, make_project
@@ -295,6 +295,15 @@ def test_undo_is_shown_in_the_form(inspector, document):
     field.setValue(0.25)
     document.undo_stack.undo()
     assert field.value() == 0.0
+
+
+def test_the_table_of_bodies_leaves_their_names_whole(qapp):
+    table = ResidualTable()
+    table.resize(284, 200)
+    table.show_residuals([BodyResidual(name, "#ffffff", None) for name in ("Ann", "Bo", "Cy", "Di")])
+    assert (table.columns, table.sizeHint().height()) == (2, 36)
+    table.show_residuals([BodyResidual(name, "#ffffff", None) for name in ("The adult woman", "Bo", "Cy", "Di")])
+    assert (table.columns, table.sizeHint().height()) == (1, 72)
 
 
 def test_residuals_tell_who_misses_the_target_by_how_much_and_when(document, live):

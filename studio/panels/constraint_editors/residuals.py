@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from studio.core.project import Project
@@ -14,6 +14,9 @@ from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
 ROW, COLUMNS, BETWEEN = 18, 2, 16
+DOT = 16
+WIDEST = "0000 mm*"
+"""Room that every amount is given, so that nothing jumps while it changes."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,7 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
 
 
 class ResidualTable(QWidget):
-    """The bodies in two columns: dot, name, amount; the whole sentence under the mouse."""
+    """The bodies in two columns where their names have room, else in one: dot, name, amount."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -69,28 +72,39 @@ class ResidualTable(QWidget):
     def show_residuals(self, residuals: list[BodyResidual]) -> None:
         """Show these lines."""
         if residuals != self.residuals:
-            resized = len(residuals) != len(self.residuals)
+            before = self.sizeHint()
             self.residuals = residuals
             lines = [f"{each.name}: {words_of(each)}" for each in residuals]
             self.setAccessibleDescription("; ".join(lines))
             self.setToolTip("\n".join(lines))
-            if resized:
+            if self.sizeHint() != before:
                 self.updateGeometry()
             self.update()
 
+    @property
+    def columns(self) -> int:
+        """As many as leave every name whole."""
+        metrics, room = self.fontMetrics(), (self.width() - BETWEEN) // COLUMNS
+        names = max((metrics.horizontalAdvance(each.name) for each in self.residuals), default=0)
+        return COLUMNS if DOT + names + 6 + metrics.horizontalAdvance(WIDEST) <= room else 1
+
     def sizeHint(self) -> QSize:
-        return QSize(200, ROW * max(-(-len(self.residuals) // COLUMNS), 1))
+        return QSize(200, ROW * max(-(-len(self.residuals) // self.columns), 1))
+
+    def resizeEvent(self, _: QResizeEvent) -> None:
+        self.updateGeometry()
 
     def paintEvent(self, _: QPaintEvent) -> None:
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        columns = self.columns
+        width = (self.width() - BETWEEN) // COLUMNS if columns == COLUMNS else self.width()
         for place, residual in enumerate(self.residuals):
-            self._paint(painter, place // COLUMNS * ROW, place % COLUMNS, residual)
+            self._paint(painter, place // columns * ROW, place % columns * (width + BETWEEN), width, residual)
         painter.end()
 
-    def _paint(self, painter: QPainter, top: int, column: int, residual: BodyResidual) -> None:
-        width = (self.width() - BETWEEN) // COLUMNS
-        left, baseline, metrics = column * (width + BETWEEN), top + 13, painter.fontMetrics()
+    def _paint(self, painter: QPainter, top: int, left: int, width: int, residual: BodyResidual) -> None:
+        baseline, metrics = top + 13, painter.fontMetrics()
         painter.setPen(QColor(0, 0, 0, 0))
         painter.setBrush(QColor(residual.colour))
         painter.drawEllipse(left, top + 5, 8, 8)
@@ -98,7 +112,7 @@ class ResidualTable(QWidget):
         start = left + width - metrics.horizontalAdvance(text)
         name = metrics.elidedText(residual.name, Qt.TextElideMode.ElideRight, start - left - 22)
         painter.setPen(QColor(colours.TEXT))
-        painter.drawText(left + 16, baseline, name)
+        painter.drawText(left + DOT, baseline, name)
         painter.setPen(QColor(colour))
         painter.drawText(start, baseline, text)
 
