@@ -145,6 +145,26 @@ def test_a_wrist_is_only_where_it_may_be(body: Morphology, shape: AreaShape, siz
     assert np.linalg.norm(nearest_place(area, wrist) - wrist) < MET
 
 
+@pytest.mark.parametrize("size", [(0.8, 0.8, 0.7), (1.2, 0.6, 0.04), (0.1, 0.5, 0.3)], ids=str)
+def test_a_table_leaves_no_point_in_it_and_pushes_neighbours_alike(size: tuple[float, float, float]) -> None:
+    random, half = np.random.default_rng(2), 0.5 * np.array(size)
+    table = ask(AreaConstraint, RIGHT, ARM, shape="table", centre=(0.0, 0.0, 0.0), size=size)
+    for _ in range(2000):
+        point = random.uniform(-half, half)
+        place = nearest_place(table, point)
+        assert (np.abs(place) / half).max() == pytest.approx(1.0)
+        if point[2] + half[2] > 1.001 * min(0.1, half[2]):  # below it goes back down
+            apart = np.linalg.norm(nearest_place(table, point + np.array([1e-7, -1e-7, 1e-7])) - place)
+            assert apart < 2e-4
+
+
+def test_a_wrist_at_the_edge_of_a_table_goes_little_farther_than_out_of_it() -> None:
+    table = ask(AreaConstraint, RIGHT, ARM, shape="table", centre=(0.0, 0.0, 0.0), size=(0.8, 0.8, 0.7))
+    for within in (0.005, 0.01, 0.02, 0.04):
+        point = np.array([0.4 - within, 0.0, 0.25])
+        assert np.linalg.norm(nearest_place(table, point) - point) < 3.0 * within
+
+
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_an_area_above_a_target_keeps_the_wrist_out_and_as_near_as_may_be(body: Morphology) -> None:
     wrist = place_of(RIGHT, solved(body))[30]

@@ -24,6 +24,8 @@ LIMB, ARM, BACK, ALL = Chain(clavicle=0.0), Chain(), Chain(trunk=1.0), Chain(tru
 WRIST = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
 LEAK = 2e-4
 """Metres or radians by which a miss may change."""
+BENT = 0.114
+"""Metres from an elbow to the line from shoulder to wrist from which on a swivel is exact."""
 
 
 def _solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
@@ -50,6 +52,29 @@ def test_a_lower_constraint_does_not_change_what_a_higher_misses(body: Morpholog
         wish = target(part, before + random.normal(size=3) * random.choice([0.05, 0.4]), own, 1)
         alone, both = _solved(body, higher), _solved(body, higher, wish)
         assert abs(both.residuals[0, 0] - alone.residuals[0, 0]) <= LEAK
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+def test_a_wrist_before_its_elbow_meets_both_where_the_elbow_before_it_does(body: Morphology) -> None:
+    """Where the arm is bent enough for its swivel to be exact, METHOD (17)."""
+    before, tried = _solved(body), 0
+    elbow, wrist = (place_of(point, before)[0] for point in (BodyPoint(BodyPart.LEFT_UPPER_ARM, at_end=True), WRIST))
+    for seed in range(24):
+        random, chain = np.random.default_rng(seed), (ARM, BACK, ALL)[seed % 3]
+        way = (wrist - elbow) / np.linalg.norm(wrist - elbow) + random.uniform(0.5, 1.5) * np.array([0.9, 0.0, 0.5])
+        first = elbow + 0.04 * random.normal(size=3)
+        second = first + np.linalg.norm(wrist - elbow) * way / np.linalg.norm(way)
+        parts = (BodyPart.LEFT_UPPER_ARM, first), (BodyPart.LEFT_FOREARM, second)
+        swapped, ordered = (
+            _solved(body, *(target(part, place, chain, priority) for priority, (part, place) in enumerate(wishes)))
+            for wishes in (parts, parts[::-1])
+        )
+        shoulder = swapped.positions[0, body.layout.collar(0) + 1]
+        aside = np.linalg.norm(np.cross(first - shoulder, second - shoulder)) / np.linalg.norm(second - shoulder)
+        if swapped.residuals.max() < LEAK and aside > BENT:
+            tried += 1
+            assert ordered.residuals.max() < LEAK, seed
+    assert tried > 5
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)

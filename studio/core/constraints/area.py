@@ -12,7 +12,7 @@ from studio.core.triangle_mesh import TriangleMesh
 
 
 class AreaShape(StrEnum):
-    """Half-space: above the plane of its tilted top. Table: as a box kept out of, but always left upwards."""
+    """Half-space: above the plane of its tilted top. Table: a box kept out of, left upwards, at its edges aside too."""
 
     HALF_SPACE = "half_space"
     BOX = "box"

@@ -15,8 +15,8 @@ OUTSIDE, INSIDE, ON = 0, 1, 2
 NUMBERS = 10
 
 EDGE = 0.1
-"""Metres from a table's edge within which the push upwards fades, so that a hand coming from the side or from below
-does not pop.
+"""Metres from a table's edge within which its push turns outwards, so that a hand coming from the side does not pop,
+and from its lower face within which it goes back there.
 """
 
 
@@ -117,12 +117,29 @@ def box(x, y, z, a, b, h, inside, upwards):
         return min(max(x, -a), a), min(max(y, -b), b), min(max(z, -h), h)
     if abs(x) >= a or abs(y) >= b or abs(z) >= h:
         return x, y, z
-    if upwards:
-        t = min(min(a - abs(x), b - abs(y)) / EDGE, (h + z) / min(EDGE, h), 1.0)
-        return x, y, z + t * t * (3.0 - 2.0 * t) * (h - z)
+    if upwards and h + z > min(EDGE, h):
+        return over_edge(x, y, z, a, b, h)
     left, right, over = a - abs(x), b - abs(y), h - abs(z)
     if left <= right and left <= over:
         return (a if x >= 0.0 else -a), y, z
     if right <= over:
         return x, (b if y >= 0.0 else -b), z
     return x, y, (h if z >= 0.0 else -h)
+
+
+@kernel
+def over_edge(x, y, z, a, b, h):
+    """Out of a table: straight up, and near its edge ever more outwards, away from what lies as far within and below.
+
+    Continuous wherever it is inside, and at its top and sides, where a point stays.
+    """
+    edge = min(EDGE, a, b)
+    inner_x, inner_y = min(max(x, edge - a), a - edge), min(max(y, edge - b), b - edge)
+    below = max(z - EDGE, -h)
+    out_x, out_y, up = x - inner_x, y - inner_y, z - below
+    far = (h - below) / up
+    if out_x != 0.0:
+        far = min(far, edge / abs(out_x))
+    if out_y != 0.0:
+        far = min(far, edge / abs(out_y))
+    return inner_x + far * out_x, inner_y + far * out_y, below + far * up

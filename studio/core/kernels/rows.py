@@ -64,8 +64,10 @@ def add_rows(c, level, owner, is_held, count, asked, chain, body, work, pose):
     ask, grips, points = work[0], work[4], work[5]
     row = asked[c]
     first = count
-    if (row.kind == AREA and not row.engaged) or (row.second and not is_held):
+    if row.kind == AREA and not row.engaged:
         return count
+    if row.second and not is_held:
+        return add_second_row(c, owner, count, asked, ask, chain, points, pose)
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
         count = add_turn_rows(row, owner, is_held, count, ask, chain, work[7][0], points[0], pose)
     elif row.kind == BALANCE:
@@ -356,6 +358,47 @@ def add_apart_row(c, owner, count, asked, ask, chain, limits, points, pose):
 
 
 @kernel
+def first_of(c, asked):
+    """The place that the limb of a second wish has to bring its point to first, -1 for none."""
+    for before in range(c):
+        first = asked[before]
+        same = first.kind == POSITION and first.wanted == 1 and first.ends[0, 2] == asked[c].ends[0, 2]
+        if same and first.freedoms[0, 0] > 0.0:
+            return before
+    return -1
+
+
+@kernel
+def add_second_row(c, owner, count, asked, ask, chain, points, pose):
+    """A limb's second wish for its elbow or knee: the root nears its place by what the upper bone does not span.
+
+    The place is the nearest to what is wanted that is as far from the first wish's point as the bone between them is
+    long: the swivel about the axis to there (16) does the rest.
+    """
+    row, point, held, first = asked[c], points[0], points[1], first_of(c, asked)
+    root, upper = limb_indices(row.ends[0, 2], pose[0].shape[0] - 23)
+    if first < 0 or row.ends[0, 1] != upper or asked[first].ends[0, 1] == upper or row.stiff or row.freedoms[0, 0] == 0:
+        return count
+    shoulder, goal = pose[0][root], row.places[0]
+    end_place(row, 0, pose, point)
+    end_place(asked[first], 0, pose, held)
+    part = distance(point, held) / max(distance(goal, held), 1e-9)
+    x = held[0] + part * (goal[0] - held[0]) - shoulder[0]
+    y = held[1] + part * (goal[1] - held[1]) - shoulder[1]
+    z = held[2] + part * (goal[2] - held[2]) - shoulder[2]
+    span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
+    error = span - distance(point, shoulder)
+    if abs(error) < CLOSE_ENOUGH:
+        return count
+    x, y, z, carrier = x / span, y / span, z / span, 0 if row.ends[0, 2] >= 2 else upper - 1
+    begin_row(ask, count, owner, error)
+    add_point_row(shoulder, x, y, z, carrier, chain[1], pose[0], ask[0][count])
+    pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
+    note_pull(ask[5][count], pull * x, pull * y, pull * z, math.copysign(span, error), shoulder, carrier)
+    return count + 1
+
+
+@kernel
 def add_swivel_row(c, end, owner, count, asked, ask, chain, points, pose):
     """Hold what a limb's second wish misses, where the swivel that its first leaves was not to be had.
 
@@ -364,11 +407,7 @@ def add_swivel_row(c, end, owner, count, asked, ask, chain, points, pose):
     """
     row, point, held = asked[c], points[0], points[1]
     limb, goal = row.ends[end, 2], row.places[end]
-    for before in range(c):
-        first = asked[before]
-        if first.kind == POSITION and first.wanted == 1 and first.ends[0, 2] == limb and first.freedoms[0, 0] > 0.0:
-            end_place(first, 0, pose, held)
-            break
+    end_place(asked[first_of(c, asked)], 0, pose, held)
     root, upper = limb_indices(limb, pose[0].shape[0] - 23)
     origin = pose[0][root]
     end_place(row, end, pose, point)
