@@ -305,7 +305,8 @@ def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_
     assert target.times == (0.1, 0.2)
     assert target.values[0] == getattr(before, HELD_BY[kind]).values[0]
     assert target.values[1][2] > target.values[0][2] + 0.02
-    assert document.undo_stack.undoText() == f"Key target of {before.name}"
+    what = "centre" if kind == "area" else "target"
+    assert document.undo_stack.undoText() == f"Key {what} of {before.name}"
 
 
 def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag_offsets_it(studio):
