@@ -27,6 +27,7 @@ test: .venv/.ready-to-test
 bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.bench
 	.venv/bin/python benchmarks/long_capture.py
+	.venv/bin/python -m benchmarks.retrieval
 
 soak: .venv/.ready-to-test
 	.venv/bin/python -m tests.soak

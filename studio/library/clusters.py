@@ -1,0 +1,71 @@
+"""Poses of a library in groups, as P09 (3.3.2) has them: a map to look at, not what the search goes by.
+
+K-means over what of a pose does not change with a turn or a shift: how far each joint is from the middle, and how high.
+"""
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.cluster.vq import kmeans2
+
+from studio.core.kernels import retrieval as at
+from studio.core.retrieval import SearchTable, pose_distances
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ROUNDS = 40
+LINKS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class PoseMap:
+    """``clusters`` (F,) the group of each row of a table; of G groups: ``centroids`` (G, 40), ``representatives`` (G,)
+    the row that lies nearest to each, ``links`` (G, L) the groups whose representatives are most similar, the
+    nearest first.
+    """
+
+    clusters: IntArray
+    centroids: FloatArray
+    representatives: IntArray
+    links: IntArray
+
+    def clips_of(self, cluster: int, table: SearchTable) -> IntArray:
+        """The clips that have poses in a group, the one with most of them first."""
+        rows = np.flatnonzero(self.clusters == cluster)
+        counts = np.bincount(np.searchsorted(table.first_rows, rows, "right") - 1, minlength=table.clip_count)
+        order = np.argsort(-counts, kind="stable")
+        return np.asarray(order[counts[order] > 0])
+
+
+def unturned(rows: ArrayLike) -> FloatArray:
+    """(F, 40) what of pose rows (F, 64) neither turn nor shift change; Euclidean, it is never more than D."""
+    poses = np.asarray(rows, dtype=np.float64)
+    return np.concatenate([np.hypot(poses[:, : at.Y], poses[:, at.Y : at.Z]), poses[:, at.Z : at.SQUARE]], axis=1)
+
+
+def map_of(table: SearchTable, count: int, seed: int = 0) -> PoseMap:
+    """At most ``count`` groups of a table's poses; the same seed gives the same groups."""
+    features = unturned(table.rows)
+    count = min(count, len(features))
+    if count == 0:
+        none = np.empty(0, dtype=np.int64)
+        return PoseMap(none, np.empty((0, 2 * at.JOINTS)), none, np.empty((0, 0), dtype=np.int64))
+    starts = features[np.random.default_rng(seed).choice(len(features), count, replace=False)]
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "One of the clusters is empty")  # where poses are alike; it is left out below
+        centroids, found = kmeans2(features, starts, iter=ROUNDS, minit="matrix")
+    groups = np.unique(found)
+    representatives = np.array([_nearest(features, found == group, centroids[group]) for group in groups])
+    poses = table.rows[representatives]
+    apart = np.array([pose_distances(pose, poses)[0] for pose in poses])
+    np.fill_diagonal(apart, np.inf)
+    links = np.argsort(apart, axis=1)[:, : min(LINKS, len(groups) - 1)]
+    return PoseMap(np.searchsorted(groups, found), centroids[groups], representatives, links)
+
+
+def _nearest(features: FloatArray, among: NDArray[np.bool_], centroid: FloatArray) -> int:
+    rows = np.flatnonzero(among)
+    return int(rows[np.argmin(np.linalg.norm(features[rows] - centroid, axis=1))])
