@@ -5,6 +5,7 @@ the same). Two points that are to meet have one place between them, to which eac
 who cannot is met where it is.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -28,8 +29,8 @@ SWEEPS = 10
 """Times that all of a circle are solved at most."""
 SETTLED = 2e-4
 """Metres by which nobody who is followed moves any more from one sweep to the next."""
-STEADY = 4
-"""Sweeps after which targets go only half of their way: who chases each other comes to rest so."""
+CALMING = 0.6
+"""Part of the way before by which all must move less at least; else they go half of it: who chases comes to rest so."""
 EVEN = 1e-4
 """Metres by which two who meet may both miss before who misses more has the say."""
 
@@ -68,19 +69,21 @@ def solve_circle(players: Mapping[str, Player], solve: Solve) -> Circle:
     results = {key: solve(replace(each.request, constraints=())) for key, each in players.items()}
     requests = {key: each.request for key, each in players.items()}
     before: dict[tuple[str, FollowPerformer], Track] = {}
+    last = math.inf
     for sweep in range(SWEEPS):
         tracks = dict(_tracks(players, results))
         for meeting in meetings:
             _meet(meeting, players, results, before, tracks)
-        if before and _moved(before, tracks) < SETTLED:
+        moved = _moved(players, before, tracks) if before else math.inf
+        if moved < SETTLED:
             return Circle(results, requests, sweep)
-        if sweep >= STEADY:
+        if sweep > 1 and moved > CALMING * last:
             tracks = {key: _halfway(before[key], track) for key, track in tracks.items()}
         for key, player in players.items():
             own: Tracks = {follow: track for (whose, follow), track in tracks.items() if whose == key}
             requests[key] = replace(player.request, tracks={**player.request.tracks, **own})
         results = {key: solve(request) for key, request in requests.items()}
-        before = tracks
+        before, last = tracks, moved
     return Circle(results, requests, SWEEPS)
 
 
@@ -168,11 +171,18 @@ def _apart(player: Player, other: Player) -> float:
 
 
 def _moved(
-    before: Mapping[tuple[str, FollowPerformer], Track], after: Mapping[tuple[str, FollowPerformer], Track]
+    players: Mapping[str, Player],
+    before: Mapping[tuple[str, FollowPerformer], Track],
+    after: Mapping[tuple[str, FollowPerformer], Track],
 ) -> float:
-    """Metres by which what is followed has moved, at most."""
-    ways = (np.linalg.norm(track.places - before[key].places, axis=1).max() for key, track in after.items())
-    return max(map(float, ways), default=0.0)
+    """Metres by which what is followed has moved, at most, while it is followed."""
+    moved = 0.0
+    for (key, follow), track in after.items():
+        ways = np.linalg.norm(track.places - before[key, follow].places, axis=1)
+        for each in players[key].request.constraints:
+            if follow in follows_of(each):
+                moved = max(moved, float((ways * each.activation.at(_times(players[key]))).max(initial=0.0)))
+    return moved
 
 
 def _halfway(before: Track, after: Track) -> Track:

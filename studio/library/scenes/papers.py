@@ -1,0 +1,99 @@
+"""Scenes of the first paper's figures with one motion each (K05, figures 2, 6, 12 and 13; section 7)."""
+
+from dataclasses import replace
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.position import PositionConstraint
+from studio.core.grounds.slope import Slope
+from studio.core.project import GROUND_ID, Clip, Performer, Project
+from studio.core.scope import Scope
+from studio.library.scenes.stagehand import RATE, Material, around, bodies, material
+
+ALWAYS = ActivationCurve(-1.0, 0.0, 60.0, 61.0)
+WRISTS = tuple(BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in ("left", "right"))
+RIGHT_WRIST, RIGHT_ELBOW = WRISTS[1], BodyPoint(BodyPart.RIGHT_UPPER_ARM, at_end=True)
+REACHING = Chain(trunk=1.0, root=1.0)
+
+
+def five_bodies() -> Project:
+    """One walk on five bodies (figure 2)."""
+    return _row(material(walk=("Walk and turn", "walk_turn")), "walk", 5, apart=1.3)
+
+
+def table() -> Project:
+    """Wrists above a table whose height is changed (figure 6)."""
+    project = _row(material(reach=("Reach", "reach_grasp")), "reach", 3)
+    asked = {
+        f"table {place}": AreaConstraint(
+            "reach", f"{('Left', 'Right')[place]} wrist above the table", wrist, Chain(), 0, ALWAYS,
+            shape=AreaShape.TABLE, centre=(0.55, 0.0, 0.5), size=(0.8, 1.2, 1.0),
+        )
+        for place, wrist in enumerate(WRISTS)
+    }  # fmt: skip
+    return replace(project, constraints=asked)
+
+
+def balance() -> Project:
+    """The same far reach with balance and without (figure 12)."""
+    project = _row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
+    kept, free = project.performers
+    renamed = {kept: "With balance", free: "Without balance"}
+    performers = {key: replace(project.performers[key], name=name) for key, name in renamed.items()}
+    far = OwnPlace(RIGHT_WRIST, FAR / RATE, (0.35, 0.0, -0.15))
+    asked: dict[str, Constraint] = {
+        "reach": PositionConstraint(
+            "reach", "Reach farther", RIGHT_WRIST, REACHING, 1, around(FAR, 30, 20), target=far
+        ),
+        "balance": BalanceConstraint(
+            "reach", "Balance", BodyPoint(BodyPart.PELVIS), Chain(root=1.0), 0, ALWAYS, scope=Scope(performer_id=kept)
+        ),
+    }
+    return replace(project, performers=performers, constraints=asked)
+
+
+FAR = 250
+"""Frame of the reach at which it is asked to go farther."""
+
+
+def wrist_before_elbow() -> Project:
+    """The wrist's place comes before the elbow's; for one body both are within reach (figure 13)."""
+    project = _row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
+    near, far = project.performers
+    asked: dict[str, Constraint] = {
+        "wrist": PositionConstraint(
+            "reach", "Wrist", RIGHT_WRIST, REACHING, 0, around(FAR, 30, 20),
+            target=OwnPlace(RIGHT_WRIST, FAR / RATE, (0.0, 0.02, 0.03)),
+        )
+    }  # fmt: skip
+    for key, aside in ((near, (0.0, 0.02, 0.03)), (far, (0.0, 0.4, 0.6))):
+        asked[f"elbow {key}"] = PositionConstraint(
+            "reach", "Elbow", RIGHT_ELBOW, REACHING, 1, around(FAR, 30, 20),
+            target=OwnPlace(RIGHT_ELBOW, FAR / RATE, aside), scope=Scope(performer_id=key),
+        )  # fmt: skip
+    return replace(project, constraints=asked)
+
+
+def slope() -> Project:
+    """A walk over a slope (section 7)."""
+    project = _row(material(walk=("Walk and turn", "walk_turn")), "walk", 5, apart=1.3)
+    return replace(project, grounds={GROUND_ID: Slope(angle=0.14)})
+
+
+def _row(stuff: Material, motion_id: str, count: int, apart: float = 1.15, same: bool = False) -> Project:
+    """Performers beside each other who play one motion, on bodies of their own or all on the ``same``."""
+    characters = bodies(1 if same else count)
+    names = list(characters) * (count if same else 1)
+    capture = stuff.captures[stuff.motions[motion_id].capture_id]
+    performers = {
+        f"{name} {place}": Performer(
+            characters[name].name, name, (Clip(motion_id, 0, capture.frame_count - 1, id=f"clip {place}"),),
+            (0.0, apart * ((count - 1) / 2 - place)),
+        )
+        for place, name in enumerate(names)
+    }  # fmt: skip
+    return Project(stuff.captures, stuff.motions, characters, performers, {}, stuff.contacts)

@@ -1,0 +1,63 @@
+"""What scenes are made of: the bundled captures as motions, bodies of other proportions, and points of bodies."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from studio.core.canonical import BodyPart
+from studio.core.capture import Capture
+from studio.core.character import Character
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint
+from studio.core.contacts import ContactInterval
+from studio.core.morphology import Proportions
+from studio.core.normalized.normalize import detected_contacts
+from studio.core.project import Motion
+from studio.io.character_file import bundled_characters
+from studio.io.importing import load_capture
+from studio.resources_folder import example_captures_folder
+
+RATE = 60.0
+"""Frames a second of the bundled captures."""
+CHEST = BodyPoint(BodyPart.THORAX)
+HEAD = BodyPoint(BodyPart.HEAD, at_end=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """Captures by their id, the motions made of them, and the contacts of each motion."""
+
+    captures: Mapping[str, Capture]
+    motions: Mapping[str, Motion]
+    contacts: Mapping[str, ContactInterval]
+
+
+def material(**names: tuple[str, str]) -> Material:
+    """Motions by id, each ``(name, file)`` of a bundled capture; one file may be several motions."""
+    files = dict.fromkeys(file for _, file in names.values())
+    captures = {file: load_capture(example_captures_folder() / f"{file}.bvh") for file in files}
+    contacts = {
+        f"{key} {place}": contact
+        for key, (_, file) in names.items()
+        for place, contact in enumerate(detected_contacts(captures[file], key))
+    }
+    return Material(captures, {key: Motion(name, file) for key, (name, file) in names.items()}, contacts)
+
+
+def bodies(count: int) -> dict[str, Character]:
+    """``count`` characters, no two of one build: the bundled ones, then those in other proportions."""
+    found = dict(bundled_characters())
+    others = (
+        Proportions(stature=0.93, thighs=1.06, shanks=1.06),
+        Proportions(stature=1.04, upper_arms=1.08, forearms=1.08),
+        Proportions(stature=0.97, thighs=0.94, shanks=0.94),
+    )
+    for place, proportions in enumerate(others):
+        key, character = list(bundled_characters().items())[place]
+        found[f"{key} {place}"] = replace(character, name=f"{character.name} {place + 2}", proportions=proportions)
+    return dict(list(found.items())[:count])
+
+
+def around(frame: int, ease: int = 14, hold: int = 3) -> ActivationCurve:
+    """Full for ``hold`` frames to each side of one, coming and going in ``ease`` frames."""
+    first, last = frame - hold, frame + hold
+    return ActivationCurve((first - ease) / RATE, first / RATE, last / RATE, (last + ease) / RATE)

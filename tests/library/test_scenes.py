@@ -1,0 +1,113 @@
+"""The papers' scenes hold in figures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.cli.render import prepared
+from studio.core.constraints.base import BodyPoint
+from studio.core.ground import Ground
+from studio.core.metrics import contact_quality
+from studio.core.placement import Placement
+from studio.core.project import Project
+from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.circles import SWEEPS
+from studio.core.solver.performing import Performance, Staged, perform
+from studio.library.scenes import SCENES, fight, papers
+
+
+def exact(project: Project) -> Project:
+    """The same without easing in time, which may cost exactness."""
+    changes = [(key, replace(each, eased=False), None) for key, each in project.performers.items()]
+    return project.with_entities("performers", changes)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Project:
+    return exact(fight.fight_training())
+
+
+@pytest.fixture(scope="module")
+def staged(scene: Project) -> Staged:
+    return perform(scene, scene.performers, prepared, adapt)
+
+
+def on_stage(scene: Project, staged: Staged, key: str, point: BodyPoint, seconds: float) -> np.ndarray:
+    performance: Performance = staged.performances[key]
+    frame = round(performance.composite.timing.frame_at(seconds))
+    return Placement.of(scene.performers[key]).to_stage(place_of(point, performance.adapted)[frame])
+
+
+def pairs(scene: Project) -> list[tuple[str, str]]:
+    keys = list(scene.performers)
+    return list(zip(keys[::2], keys[1::2], strict=True))
+
+
+def test_eight_fighters_of_different_bodies_share_three_motions(scene: Project) -> None:
+    assert len(scene.performers) == 8
+    assert len({each.morphology for each in scene.characters.values()}) == 8
+    assert len(scene.motions) == 3
+    assert len(scene.captures) == 2
+
+
+def test_forearms_meet_ankles_and_fists_meet_heads(scene: Project, staged: Staged) -> None:
+    assert not staged.failures
+    for white, red in pairs(scene):
+        for seconds in (2.0, 2.033, 2.067):
+            forearm = on_stage(scene, staged, red, fight.FOREARM, seconds)
+            assert np.linalg.norm(forearm - on_stage(scene, staged, white, fight.ANKLE, seconds)) < 5e-3
+        fist = on_stage(scene, staged, red, fight.FIST, 3.0)
+        assert np.linalg.norm(fist - on_stage(scene, staged, white, fight.CHIN, 3.0)) < 1e-3
+        assert staged.performances[white].sweeps <= SWEEPS
+
+
+def test_heads_lean_back_from_the_fist(scene: Project, staged: Staged) -> None:
+    for white, _ in pairs(scene):
+        adapted = staged.performances[white].adapted
+        frame = round(staged.performances[white].composite.timing.frame_at(3.0))
+        head = adapted.morphology.layout.head_joint
+        assert adapted.unasked is not None
+        back = adapted.unasked.positions[frame, head] - adapted.positions[frame, head]
+        assert back[0] > 0.12 * adapted.body.leg_length
+
+
+def test_feet_that_stand_stay_through_all_clips(staged: Staged) -> None:
+    for performance in staged.performances.values():
+        quality = contact_quality(performance.adapted, performance.composite.contacts, Ground())
+        assert quality.slide < 1e-3
+
+
+def test_the_order_of_performers_is_all_the_same(scene: Project, staged: Staged) -> None:
+    turned = replace(scene, performers=dict(reversed(list(scene.performers.items()))))
+    again = perform(turned, turned.performers, prepared, adapt)
+    for key, performance in staged.performances.items():
+        np.testing.assert_allclose(again.performances[key].adapted.positions, performance.adapted.positions, atol=1e-6)
+
+
+def test_who_has_lost_its_capture_fails_alone(scene: Project) -> None:
+    key = next(iter(scene.performers))
+    alone = replace(scene, performers={key: scene.performers[key], "lost": replace(scene.performers[key], clips=())})
+    made = perform(replace(alone, constraints={}), alone.performers, prepared, adapt)
+    assert list(made.performances) == [key]
+    assert "plays nothing" in made.failures["lost"]
+
+
+@pytest.mark.parametrize("place", range(1, len(SCENES)))
+def test_every_scene_can_be_played(place: int) -> None:
+    project = exact(SCENES[place].make())
+    made = perform(project, project.performers, prepared, adapt)
+    assert not made.failures
+    assert len(made.performances) == len(project.performers)
+
+
+def test_a_wrist_comes_before_an_elbow_and_balance_costs_no_reach() -> None:
+    wrist = exact(SCENES[4].make())
+    made = perform(wrist, wrist.performers, prepared, adapt).performances
+    near, far = (each.adapted.residuals[:, papers.FAR] for each in made.values())
+    assert near[0] < 1e-3
+    assert far[0] < 1e-3
+    assert near[1] < 0.03 < 0.2 < far[1]
+    held = exact(SCENES[3].make())
+    kept, _ = perform(held, held.performers, prepared, adapt).performances.values()
+    assert np.nanmax(kept.adapted.residuals[0]) < 1e-3
