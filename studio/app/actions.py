@@ -9,11 +9,12 @@ from studio.app.striking import show_strikes
 from studio.app.verbs import editing, files, playback, view
 from studio.app.verbs.constraining import add_box, adder, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
+from studio.library.scenes import SCENES
 
 Run = Callable[[Workbench], object]
 Test = Callable[[Workbench], bool]
 
-MENUS = ("File", "Edit", "Character", "Constraint", "Play", "View", "Help")
+MENUS = ("File", "Scenes", "Edit", "Character", "Constraint", "Play", "View", "Help")
 
 
 def _always(_: Workbench) -> bool:
@@ -206,4 +207,11 @@ HELP = (
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )
 
-ACTIONS: tuple[Action, ...] = (*FILE, *EDIT, *CHARACTER, *CONSTRAINT, *PLAY, *VIEW, *HELP)
+SHOWN = tuple(
+    Action(
+        f"scene_{scene.maker.partition('.')[2]}", "Scenes", scene.title, files.scene_opener(scene), tooltip=scene.text
+    )
+    for scene in SCENES
+)
+
+ACTIONS: tuple[Action, ...] = (*FILE, *SHOWN, *EDIT, *CHARACTER, *CONSTRAINT, *PLAY, *VIEW, *HELP)

@@ -15,6 +15,7 @@ from studio.core.staging import side_by_side, staged
 from studio.io.adapted_file import read_adapted
 from studio.io.character_file import bundled_characters
 from studio.io.project_file import read_project
+from studio.library.scenes import Scene
 from studio.resources_folder import example_captures_folder, sample_folder
 
 NAME, MOTION_ID = "front_kick", "sample"
@@ -60,3 +61,17 @@ def open_sample(bench: Workbench) -> None:
         return read_sample()
 
     bench.runner.run(f"Opening {NAME}", work, show)
+
+
+def open_scene(bench: Workbench, scene: Scene) -> None:
+    """Make a scene in the background, show it, play it, and say what to look for."""
+    revision = bench.document.revision
+
+    def show(project: Project) -> None:
+        if bench.document.revision != revision:
+            return  # as above
+        bench.document.new(project)
+        bench.said.emit(scene.text)
+        bench.document.playhead.play()
+
+    bench.runner.run(f"Opening {scene.title.lower()}", lambda _progress: scene.make(), show)

@@ -13,7 +13,7 @@ RIGHT_MARGIN = 12
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
     """Clip, what touches the ground, then the motion's constraints by priority."""
-    constraints = shown.project.constraints_of(shown.subject.motion_id)
+    constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     tall = constraint.height(len(shown.subject.bodies))
     heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}

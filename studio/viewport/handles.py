@@ -44,7 +44,8 @@ def constraint_handles(project: Project, posed: Mapping[str, Posed], active: str
     """The handles of every posed performer, the active one's last, so that they are drawn on top."""
     handles = []
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
-        for constraint_id, constraint in project.constraints_of(pose.motion_id or "").items():
+        asked = project.constraints_for(performer_id, pose.clip) if pose.clip else {}
+        for constraint_id, constraint in asked.items():
             moment = Moment(project, posed, pose)
             now = moment.fixed(constraint) if constraint.enabled else None
             if now is None:

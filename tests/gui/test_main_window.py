@@ -351,6 +351,6 @@ def test_every_action_that_is_enabled_without_the_3d_view_runs(qtbot, window):
         "open_sample",
     }
     for name, action in window.actions_by_id.by_id.items():
-        if action.isEnabled() and name not in asking:
+        if action.isEnabled() and name not in asking and not name.startswith("scene_"):
             action.trigger()
     window.bench.document.playhead.pause()

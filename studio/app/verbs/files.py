@@ -1,6 +1,7 @@
 """Files: projects opened and saved, captures read, adapted motions written. All long work is done beside the window."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 from studio.app import casting, importing, sample
@@ -10,6 +11,7 @@ from studio.core.errors import StudioError
 from studio.engine.saving import save_in_background
 from studio.io.project_file import ChangedOnDisk, OpenedProject, read_project
 from studio.io.registry import format_of
+from studio.library.scenes import Scene
 
 NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
@@ -22,6 +24,11 @@ def new(bench: Workbench) -> None:
 def open_sample(bench: Workbench) -> None:
     """The bundled motion on five bodies."""
     bench.window.when_saved(lambda: sample.open_sample(bench))
+
+
+def scene_opener(scene: Scene) -> Callable[[Workbench], None]:
+    """What opens a scene."""
+    return lambda bench: bench.window.when_saved(lambda: sample.open_scene(bench, scene))
 
 
 def open_project(bench: Workbench) -> None:

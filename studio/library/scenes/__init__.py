@@ -1,49 +1,61 @@
 """Scenes made by the program from its own captures: each a project, and what to look for in it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 
 from studio.core.project import Project
-from studio.library.scenes import fight, papers
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A project that is made when it is asked for; StudioError where a bundled file cannot be read."""
+    """A project that is made when it is asked for, and not loaded before."""
 
     title: str
     text: str
     """What to look for."""
-    make: Callable[[], Project]
+    maker: str
+    """Module and function within this package."""
+
+    def make(self) -> Project:
+        """The project. Raises StudioError where a bundled file cannot be read."""
+        module, _, function = self.maker.partition(".")
+        made: Project = getattr(import_module(f"{__name__}.{module}"), function)()
+        return made
 
 
 SCENES = (
-    Scene("Fight training", fight.TEXT, fight.fight_training),
+    Scene(
+        "Fight training",
+        "Eight fighters of different bodies train in pairs with three motions: rest, kick, and ward off with a"
+        " counter-punch. At 2.0 s each kick is met by the middle of a forearm; at 3.0 s each fist meets the other's"
+        " head, which leans back. Change a body, or move a fighter: forearm and fist find ankle and head again.",
+        "fight.fight_training",
+    ),
     Scene(
         "One walk on five bodies",
         "Everybody walks the same way: steps are as long as legs allow, and no foot slides.",
-        papers.five_bodies,
+        "papers.five_bodies",
     ),
     Scene(
         "Wrists above a table",
         "Both wrists stay above the table on every body. Select the table and change its height or size.",
-        papers.table,
+        "papers.table",
     ),
     Scene(
         "Reach with balance",
         "Both reach for the same place beside them. One keeps its centre of mass over its feet and moves its hips back;"
         " the other leans where it would fall.",
-        papers.balance,
+        "papers.balance",
     ),
     Scene(
         "Wrist before elbow",
-        "The wrist is where it is to be on both. The first body's elbow nearly gets there too, the other's comes as near as"
-        " the wrist lets it. Swap the priorities to see the elbow first.",
-        papers.wrist_before_elbow,
+        "The wrist is where it is to be on both. The first body's elbow nearly gets there too, the other's comes as"
+        " near as the wrist lets it. Swap the priorities to see the elbow first.",
+        "papers.wrist_before_elbow",
     ),
     Scene(
         "Walk on a slope",
         "Feet lie on the slope and stay where they stand. Change the angle while it plays.",
-        papers.slope,
+        "papers.slope",
     ),
 )

@@ -15,12 +15,6 @@ from studio.core.project import Clip, Performer, Project
 from studio.core.scope import Scope
 from studio.library.scenes.stagehand import RATE, around, bodies, material
 
-TITLE = "Fight training"
-TEXT = (
-    "Eight fighters of different bodies train in pairs with three motions: rest, kick, and ward off with a"
-    " counter-punch. At 2.0 s each kick is met by the middle of a forearm; at 3.0 s each fist meets the other's head,"
-    " which leans back from it. Change a body, or move a fighter: forearm and fist find ankle and head again."
-)
 KICK, PUNCH = 152, 181
 """Frames of the captures at which the leg and the arm are stretched most."""
 REACH = 1.42

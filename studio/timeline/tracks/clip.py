@@ -31,8 +31,27 @@ def clip_text(shown: Shown) -> str:
     return f"{what} → {bodies} {'body' if bodies == 1 else 'bodies'}"
 
 
+def other_bars(shown: Shown, row: QRect) -> list[tuple[QRectF, str]]:
+    """Where the other clips of the performer lie, and the names of their motions."""
+    project, own = shown.project, shown.subject.clip
+    bars = []
+    for clip in project.performers[shown.subject.performer_id].clips:
+        if clip is not own:
+            end = clip.start + clip.length(project.frame_rate_of(clip))
+            left, right = shown.axis.x_of_time(clip.start), shown.axis.x_of_time(end)
+            bar = QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
+            bars.append((bar, project.motions[clip.motion_id].name))
+    return bars
+
+
 def paint_clip(painter: QPainter, row: QRect, shown: Shown) -> None:
-    """A quiet bar that says what plays on how many bodies."""
+    """A quiet bar that says what plays on how many bodies, among the performer's other clips."""
+    for other, name in other_bars(shown, row):
+        paint_bar(painter, other, QColor(colours.CONTROL), 3)
+        painter.setFont(font())
+        painter.setPen(QColor(colours.TEXT_SECOND))
+        inside = other.intersected(QRectF(shown.axis.left, other.top(), shown.axis.width, other.height()))
+        painter.drawText(inside.adjusted(10, 0, -4, 0), Qt.AlignmentFlag.AlignVCenter, name)
     bar = clip_bar(shown, row)
     paint_bar(painter, bar, QColor(FILL), 3)
     painter.setFont(font())

@@ -1,0 +1,24 @@
+"""The menu of scenes: one is made, shown, and says what to look for."""
+
+from PySide6.QtTest import QTest
+
+from studio.app.application import import_views, show_views
+
+
+def test_the_fight_opens_from_the_menu_with_its_eight_fighters_and_their_clips(window, qtbot):
+    said = []
+    window.bench.said.connect(said.append)
+    window.actions_by_id.by_id["scene_fight_training"].trigger()
+    document, live = window.bench.document, window.bench.live
+    qtbot.waitUntil(lambda: len(document.project.performers) == 8, timeout=30000)
+    document.playhead.pause()
+    assert any("forearm" in text for text in said)
+    assert document.playhead.frame_rate == 60.0
+    assert document.playhead.last > 300
+    assert live.wait(100.0)
+    assert all(live.result(key) is not None for key in document.project.performers)
+    document.playhead.set_time(2.03)
+    import_views()
+    show_views(window)
+    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 8, timeout=20000)
+    QTest.qWait(300)
