@@ -22,9 +22,11 @@ from random import Random
 
 from studio.cli.process import prepare_process
 
-COUNT, COUNTS = 1_000_000, {".c3d": 50_000, ".fbx": 5_000}  # FBX takes a process for each
+COUNT, COUNTS = 100_000, {".c3d": 50_000, ".fbx": 5_000}  # FBX takes a process for each
 SECONDS, START = 10.0, 600.0
 """For a file; and more for the first, for which kernels may have to be compiled."""
+TELLS = 30.0
+"""Seconds between two lines that say how far a kind of file is."""
 MEMORY = 500 << 20
 TIMES_SIZE = 20
 MOST_KEPT = 20
@@ -74,7 +76,7 @@ def watch(suffix: str, count: int, keep: Path) -> str:
         now = context.Value("q", seed - 1)
         process = context.Process(target=spoil, args=(suffix, seed, count, now, keep), daemon=True)
         process.start()
-        reason = _until_it_ends_or_hangs(process, now)
+        reason = _until_it_ends_or_hangs(process, now, suffix, count)
         if now.value >= count:
             break
         lost += 1
@@ -86,10 +88,15 @@ def watch(suffix: str, count: int, keep: Path) -> str:
     )
 
 
-def _until_it_ends_or_hangs(process: "multiprocessing.process.BaseProcess", now: "Synchronized[int]") -> str:
-    seen, since = now.value, time.monotonic() + START
+def _until_it_ends_or_hangs(
+    process: "multiprocessing.process.BaseProcess", now: "Synchronized[int]", suffix: str, count: int
+) -> str:
+    seen, since, told = now.value, time.monotonic() + START, time.monotonic()
     while process.is_alive():
         process.join(0.5)
+        if time.monotonic() - told > TELLS:
+            told = time.monotonic()
+            print(f"{suffix:14} {now.value:>9,} of {count:,}", file=sys.stderr, flush=True)
         if now.value != seen:
             seen, since = now.value, time.monotonic()
         elif time.monotonic() - since > SECONDS:

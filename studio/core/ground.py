@@ -10,6 +10,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.plausible import GROUND
+
 FloatArray = NDArray[np.float64]
 
 
@@ -25,6 +27,8 @@ class Ground:
             value = getattr(self, field.name)
             if isinstance(value, int | float) and not math.isfinite(value):
                 raise ValueError(f"The ground's {field.name} is a finite number of metres, got {value}.")
+
+        GROUND.check(self.height)
 
     @property
     def is_level(self) -> bool:

@@ -145,10 +145,11 @@ def project_json(project: Project, members: Members) -> bytes:
 
 @dataclass
 class ReadProject:
-    """A project out of JSON, and sentences about what could not be read."""
+    """A project out of JSON, and sentences about what could not be read, and what is kept without being understood."""
 
     project: Project
     losses: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
 
 
 def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
@@ -184,7 +185,12 @@ def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
     carried = {key: item for key, item in carried.items() if item}
     if not entities["grounds"]:
         del entities["grounds"]
-    return ReadProject(Project(**entities, carried=carried), losses)  # type: ignore[arg-type]
+    remarks = [
+        f"{name}, {_title(item)}: this version does not know it. It is not shown, and is kept as it is."
+        for name, items in foreign.items()
+        for item in items
+    ]
+    return ReadProject(Project(**entities, carried=carried), losses, remarks)  # type: ignore[arg-type]
 
 
 def named_members(record: Json) -> set[str]:

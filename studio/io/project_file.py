@@ -131,7 +131,7 @@ def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
         read_only,
         tuple(problems),
         versions,
-        tuple(objections(tuple(read.project.constraints.values()))),
+        (*read.remarks, *objections(tuple(read.project.constraints.values()))),
     )
 
 

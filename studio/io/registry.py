@@ -13,6 +13,7 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from studio.core.errors import StudioError
+from studio.core.plausible import BONE, TRAVEL
 from studio.io.beside import refuse_devices
 
 if TYPE_CHECKING:
@@ -83,6 +84,11 @@ class Format:
     def read_capture(self, path: Path, options: "ImportOptions", progress: Progress) -> "Capture":
         """The capture in the file at ``path``, in world axes and metres; raises StudioError."""
         capture: Capture = self._function("capture_reader")(path, options, progress)
+        try:
+            BONE.check(capture.skeleton.offsets[1:])
+            TRAVEL.check(capture.poses.local_translations[:, 0])
+        except ValueError as error:
+            raise StudioError(f"{path.name}: {error} Export it in its right unit, or say which that is.") from error
         return capture
 
     def read_annotations(self, path: Path, motion_id: str) -> "Annotations | None":

@@ -185,6 +185,7 @@ def test_unknown_fields_and_entities_are_written_back(saved: Path) -> None:
     repacked(saved, widen)
     opened = read_project(saved)
     assert len(opened.project.constraints) == 1
+    assert sum("does not know it" in remark for remark in opened.remarks) == 3
     moved = replace(opened.project.constraints["constraint 0"], target=(1.0, 2.0, 3.0))
     again = saved.with_name("again.studio")
     write_project(again, opened.project.with_entity("constraints", "constraint 0", moved), ID)

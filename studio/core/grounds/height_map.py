@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from studio.core.ground import FloatArray, Ground
+from studio.core.plausible import GROUND
 
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
@@ -33,6 +34,7 @@ class HeightMap(Ground):
         heights = np.array(self.heights, dtype=np.float64)
         if heights.ndim != 2 or min(heights.shape) < 2 or not np.isfinite(heights).all():
             raise ValueError("A height map has at least 2 x 2 finite heights.")
+        GROUND.check(heights)
         if not (self.cell > 0.0 and all(map(math.isfinite, self.origin))):
             raise ValueError("A height map has cells larger than zero and a finite origin.")
         heights.setflags(write=False)

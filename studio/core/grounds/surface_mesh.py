@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.ground import FloatArray, Ground
+from studio.core.plausible import MESH
 
 MOST_CELLS = 512
 """Cells of the index along the longer side, at most."""
@@ -31,6 +32,7 @@ class SurfaceMesh(Ground):
         triangles = np.array(self.triangles, dtype=np.int64).reshape(-1, 3)
         if not np.isfinite(vertices).all():
             raise ValueError("A ground mesh has a vertex that is not finite.")
+        MESH.check(vertices)
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
             raise ValueError("A ground mesh has a triangle whose corner is no vertex.")
         for name, array in (("vertices", vertices), ("triangles", triangles)):
