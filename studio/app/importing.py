@@ -11,6 +11,7 @@ from studio.app.workbench import Workbench
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.errors import StudioError
+from studio.core.normalized.drift import with_drift_told
 from studio.core.project import Clip, Motion, Project, new_id
 from studio.core.solver.rows import stage_span
 from studio.core.staging import side_by_side
@@ -46,6 +47,7 @@ def read_motion(
         capture, read_as = read_as_corrected(
             path, options, known, lambda share, text: progress(READ_SHARE * share, text)
         )
+        capture = with_drift_told(capture)
         expect(capture)
         progress(READ_SHARE, "looking for contacts")
         motion_id = new_id()

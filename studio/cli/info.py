@@ -17,6 +17,7 @@ from studio.core.capture import Capture, Guess
 from studio.core.character_skeleton import character_body_map, character_skeleton
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake, centre_errors
+from studio.core.normalized.drift import floor_drift
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
@@ -100,6 +101,7 @@ def _capture(path: Path, options: ImportOptions) -> Record:
         "remarks": [remark.sentence for remark in remarks_on(capture)],
         "first_frame": capture.first_frame,
         "floor": capture.floor,
+        "floor_drift": floor_drift(capture),
         "end_sites": int(np.count_nonzero(capture.skeleton.end_sites)),
         **({"markers": _markers(capture.markers, capture)} if capture.markers else {}),
     }
@@ -183,6 +185,7 @@ _SHOWN = (
         "up_axis",
         "first_frame",
         "floor",
+        "floor_drift",
     ),
     *("body_map", "contacts", "round_trip", "markers", "contents"),
 )
@@ -216,6 +219,6 @@ def _words(record: Record, key: str) -> str:
             return ", ".join(f"{_label(part)} {joint}" for part, joint in value.items())
         case "frame_rate":
             return f"{value:g} Hz"
-        case "floor" | "stature":
+        case "floor" | "floor_drift" | "stature":
             return f"{value:.3f} m"
     return str(value)

@@ -31,31 +31,6 @@ def smoothstep(t):
     return t * t * t * (t * (6.0 * t - 15.0) + 10.0)
 
 
-@allocating_kernel
-def plan_foot(states, soles, height, reach, ankle, foot, positions, rotations, out_ankles, out_feet, out_toes):
-    """What one foot does on a level floor (METHOD 4): ankles (F, 3), foot and toe rotations (F, 3, 3) in the world.
-
-    ``states`` (F,); ``soles`` (F or 1, 5 or more); ``height`` of the floor in metres; ``ankle`` the point and ``foot``
-    the segment, the toe next, of ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) as retargeted.
-    """
-    count = states.shape[0]
-    stands = False
-    for frame in range(count):
-        stands = stands or states[frame] != 0
-        copy_point(positions[frame, ankle], out_ankles[frame])
-        copy_matrix(rotations[frame, foot], out_feet[frame])
-        copy_matrix(rotations[frame, foot + 1], out_toes[frame])
-    if not stands:
-        return
-    ankles, source, toes = out_ankles.copy(), out_feet.copy(), np.empty_like(out_toes)
-    for frame in range(count):
-        put_turn(product(inverse(turn_in(source[frame])), turn_in(out_toes[frame])), toes[frame])
-    level_soles(source, states, reach, out_feet)
-    keep_pitch_on_ground(soles, states, reach, out_feet)
-    level_toes(out_feet, toes, states, reach, out_toes)
-    plant_ankles(ankles, out_feet, states, soles, np.full(count, height), reach, out_ankles)
-
-
 @kernel
 def free_feet(planted, reach, out_free):
     """0 in frames that are ``planted`` (F,), eased to 1 within ``reach`` frames before and after, (F,) (METHOD (6))."""

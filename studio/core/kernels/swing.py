@@ -14,6 +14,8 @@ ROOM = 0.2
 """Part of the ankle's height within which of the floor a foot in the air begins to be raised; 3/16 of it is kept."""
 ROOMY_AFTER = 0.15
 """Seconds from the nearest contact in which that room grows from nothing."""
+BENDING = 0.6
+"""Parts of a toe's length that it goes along the ground when it begins to bend less: one that points down is raised."""
 MOST_BENT = math.radians(85.0)
 """How far toes bend up for that at most, and never quite."""
 
@@ -90,7 +92,12 @@ def bend_up(joint, length, thickness, room, upright, toe):
     angle = math.atan2(over, along) - math.acos(min(max((along + raised) / span, -1.0), 1.0))
     if angle < -1.0:  # past straight down
         angle += 2.0 * math.pi
-    angle = upright * max(angle, 0.0) / (1.0 + (angle / MOST_BENT) ** 4) ** 0.25
+    angle = (
+        upright
+        * smoothstep(min(max(over / (BENDING * span), 0.0), 1.0))
+        * max(angle, 0.0)
+        / (1.0 + (angle / MOST_BENT) ** 4) ** 0.25
+    )
     c, s = math.cos(angle), math.sin(angle)
     for axis in range(3):
         x, z = toe[axis, 0], toe[axis, 2]

@@ -21,6 +21,7 @@ from studio.core.contacts import (
     without,
 )
 from studio.core.errors import StudioError
+from studio.core.rising_heels import rising_heels
 from studio.core.kernels import layout as at
 from studio.core.kernels.normalize import continue_turns, encode_frames
 from studio.core.kinematics import joint_world
@@ -90,6 +91,17 @@ def capture_contacts(capture: Capture) -> Contacts:
     return _SEEN(capture)[1]
 
 
+def sole_heights(capture: Capture) -> list[list[float]]:
+    """Metres at which the ankle of each foot stands, one a contact of its heel, of a mapped capture."""
+    marks, contacts = _SEEN(capture)
+    ankles = [marks.points[:, marks.layout.ankle(side), 2] for side in range(2)]
+    heels = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
+    return [
+        [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
+        for track, heel in zip(ankles, heels, strict=True)
+    ]
+
+
 def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
     """``capture_contacts`` as those of a motion."""
     found = capture_contacts(capture).items()
@@ -121,6 +133,8 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
         # A heel does not stand while its knee does, or is lower; toes of who lies or kneels may only trail.
         prone = points[:, hips[side] + 1, 2] < points[:, hips[side] + 2, 2]
         feet[heel] = without(feet[heel], prone | contact_mask(bodies[knee], len(points)), shortest)
+        rising = rising_heels(feet[heel], contact_mask(feet[toe], len(points)), ankles[:, side, 2], float(leg))
+        feet[heel] = without(feet[heel], rising, shortest)
         down = contact_mask([*bodies[knee], *bodies[ContactPoint.SEAT]], len(points))
         stays = (staying(toes[:, side], *span, TRAILING) if down[slice(*span)].any() else span for span in feet[toe])
         feet[toe] = [(first, last) for first, last in stays if last - first >= shortest]

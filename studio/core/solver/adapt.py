@@ -24,6 +24,7 @@ from studio.core.solver.footing import Footing, find_footing
 from studio.core.solver.packing import point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
 from studio.core.solver.settling import Arms, settle
+from studio.core.solver.shown_floor import shown_floor
 from studio.core.solver.stretch import Stretch, legs_of
 from studio.core.solver.tracks import Tracks
 from studio.core.volume import BodyVolume
@@ -101,8 +102,7 @@ def stand(
 ) -> Standing:
     """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7)."""
     positions, rotations = realize(motion, morphology)
-    if ground.height:
-        positions[:, :, 2] += ground.height
+    positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations)
     upright, share = (positions, rotations), 1.0 if carrying is None else carrying.feet_share
     if carrying is not None:

@@ -12,6 +12,8 @@ from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
 from studio.core.kernels import feet as kernel
 from studio.core.kernels import layout as at
+from studio.core.kernels.footing import plan_foot
+from studio.core.kernels.heels import roll_feet
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.legs import hip_heights, lower_smoothly
 from studio.core.kernels.stance import LEASH
@@ -100,22 +102,23 @@ def find_footing(
     count = motion.frame_count
     ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
     plans = [(ankles[side], feet[side], toes[side]) for side in range(2)]
+    comforts, runs = leg_stretches(motion, states)
     for side, plan in enumerate(plans):
-        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, *pose, plan)
+        _plan_foot(side, morphology, states[side], comforts[side], ground, motion.frame_rate, *pose, plan)
     if ground.is_level:
-        (comforts, runs), drops = leg_stretches(motion, states), np.zeros(count)
+        drops = np.zeros(count)
         if np.count_nonzero(states):
             drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
             drops = smooth_drops(drops, motion.frame_rate)
         return Footing(states, comforts, runs, ankles, feet, toes, drops)
     draped = [
-        _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, *pose)
+        _drape_foot(plan, side, morphology, states[side], comforts[side], ground, motion.frame_rate, *pose)
         for side, plan in enumerate(plans)
     ]
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
     climb = carried * gaussian_filter1d(climb, CLIMB_SMOOTHING * motion.frame_rate, mode="nearest")
-    comforts, runs = leg_stretches(motion, states)
+    comforts, runs = leg_stretches(motion, states)  # draping has put down heels that would hang
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
     on_level = np.array([each.level_ankles for each in draped]) - positions[:, 0]
@@ -197,6 +200,7 @@ def _plan_foot(
     side: int,
     morphology: AnyMorphology,
     states: NDArray[np.int64],
+    comforts: FloatArray,
     ground: Ground,
     frame_rate: float,
     positions: FloatArray,
@@ -207,7 +211,9 @@ def _plan_foot(
     layout = morphology.layout
     ankle, foot = layout.ankle(side), layout.spine_count + 12 + 4 * side
     soles = sole_rows(morphology, side)
-    kernel.plan_foot(states, soles, ground.height, LET_GO * frame_rate, ankle, foot, positions, rotations, *out)
+    plan_foot(states, soles, ground.height, LET_GO * frame_rate, ankle, foot, positions, rotations, *out)
+    reaches = comforts * morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2].sum(axis=1)
+    roll_feet(soles, states, positions[:, layout.hip(side)], reaches, LET_GO * frame_rate, out[0], out[1])
     keep_above(soles, states, ground.height, frame_rate, *out)
 
 
@@ -216,6 +222,7 @@ def _drape_foot(
     side: int,
     morphology: AnyMorphology,
     states: NDArray[np.int64],
+    comforts: FloatArray,
     ground: Ground,
     frame_rate: float,
     positions: FloatArray,
@@ -230,7 +237,7 @@ def _drape_foot(
     if prints.hanging.any():
         for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
             states[first : last + 1][states[first : last + 1] == kernel.HEEL] = kernel.FLAT
-        _plan_foot(side, morphology, states, ground, frame_rate, positions, rotations, plan)
+        _plan_foot(side, morphology, states, comforts, ground, frame_rate, positions, rotations, plan)
         prints = find_footprints(states, plan[0], plan[1], soles, ground)
     draped = drape(prints, *plan, ground, frame_rate)
     level, foot = Sole.of(*plan, soles), Sole.of(draped.ankles, draped.feet, draped.toes, soles)

@@ -1,0 +1,35 @@
+"""What one foot does on a level floor (METHOD 4)."""
+
+import numpy as np
+
+from studio.core.kernels.compiling import allocating_kernel
+from studio.core.kernels.feet import keep_pitch_on_ground, level_soles, level_toes, plant_ankles
+from studio.core.kernels.heels import lift_heels
+from studio.core.kernels.turns import inverse, product, put_turn, turn_in
+from studio.core.kernels.vectors import copy_matrix, copy_point
+
+
+@allocating_kernel
+def plan_foot(states, soles, height, reach, ankle, foot, positions, rotations, out_ankles, out_feet, out_toes):
+    """What one foot does on a level floor (METHOD 4): ankles (F, 3), foot and toe rotations (F, 3, 3) in the world.
+
+    ``states`` (F,); ``soles`` (F or 1, 5 or more); ``height`` of the floor in metres; ``ankle`` the point and ``foot``
+    the segment, the toe next, of ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) as retargeted.
+    """
+    count = states.shape[0]
+    stands = False
+    for frame in range(count):
+        stands = stands or states[frame] != 0
+        copy_point(positions[frame, ankle], out_ankles[frame])
+        copy_matrix(rotations[frame, foot], out_feet[frame])
+        copy_matrix(rotations[frame, foot + 1], out_toes[frame])
+    if not stands:
+        return
+    ankles, source, toes = out_ankles.copy(), out_feet.copy(), np.empty_like(out_toes)
+    for frame in range(count):
+        put_turn(product(inverse(turn_in(source[frame])), turn_in(out_toes[frame])), toes[frame])
+    level_soles(source, states, reach, out_feet)
+    keep_pitch_on_ground(soles, states, reach, out_feet)
+    lift_heels(soles, states, ankles[:, 2] - height, reach, out_feet)
+    level_toes(out_feet, toes, states, reach, out_toes)
+    plant_ankles(ankles, out_feet, states, soles, np.full(count, height), reach, out_ankles)

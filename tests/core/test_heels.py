@@ -1,0 +1,50 @@
+"""Heels that rise over a ball that stands."""
+
+import numpy as np
+import pytest
+
+from studio.core.kernels import feet, heels
+from studio.core.rotations import to_matrix
+from tests.core.motions import about
+
+SOLE = np.array([[0.13, 0.0, -0.05, 0.08, 0.05]])
+"""Ankle to toe joint, ankle above the sole, heel behind the ankle."""
+STATES = np.repeat([feet.FLAT, feet.TOE, 0, feet.FLAT], [30, 30, 30, 30])
+RISE = np.where(STATES == feet.TOE, 0.04 * np.clip((np.arange(120) - 30) / 20, 0.0, 1.0), 0.0)
+
+
+def _level() -> np.ndarray:
+    return to_matrix(about([0.0, 1.0, 0.0], np.zeros(120)))
+
+
+def _ankles(rotations: np.ndarray) -> np.ndarray:
+    """Heights of the ankle over a sole whose ball stands."""
+    return SOLE[0, 3] + SOLE[0, 2] - rotations[:, 2] @ SOLE[0, :3]
+
+
+def test_an_ankle_is_as_high_as_the_motion_has_it_soon_after_its_heel_left_the_ground() -> None:
+    rotations = _level()
+    heels.lift_heels(SOLE, STATES, SOLE[0, 3] + RISE, 10.0, rotations)
+    assert np.allclose(_ankles(rotations)[:30], SOLE[0, 3], atol=1e-12)
+    assert np.allclose(_ankles(rotations)[45:60], SOLE[0, 3] + RISE[45:60], atol=0.002)
+
+
+def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
+    """Who kneels or lies rolls over nothing."""
+    states = np.where(STATES == feet.FLAT, 0, STATES)
+    rotations = _level()
+    heels.lift_heels(SOLE, states, SOLE[0, 3] + RISE, 10.0, rotations)
+    assert np.array_equal(rotations, _level())
+
+
+@pytest.mark.parametrize("miss", [0.0, 0.005, 0.02, 0.05])
+def test_a_foot_rolls_on_where_its_leg_is_too_short_and_its_ball_stays(miss: float) -> None:
+    rotations, ankles = _level(), np.tile([0.0, 0.0, SOLE[0, 3]], (120, 1))
+    hips = np.tile([0.4, 0.0, 0.8], (120, 1))
+    reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
+    balls = ankles + rotations @ SOLE[0, :3]
+    heels.roll_feet(SOLE, STATES, hips, reaches, 10.0, ankles, rotations)
+    assert np.allclose(ankles + rotations @ SOLE[0, :3], balls, atol=1e-12)
+    lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
+    assert np.allclose(lacks[:30], miss, atol=1e-12)
+    assert lacks[50:60].max() < 0.35 * miss + 1e-9

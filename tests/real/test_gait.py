@@ -1,0 +1,57 @@
+"""Who walks on another body walks as upright, as smoothly and with as straight knees as the actor does."""
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.ground import Ground
+from studio.core.motion_quality import MotionQuality, motion_quality
+from studio.core.morphology import Morphology
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptRequest
+from studio.core.solver.source import source_motion
+from studio.io.character_file import bundled_characters
+from tests.real.taken import contacts_of, named, taken
+
+STEMS = (
+    "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180", "pybvh_cmu_12_01_walk", "bvhtoolbox_walk01",
+)  # fmt: skip
+BODIES: dict[str, Morphology | None] = {
+    "actor": None,
+    **{name: character.morphology for name, character in bundled_characters().items()},
+}
+
+
+@lru_cache
+def _qualities(stem: str) -> tuple[MotionQuality, ...]:
+    capture, motion, actor = taken(named(stem))
+    contacts, source = contacts_of(capture), source_motion(motion, actor)
+    bodies = [body or actor.morphology for body in BODIES.values()]
+    adapted = [adapt(AdaptRequest(motion, body, contacts)) for body in bodies]
+    return tuple(motion_quality(each, source, contacts, Ground(), capture.first_frame) for each in adapted)
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_knees_that_stand_are_hardly_more_bent(captures: Path, stem: str) -> None:
+    found = _qualities(stem)
+    assert np.degrees(max(each.knee_mean for each in found)) < 4.0
+    assert np.degrees(max(each.knee_most for each in found)) < 20.0
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_hips_ride_as_high_over_standing_ankles(captures: Path, stem: str) -> None:
+    assert max(abs(each.drop) for each in _qualities(stem)) < 0.005
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_hips_go_up_and_down_as_much(captures: Path, stem: str) -> None:
+    bobs = [each.bob for each in _qualities(stem)]
+    assert min(bobs) > 0.85
+    assert max(bobs) < 1.25
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_nothing_jolts(captures: Path, stem: str) -> None:
+    assert max(each.peak for each in _qualities(stem)) < 2.5
