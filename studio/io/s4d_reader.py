@@ -3,7 +3,7 @@
 import struct
 import zipfile
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from studio.core.humanoid import BodyMap
 from studio.core.morphology import Morphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import restore
+from studio.core.normalized.realize import girdles, restore
 from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY, to_matrix
 from studio.core.skeleton import Skeleton
@@ -96,6 +96,7 @@ def read_s4d(path: Path, motion_id: str = "") -> S4d:
             raise ValueError(f"{frames} frames of {joints} joints are more than a file of this size can hold.")
         motion = NormalizedMotion(record.name, record.frame_rate, arrays[CHANNELS], record.spine_places)
         actor = _actor(record.actor, motion, arrays)
+        motion = replace(motion, girdle=float(girdles(actor.morphology)[0]))
         capture = _capture(record, motion, actor)
     except StudioError as error:
         raise StudioError(f"{path.name}: {error}") from error

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from studio.core.ground import Ground
-from studio.core.motion_quality import MotionQuality, motion_quality
 from studio.core.morphology import Morphology
+from studio.core.motion_quality import MotionQuality, motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion

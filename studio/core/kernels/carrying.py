@@ -9,7 +9,7 @@ from studio.core.kernels.body import move_all, turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limb import place_limb, soft_reach
 from studio.core.kernels.rotation import add_rotated, rotation_vector_to_matrix
-from studio.core.kernels.turns import aimed, along, inverse, product, put_beside, put_turn, turn_by, turn_in, turn_of
+from studio.core.kernels.turns import aimed, product, put_beside, put_turn, turn_by, turn_in, turn_of
 
 TRIES = 12
 LONGEST_STEP = 0.05
@@ -147,9 +147,8 @@ def place_arm(channels, measures, side, wrist, hand, bend, comfort, positions, r
     """One arm of one frame: shoulder from the clavicle, wrist (3,) at its target, hand (3, 3) as given."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     shoulder, upper_arm = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    m, t = at.M_CLAVICLE_REST + 3 * side, at.LIMB_TWIST + 2 * side
-    rest = along(measures[m], measures[m + 1], measures[m + 2])
-    carrier = product(turn_in(rotations[upper_arm - 1]), inverse(rest))
+    t = at.LIMB_TWIST + 2 * side
+    carrier = product(turn_in(rotations[spine_count - 1]), turn_of(channels, at.CLAVICLE + 4 * side))
     frame = product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * side))
     origin = positions[shoulder]
     upper, lower = measures[at.M_ARM + 2 * side], measures[at.M_ARM + 2 * side + 1]

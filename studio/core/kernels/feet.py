@@ -10,8 +10,8 @@ import numpy as np
 
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply, rotation_vector_to_matrix
-from studio.core.kernels.turns import inverse, product, put_turn, turn_by, turn_in
-from studio.core.kernels.vectors import copy_matrix, copy_point
+from studio.core.kernels.turns import product, put_turn, turn_by, turn_in
+from studio.core.kernels.vectors import copy_matrix
 
 HEEL = 1
 TOE = 2

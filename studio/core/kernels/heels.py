@@ -67,8 +67,7 @@ def find_rolling(states, reach, out_shares):
 
 @kernel
 def pitch_missing(foot, sole, height):
-    """Radians, to first order, by which a ``foot`` (3, 3) is to pitch, heel up, to have its ankle at ``height`` over its
-    toe joint."""
+    """Radians, to first order, by which a ``foot`` (3, 3) is to pitch to have its ankle ``height`` over the toe."""
     level = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
     ahead = 0.0
     for axis in range(2):

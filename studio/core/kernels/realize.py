@@ -11,22 +11,24 @@ from studio.core.kernels.turns import along, product, put_beside, put_turn, sine
 
 
 @allocating_kernel
-def realize_frames(channels, places, measures, play, out_positions, out_rotations):
+def realize_frames(channels, places, measures, girdles, play, out_positions, out_rotations):
     """Pose a body at every frame (METHOD 3; eq. 2 of K05).
 
-    ``channels`` (F, 89 + 4 K_motion); ``places`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K); ``play``
-    1 keeps the actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
+    ``channels`` (F, 89 + 4 K_motion); ``places`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K);
+    ``girdles`` (F or 1,) parts of their turns that clavicles take; ``play`` 1 keeps the actor's stray of hips and head,
+    0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
     """
     spine_from, spine_share = sample_spine(places, measures[0])
-    realize_each(channels, measures, spine_from, spine_share, play, out_positions, out_rotations)
+    realize_each(channels, measures, girdles, spine_from, spine_share, play, out_positions, out_rotations)
 
 
 @kernel
-def realize_each(channels, measures, spine_from, spine_share, play, out_positions, out_rotations):
+def realize_each(channels, measures, girdles, spine_from, spine_share, play, out_positions, out_rotations):
     """``realize_frames`` with its spine sampled."""
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
-        realize_frame(channels[frame], row, spine_from, spine_share, play, out_positions[frame], out_rotations[frame])
+        girdle, positions, rotations = girdles[frame % girdles.shape[0]], out_positions[frame], out_rotations[frame]
+        realize_frame(channels[frame], row, girdle, spine_from, spine_share, play, positions, rotations)
 
 
 @allocating_kernel
@@ -53,12 +55,12 @@ def sample_spine(places, measures):
 
 
 @kernel
-def realize_frame(channels, measures, spine_from, spine_share, play, positions, rotations):
+def realize_frame(channels, measures, girdle, spine_from, spine_share, play, positions, rotations):
     """One frame of ``realize_frames``."""
     root, pelvis, neck_base, thorax = realize_trunk(channels, measures, spine_from, spine_share, positions, rotations)
     realize_head(channels, measures, play, neck_base, thorax, positions, rotations)
     for side in range(2):
-        realize_arm(channels, measures, side, neck_base, thorax, positions, rotations)
+        realize_arm(channels, measures, girdle, side, neck_base, thorax, positions, rotations)
         realize_leg(channels, measures, side, play, root, pelvis, positions, rotations)
 
 
@@ -149,15 +151,29 @@ def realize_head(channels, measures, play, neck_base, thorax, positions, rotatio
 
 
 @small_kernel
-def realize_arm(channels, measures, side, neck_base, thorax, positions, rotations):
-    """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the clavicle."""
+def part_of_turn(channels, column, share):
+    """A ``share`` of the shorter turn whose quaternion stands in four columns of a frame."""
+    x, y, z, w = channels[column], channels[column + 1], channels[column + 2], channels[column + 3]
+    size = math.sqrt(x * x + y * y + z * z)
+    angle = share * math.atan2(size, abs(w))
+    scale = math.copysign(math.sin(angle) / max(size, 1e-12), w)
+    return turn_of((scale * x, scale * y, scale * z, math.cos(angle)), 0)
+
+
+@small_kernel
+def realize_arm(channels, measures, girdle, side, neck_base, thorax, positions, rotations):
+    """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the actor's clavicle.
+
+    The body's own takes the part ``girdle`` of that turn.
+    """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
     carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
     m = at.M_COLLAR_BASE + 3 * side
     collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], positions[point])
     m = at.M_CLAVICLE_REST + 3 * side
-    turn = product(carrier, along(measures[m], measures[m + 1], measures[m + 2]))
+    carried = carrier if girdle == 1.0 else product(thorax, part_of_turn(channels, at.CLAVICLE + 4 * side, girdle))
+    turn = product(carried, along(measures[m], measures[m + 1], measures[m + 2]))
     put_turn(turn, rotations[segment])
     shoulder = put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], positions[point + 1])
     m = at.M_ARM + 2 * side

@@ -65,7 +65,7 @@ def measure_actor(
         toe_height=toe_height,
         heel_length=HEEL_LENGTH * np.linalg.norm(feet[:, :2], axis=1),
         neck_rest=_rest_direction(marks, alignments, layout.neck_base),
-        clavicle_rest=np.array([_rest_direction(marks, alignments, layout.spine_count + 2 + 4 * s) for s in (0, 1)]),
+        clavicle_rest=np.array([_at_ease(rotations[moving], thorax, layout.spine_count + 2 + 4 * s) for s in (0, 1)]),
     )
 
 
@@ -73,6 +73,15 @@ def _rest_direction(marks: Landmarks, alignments: FloatArray, segment: int) -> F
     """How a segment that hangs on the thorax lies in it (3,), in the reference pose: its z axis."""
     reference = marks.reference_rotations @ alignments
     return np.asarray(reference[marks.layout.spine_count - 1].T @ reference[segment][:, 2])
+
+
+def _at_ease(rotations: FloatArray, thorax: int, clavicle: int) -> FloatArray:
+    """How a clavicle lies in the thorax (3,) on average of ``rotations`` (F, S, 3, 3): its z axis.
+
+    A reference pose has arms raised or let hang; from there the shoulders of others would always be drawn up or sunk.
+    """
+    lies = np.einsum("fji,fj->i", rotations[:, thorax], rotations[:, clavicle, :, 2])
+    return np.asarray(lies / max(float(np.linalg.norm(lies)), 1e-9))
 
 
 def _head_length(marks: Landmarks, points: FloatArray) -> float:

@@ -25,6 +25,9 @@ class NormalizedMotion:
     frame_rate: float
     channels: FloatArray
     spine_places: FloatArray
+    girdle: float = 0.0
+    """How long the actor's clavicles are, as ``realize.girdles`` has it: where others' are longer they turn by less, so
+    that shoulders go as far. 0 where it is not known: they turn alike."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):

@@ -21,7 +21,6 @@ from studio.core.contacts import (
     without,
 )
 from studio.core.errors import StudioError
-from studio.core.rising_heels import rising_heels
 from studio.core.kernels import layout as at
 from studio.core.kernels.normalize import continue_turns, encode_frames
 from studio.core.kinematics import joint_world
@@ -31,9 +30,10 @@ from studio.core.normalized.alignment import find_alignments, level_feet
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import trunk_places
+from studio.core.normalized.realize import girdles, trunk_places
 from studio.core.normalized.soles import sole_points
 from studio.core.pieces import do_over_frames
+from studio.core.rising_heels import rising_heels
 from studio.core.rotations import frame_along, from_matrix, sign_continuous
 from studio.core.sharing import Shared
 
@@ -68,7 +68,9 @@ def normalize(
     channels = _channels(body, marks.points, rotations, capture.frame_rate)
     channels[:, at.HIPS : at.HIPS + 3] -= origin / body.leg_length
     channels.setflags(write=False)
-    motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine))
+    motion = NormalizedMotion(
+        capture.name, capture.frame_rate, channels, trunk_places(body.spine), float(girdles(body)[0])
+    )
     return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
 
 

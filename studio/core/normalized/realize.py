@@ -26,10 +26,21 @@ def realize(
     layout = morphology.layout
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
-    kernel.realize_frames(motion.channels, motion.spine_places, morphology.rows, float(play), positions, rotations)
+    taken = np.ones(1) if motion.girdle == 0.0 else np.minimum(motion.girdle / girdles(morphology), 1.0)
+    kernel.realize_frames(
+        motion.channels, motion.spine_places, morphology.rows, taken, float(play), positions, rotations
+    )
     if len(morphology.rows) > 1:
         positions[..., :2] -= _drift(motion.channels[:, at.HIPS : at.HIPS + 2], morphology)[:, None]
     return positions, rotations
+
+
+def girdles(body: AnyMorphology) -> FloatArray:
+    """(F or 1,) lengths of the clavicles in parts of half the breadth of the shoulders: how far these go by a turn."""
+    rows = body.rows
+    lengths = rows[:, at.M_CLAVICLE : at.M_CLAVICLE + 2]
+    bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (at.M_COLLAR_BASE, at.M_CLAVICLE_REST))
+    return np.asarray(lengths.sum(axis=1) / np.maximum((bases + lengths * rests).sum(axis=1), 1e-9))
 
 
 def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:

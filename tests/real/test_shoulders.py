@@ -1,0 +1,25 @@
+"""Shoulders come no nearer to each other than the actor's do."""
+
+from pathlib import Path
+
+import pytest
+
+from studio.core.ground import Ground
+from studio.core.motion_quality import motion_quality
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptRequest
+from studio.core.solver.source import source_motion
+from studio.io.character_file import bundled_characters
+from tests.real.taken import contacts_of, named, taken
+
+
+@pytest.mark.parametrize(
+    "stem", ["accad_male2_A6_BoxLift", "accad_female1_D6_CartWheel", "accad_male2_E1_JabLeft", "assimp_Boxing_Toes"]
+)
+def test_shoulders_are_as_wide_as_the_actors(captures: Path, stem: str) -> None:
+    capture, motion, actor = taken(named(stem))
+    contacts, source = contacts_of(capture), source_motion(motion, actor)
+    for character in bundled_characters().values():
+        adapted = adapt(AdaptRequest(motion, character.morphology, contacts))
+        found = motion_quality(adapted, source, contacts, Ground(), capture.first_frame)
+        assert abs(found.shoulders) < 0.1, character.name
