@@ -5,7 +5,7 @@ STUDIO = .venv/bin/python main.py
 # Of all tests those that end within half a minute; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline tests/app
 
-.PHONY: run check test bench soak examples pictures format
+.PHONY: run check test bench quality soak examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -28,6 +28,9 @@ bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.bench
 	.venv/bin/python benchmarks/long_capture.py
 	.venv/bin/python -m benchmarks.retrieval
+
+quality: .venv/.ready-to-run
+	.venv/bin/python benchmarks/motion_tables.py $(FOLDER)
 
 soak: .venv/.ready-to-test
 	.venv/bin/python -m tests.soak

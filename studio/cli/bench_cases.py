@@ -119,7 +119,7 @@ def clip_of(ready: ReadyCapture, longest: int = FRAMES) -> tuple[NormalizedMotio
         for each in ready.contacts
         if first <= each.last and each.first - first < len(channels)
     )
-    return NormalizedMotion(motion.name, motion.frame_rate, channels, motion.spine_places), contacts
+    return NormalizedMotion(motion.name, motion.frame_rate, channels, motion.spine_places, motion.girdle), contacts
 
 
 def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionConstraint:

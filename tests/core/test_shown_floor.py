@@ -33,7 +33,7 @@ def test_who_never_stands_shows_no_floor() -> None:
     assert not shown_floor((), POSITIONS, BODY, WALK.frame_rate).any()
 
 
-@given(st.floats(0.02, 0.08), st.integers(20, 60))
+@given(st.floats(0.02, 0.08), st.integers(30, 60))
 def test_a_heel_stands_until_it_rises(rise: float, begin: int) -> None:
     """Of a heel that lies, and from one frame on rises over a ball that stands, only the rise is no contact."""
     frames = np.arange(90)

@@ -72,7 +72,8 @@ def compose(pieces: tuple[Piece, ...]) -> Composite:
         row.add(piece)
     name = " + ".join(dict.fromkeys(piece.motion.name for piece in ordered))
     row.channels.setflags(write=False)
-    motion = NormalizedMotion(name, row.timing.frame_rate, row.channels, row.spine_places)
+    girdle = max(piece.motion.girdle for piece in ordered)
+    motion = NormalizedMotion(name, row.timing.frame_rate, row.channels, row.spine_places, girdle)
     return Composite(motion, row.contacts(), row.timing, tuple(row.played))
 
 
