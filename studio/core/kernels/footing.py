@@ -10,11 +10,12 @@ from studio.core.kernels.vectors import copy_matrix, copy_point
 
 
 @allocating_kernel
-def plan_foot(states, soles, height, reach, ankle, foot, positions, rotations, out_ankles, out_feet, out_toes):
+def plan_foot(states, soles, height, rolls, reach, ankle, foot, positions, rotations, out_ankles, out_feet, out_toes):
     """What one foot does on a level floor (METHOD 4): ankles (F, 3), foot and toe rotations (F, 3, 3) in the world.
 
-    ``states`` (F,); ``soles`` (F or 1, 5 or more); ``height`` of the floor in metres; ``ankle`` the point and ``foot``
-    the segment, the toe next, of ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) as retargeted.
+    ``states`` (F,); ``soles`` (F or 1, 5 or more); ``height`` of the floor in metres; ``rolls`` whether heels rise as
+    captured; ``ankle`` the point and ``foot`` the segment, the toe next, of ``positions`` (F, P, 3) and ``rotations``
+    (F, S, 3, 3) as retargeted.
     """
     count = states.shape[0]
     stands = False
@@ -30,6 +31,7 @@ def plan_foot(states, soles, height, reach, ankle, foot, positions, rotations, o
         put_turn(product(inverse(turn_in(source[frame])), turn_in(out_toes[frame])), toes[frame])
     level_soles(source, states, reach, out_feet)
     keep_pitch_on_ground(soles, states, reach, out_feet)
-    lift_heels(soles, states, ankles[:, 2] - height, reach, out_feet)
+    if rolls:
+        lift_heels(soles, states, ankles[:, 2] - height, reach, out_feet)
     level_toes(out_feet, toes, states, reach, out_toes)
     plant_ankles(ankles, out_feet, states, soles, np.full(count, height), reach, out_ankles)

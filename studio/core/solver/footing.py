@@ -211,9 +211,12 @@ def _plan_foot(
     layout = morphology.layout
     ankle, foot = layout.ankle(side), layout.spine_count + 12 + 4 * side
     soles = sole_rows(morphology, side)
-    plan_foot(states, soles, ground.height, LET_GO * frame_rate, ankle, foot, positions, rotations, *out)
-    reaches = comforts * morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2].sum(axis=1)
-    roll_feet(soles, states, positions[:, layout.hip(side)], reaches, LET_GO * frame_rate, out[0], out[1])
+    plan_foot(
+        states, soles, ground.height, ground.is_level, LET_GO * frame_rate, ankle, foot, positions, rotations, *out
+    )
+    if ground.is_level:  # elsewhere what a leg lacks is known only when the foot lies on its ground
+        reaches = comforts * morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2].sum(axis=1)
+        roll_feet(soles, states, positions[:, layout.hip(side)], reaches, LET_GO * frame_rate, out[0], out[1])
     keep_above(soles, states, ground.height, frame_rate, *out)
 
 
