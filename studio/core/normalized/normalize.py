@@ -135,7 +135,9 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
         # A heel does not stand while its knee does, or is lower; toes of who lies or kneels may only trail.
         prone = points[:, hips[side] + 1, 2] < points[:, hips[side] + 2, 2]
         feet[heel] = without(feet[heel], prone | contact_mask(bodies[knee], len(points)), shortest)
-        rising = rising_heels(feet[heel], contact_mask(feet[toe], len(points)), ankles[:, side, 2], float(leg))
+        rising = rising_heels(
+            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle(side), 2], float(leg)
+        )
         feet[heel] = without(feet[heel], rising, shortest)
         down = contact_mask([*bodies[knee], *bodies[ContactPoint.SEAT]], len(points))
         stays = (staying(toes[:, side], *span, TRAILING) if down[slice(*span)].any() else span for span in feet[toe])
