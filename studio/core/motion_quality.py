@@ -123,7 +123,7 @@ def _knee(motion: AdaptedMotion, side: int) -> FloatArray:
     """(F,) radians that a knee is bent, 0 where the leg is straight."""
     hip = motion.morphology.layout.hip(side)
     thigh, shank = (np.diff(motion.positions[:, hip + k : hip + k + 2], axis=1)[:, 0] for k in (0, 1))
-    return np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.einsum("fk,fk->f", thigh, shank))
+    return np.asarray(np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.einsum("fk,fk->f", thigh, shank)))
 
 
 def _bob(motion: AdaptedMotion) -> float:
