@@ -53,6 +53,12 @@ class Posed:
         """(K+23, 3) the canonical points on the stage."""
         return self.placement.to_stage(self.motion.positions[self.row])
 
+    def is_as_in(self, newer: AdaptedMotion) -> bool:
+        """Whether a newer result of the same performer has the same pose at this moment."""
+        if newer.frame_count != self.motion.frame_count:
+            return False
+        return np.array_equal(newer.positions[self.row], self.motion.positions[self.row])
+
     @property
     def played(self) -> Played | None:
         """What of its row plays; None for a motion of no stage."""

@@ -80,6 +80,10 @@ class OrbitCamera:
         scale = size[1] / (2.0 * math.tan(VIEW_ANGLE / 2) * reach)
         return np.stack([size[0] / 2 + local[:, 0] * scale, size[1] / 2 - local[:, 1] * scale], axis=1), depth
 
+    def height(self, points: ArrayLike, size: tuple[float, float]) -> float:
+        """How many pixels high stage ``points`` (N, 3) are in a picture of ``size``."""
+        return float(np.ptp(self.project(points, size)[0][:, 1]))
+
     def ray(self, x: float, y: float, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
         """Origin and unit direction (stage space) of the ray of sight through pixel (x, y)."""
         step = 2.0 * math.tan(VIEW_ANGLE / 2) / size[1]

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Mapping
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from studio.document import colours
 
+EDGE = 8
+"""Pixels between a chip and the view's edge."""
 PROBLEM_FRAME = 60
 """Pixels of a view's width that the problem's words may not take."""
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
@@ -33,6 +35,11 @@ class Chip(QPushButton):
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAutoDefault(False)
         self.clicked.connect(lambda: clicked())
+
+    def stand_at(self, place: QPoint) -> None:
+        """Move to a place of the view, or as near to it as there is room for all of the chip."""
+        room = self.parentWidget().rect().adjusted(EDGE, EDGE, -EDGE - self.width(), -EDGE - self.height())
+        self.move(min(max(place.x(), room.left()), room.right()), min(max(place.y(), room.top()), room.bottom()))
 
     def say(self, text: str) -> None:
         """Show other words; nothing happens when they are the same."""

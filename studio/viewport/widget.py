@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
@@ -24,6 +24,7 @@ from studio.viewport.chips import Chips
 from studio.viewport.constraining import NEEDS_A_PICK, Here, constraint_here
 from studio.viewport.figure import bone_pairs
 from studio.viewport.following import Follower
+from studio.viewport.framing import selected_points
 from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
@@ -45,8 +46,6 @@ WHEEL_ZOOM = 1.15
 ADAPTED_FIRST = ("constraints", "contacts")
 """What changes only handles until the engine has adapted the bodies to it."""
 ANOTHER = 0.2
-ROOM_AROUND_TARGET = 0.6
-"""Metres shown round a framed constraint or prop."""
 
 
 class Viewport(Canvas):
@@ -116,7 +115,7 @@ class Viewport(Canvas):
 
     def frame_selection(self) -> None:
         """Show what is selected, else all performers."""
-        points = self._selected_points()
+        points = selected_points(self._document, self.posed, self.handles())
         if points:
             self._frame(np.concatenate(points))
         else:
@@ -236,7 +235,7 @@ class Viewport(Canvas):
 
     def gizmo(self) -> Gizmo | None:
         """The gizmo on what is selected, as seen now."""
-        movable = self.movable()
+        movable, pose = self.movable(), self.posed.get(self._document.active_performer_id or "")
         if movable is None or self.tool != "move":
             return None
         return Gizmo(
@@ -244,16 +243,9 @@ class Viewport(Canvas):
             movable.placement.rotation.T,
             self.camera,
             self.view_size,
-            self._arrow_pixels(),
+            arrow_pixels(self.camera.height(pose.points, self.view_size)) if pose else ARROW_PIXELS,
             movable.flat,
         )
-
-    def _arrow_pixels(self) -> float:
-        pose = self.posed.get(self._document.active_performer_id or "")
-        if pose is None:
-            return ARROW_PIXELS
-        heights = self.camera.project(pose.points, self.view_size)[0][:, 1]
-        return arrow_pixels(float(np.ptp(heights)))
 
     def movable(self) -> Movable | None:
         """What the gizmo moves."""
@@ -282,7 +274,8 @@ class Viewport(Canvas):
         self.resting = resting_performers(project, self.posed)
         if self.posed and not self._framed:
             # Results come one by one: the view is settled when every body is there.
-            self._framed = all(self._live.told(key) is not None for key in self._expected())
+            expected = (key for key, one in project.performers.items() if one.visible and one.clips)
+            self._framed = all(self._live.told(key) is not None for key in expected)
             self._open()
         elif self.resting and not self._framed:
             self._open()
@@ -317,10 +310,6 @@ class Viewport(Canvas):
         """Whether the view is quite another than at the opening; a line of words below it makes no difference."""
         return any(abs(now / then - 1) > ANOTHER for now, then in zip(self.view_size, self._opening_size, strict=True))
 
-    def _expected(self) -> list[str]:
-        """The performers that are to be seen sooner or later."""
-        return [key for key, one in self._document.project.performers.items() if one.visible and one.clips]
-
     def paint_over(self, painter: QPainter) -> None:
         """Handles, joints and gizmo."""
         overlay = Overlay(painter, self.camera, self.view_size)
@@ -347,13 +336,8 @@ class Viewport(Canvas):
         chip.setVisible(pose is not None and self.gesture is None)
         if picked is not None and pose is not None:
             chip.say(f"Constrain {picked.joint.name}  (C)")
-            place = self.widget_point(pose.points[picked.joint.index]).toPoint()
-            above = 34 if self.gizmo() is None else -26  # beside its arrows
-            room = self.rect().adjusted(8, 8, -8 - chip.width(), -8 - chip.height())
-            chip.move(
-                min(max(place.x() + 16, room.left()), room.right()),
-                min(max(place.y() - above, room.top()), room.bottom()),
-            )
+            beside_gizmo = QPoint(16, -34 if self.gizmo() is None else 26)
+            chip.stand_at(self.widget_point(pose.points[picked.joint.index]).toPoint() + beside_gizmo)
 
     def _ghost(self) -> Posed | None:
         pose = self.posed.get(self._document.active_performer_id or "")
@@ -383,15 +367,6 @@ class Viewport(Canvas):
         if constraint is not None:
             return constraint.point
         return self.joint_picked.joint.point if self.joint_picked else None
-
-    def _selected_points(self) -> list[FloatArray]:
-        around = ROOM_AROUND_TARGET * np.concatenate([np.eye(3), -np.eye(3)])
-        selection, props = self._document.selection, self._document.project.props
-        chosen = [one for one in self.handles() if one.main and one.constraint_id in selection.of("constraints")]
-        things = [one.extent for one in chosen]
-        things += [np.array([props[key].position]) for key in selection.of("props") if key in props]
-        bodies = [self.posed[key].points for key in selection.of("performers") if key in self.posed]
-        return [(thing[:, None] + around).reshape(-1, 3) for thing in things] or bodies
 
     def _frame(self, points: FloatArray) -> None:
         self._glide.start(self.camera, self.camera.framing(points, self.view_size))
@@ -450,15 +425,10 @@ class Viewport(Canvas):
             self.show_again()
 
     def _adapted(self, performer_id: str) -> None:
-        if self.gesture is None or not self._looks_the_same(performer_id):
+        shown, newer = self.posed.get(performer_id), self._live.result(performer_id)
+        # While dragging, the rest of the clip comes after the frame on show.
+        if self.gesture is None or shown is None or newer is None or not shown.is_as_in(newer):
             self.show_soon()
-
-    def _looks_the_same(self, performer_id: str) -> bool:
-        """Whether a newer result has the pose on show: while dragging, the rest of the clip comes after it."""
-        shown, motion = self.posed.get(performer_id), self._live.result(performer_id)
-        if shown is None or motion is None or motion.frame_count != shown.motion.frame_count:
-            return False
-        return np.array_equal(motion.positions[shown.row], shown.motion.positions[shown.row])
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """The chips follow the room there is."""

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from argparse import ArgumentParser
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -217,7 +218,11 @@ def test_ctrl_c_in_a_terminal_ends_the_batch_with_one_sentence(folder):
         write_capture(make_capture(seed=seed, frames=800), folder / f"take{seed}.bvh")
     command = [sys.executable, str(ROOT / "main.py"), "batch", str(folder), "--out", str(folder.parent / "out")]
     command += ["--character", "child"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as batch_process:
+    # As a terminal starts it: who starts this test in the background has the signal ignored.
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=heard
+    ) as batch_process:
         told = batch_process.stderr.readline()
         os.killpg(batch_process.pid, signal.SIGINT)
         rest = batch_process.stderr.read()
