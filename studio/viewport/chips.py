@@ -38,7 +38,9 @@ class Chip(QPushButton):
 
     def stand_at(self, place: QPoint) -> None:
         """Move to a place of the view, or as near to it as there is room for all of the chip."""
-        room = self.parentWidget().rect().adjusted(EDGE, EDGE, -EDGE - self.width(), -EDGE - self.height())
+        view = self.parentWidget()
+        assert view is not None
+        room = view.rect().adjusted(EDGE, EDGE, -EDGE - self.width(), -EDGE - self.height())
         self.move(min(max(place.x(), room.left()), room.right()), min(max(place.y(), room.top()), room.bottom()))
 
     def say(self, text: str) -> None:
