@@ -124,7 +124,7 @@ def _standing_foot(
         turns = adapted.rotations[span, layout.spine_count + 12 + 4 * side :][:, :2]
         tip = Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points[:, -1]
         heights = np.minimum(heights, (tip[:, 2] - worn_height(ground, tip)) * normal[2])
-    return _slide(ankle if point.is_heel else toe, normal), heights
+    return _slide(sole if point.is_heel else toe, normal), heights
 
 
 def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FloatArray:

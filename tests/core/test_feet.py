@@ -75,7 +75,8 @@ def test_what_stands_stays_where_it_is(seed: int) -> None:
     feet = _levelled(steps)
     ankles = _planted(steps, feet)
     toes = ankles + feet @ SOLE.foot
-    for bit, track in ((twin.HEEL, ankles), (twin.TOE, toes)):
+    heels = ankles + [SOLE.heel_below_ankle(foot) for foot in feet]
+    for bit, track in ((twin.HEEL, heels), (twin.TOE, toes)):
         for stretch in twin.stretches((steps.states & bit) != 0):
             still = track[stretch, :2]
             assert np.allclose(still, still[0], atol=1e-9)

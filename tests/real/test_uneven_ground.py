@@ -23,7 +23,7 @@ STEMS = (
     "bvhtoolbox_walk01", "pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_B15_WalkTurnAround180",
     "accad_female1_B21_PutDownBoxToWalk", "accad_female1_C20_RunToJumpToWalk", "accad_female1_C03_Run",
 )  # fmt: skip
-MOST_BRUSHING = {"stairs up": 0.03, "stairs down": 0.05}
+MOST_BRUSHING = {"stairs up": 0.04, "stairs down": 0.05}
 """Parts of the frames of feet in the air, of all characters, in which one is more than 2 mm below the ground; nowhere
 else in any.
 """

@@ -240,9 +240,9 @@ def plant_ankles(ankles, feet, states, soles, ground, reach, out_ankles):
     """Ankle targets (F, 3): anchored through every contact, displaced by an eased amount in between (METHOD 4).
 
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot. One anchor an
-    episode of contact: the ankle's median place in its longest stretch on the heel (the toe's, if no heel stands);
-    every other pivot is where the foot is when the contact passes from heel to toe or back, so nothing jumps. A foot
-    that grows is anchored where it is while it is small.
+    episode of contact: the heel's median place in its longest stretch on it (the toe's, if no heel stands); every other
+    pivot is where the foot is when the contact passes from heel to toe or back, so nothing jumps. A foot that grows is
+    anchored where it is while it is small.
     """
     count = states.shape[0]
     shift = np.zeros((count, 3))
@@ -279,28 +279,29 @@ def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
     reach, count, least = np.zeros((last - first, 3)), 0, math.inf
     for frame in range(first, last):
         least = min(least, soles[frame if soles.shape[0] > 1 else 0, 0])
+    offsets = np.zeros((2, 3))
     for frame in range(first, last):
         sole = soles[frame if soles.shape[0] > 1 else 0]
         if sole[0] - least > (SMALLEST - 1.0) * abs(least):
             continue
-        if not heel:
-            to_toe(feet[frame], sole, reach[count])
+        to_pivots(feet[frame], sole, offsets)
         for axis in range(3):
-            reach[count, axis] += ankles[frame, axis]
+            reach[count, axis] = offsets[0 if heel else 1, axis] + ankles[frame, axis]
         count += 1
     anchor = np.array([np.median(reach[:count, 0]), np.median(reach[:count, 1])])
     pivots = np.zeros((2, 2))
-    offset = np.zeros(3)
     for way in range(2):
         previous = HEEL if heel else TOE
         pivots[0 if heel else 1] = anchor
         frame = first
         while begin <= frame < end:
             sole = soles[frame if soles.shape[0] > 1 else 0]
-            to_toe(feet[frame], sole, offset)
-            stand(states[frame], previous, pivots, offset)
-            out_ankles[frame, 0], out_ankles[frame, 1] = pivots[0, 0], pivots[0, 1]
-            out_ankles[frame, 2] = ground[frame] + sole_height(feet[frame], offset[2], sole)
+            to_pivots(feet[frame], sole, offsets)
+            stands = 0 if states[frame] & HEEL and previous & HEEL else 1
+            for axis in range(2):
+                out_ankles[frame, axis] = pivots[stands, axis] - offsets[stands, axis]
+                pivots[1 - stands, axis] = out_ankles[frame, axis] + offsets[1 - stands, axis]
+            out_ankles[frame, 2] = ground[frame] + sole_height(feet[frame], offsets[1, 2], sole)
             previous = states[frame]
             frame += 1 if way == 0 else -1
 
@@ -326,14 +327,11 @@ def to_toe(rotation, sole, out_offset):
 
 
 @kernel
-def stand(state, previous, pivots, offset):
-    """Move the pivots (ankle, toe) (2, 2) of the neighbouring frame on to this one: what stands stays where it is."""
-    if state & HEEL and previous & HEEL:
-        for axis in range(2):
-            pivots[1, axis] = pivots[0, axis] + offset[axis]
-    else:
-        for axis in range(2):
-            pivots[0, axis] = pivots[1, axis] - offset[axis]
+def to_pivots(rotation, sole, out_offsets):
+    """Vectors (2, 3) in the world from the ankle to what a foot rolls over: the heel's lower edge, the toe joint."""
+    for axis in range(3):
+        out_offsets[0, axis] = -rotation[axis, 0] * sole[4] - rotation[axis, 2] * sole[3]
+    to_toe(rotation, sole, out_offsets[1])
 
 
 @kernel

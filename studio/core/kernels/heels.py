@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.feet import HEEL, corrected, ease_gaps, free_feet, smoothstep, to_toe
 from studio.core.kernels.swing import lack
 from studio.core.kernels.turns import product, put_turn, turn_by, turn_in
@@ -15,8 +15,8 @@ UPRIGHT = -0.6, -0.9
 """Vertical part of a foot's forward axis from which, and up to which, its heel's height counts less and less."""
 ROLL_ROOM = 0.01
 """Parts of the leg's reach before its end from which on a foot begins to roll."""
-MOST_ROLL = 0.5
-"""Radians that a foot may roll on, and never quite."""
+STEEPEST_FOOT = math.radians(70.0)
+"""How far down a foot that rolls on may point, and never quite: beyond it stands on its tip."""
 STEEPEST = 0.6
 """Parts of the way from ankle to toe joint that a foot is taken to go along the ground at least."""
 
@@ -38,7 +38,7 @@ def lift_heels(soles, states, heights, reach, rotations):
         share = free[frame] * smoothstep(min(max((foot[2, 0] - UPRIGHT[1]) / (UPRIGHT[0] - UPRIGHT[1]), 0.0), 1.0))
         if share == 0.0 or foot[2, 2] < 0.0:
             continue
-        pitch = share * pitch_missing(foot, sole, heights[frame] - sole[3] - sole[2])
+        pitch = share * within_room(foot, pitch_missing(foot, sole, heights[frame] - sole[3] - sole[2]))
         level = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
         corrections[frame, 0] = -pitch * foot[1, 0] / level
         corrections[frame, 1] = pitch * foot[0, 0] / level
@@ -63,6 +63,13 @@ def find_rolling(states, reach, out_shares):
         if not stood:
             out_shares[begin:end] = 0.0
         begin = end
+
+
+@small_kernel
+def within_room(foot, pitch):
+    """A ``pitch`` in radians, less the nearer it brings a ``foot`` (3, 3) to where it would stand on its tip."""
+    room = max(STEEPEST_FOOT + math.asin(min(max(foot[2, 0], -1.0), 1.0)), 1e-3)
+    return room * math.tanh(pitch / room) if pitch > 0.0 else pitch
 
 
 @kernel
@@ -91,7 +98,7 @@ def roll_feet(soles, states, hips, reaches, reach, ankles, feet):
     find_rolling(states, FOLLOWED * reach, free)
     for frame in range(count):
         foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
-        if free[frame] == 0.0 or foot[2, 0] < UPRIGHT[0] or foot[2, 2] < 0.0:
+        if free[frame] == 0.0 or foot[2, 2] < 0.0:
             continue
         to_toe(foot, sole, offset)
         level = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
@@ -108,7 +115,7 @@ def roll_feet(soles, states, hips, reaches, reach, ankles, feet):
         room = ROLL_ROOM * reaches[frame]
         if nearer > 0.0:
             pitch = lack(reaches[frame] - span, room) / max(nearer, 0.5 * abs(sole[0]))
-            pitch = free[frame] * MOST_ROLL * math.tanh(pitch / MOST_ROLL)
+            pitch = free[frame] * within_room(foot, pitch)
             corrections[frame, 0], corrections[frame, 1] = pitch * left_x, pitch * left_y
     ease_gaps(corrections, states != 0, reach)
     for frame in range(count):

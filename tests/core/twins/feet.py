@@ -110,19 +110,16 @@ def _planted(
 ) -> dict[int, np.ndarray]:
     """Where on the ground the ankle is in every frame of one contact."""
     to_toe = (feet @ sole.foot)[:, :2]
+    to_heel = np.array([sole.heel_below_ankle(foot)[:2] for foot in feet])
     heels = [run for run in stretches(states & HEEL != 0) if run[0] in episode]
     runs = heels or [run for run in stretches(states & TOE != 0) if run[0] in episode]
     longest = max(runs, key=len)
-    seed = list(longest)
-    if heels:
-        places = {seed[0]: np.median(ankles[seed, :2], axis=0)}
-    else:
-        places = {seed[0]: np.median((ankles[:, :2] + to_toe)[seed], axis=0) - to_toe[seed[0]]}
+    seed, pivot = list(longest), to_heel if heels else to_toe
+    places = {seed[0]: np.median((ankles[:, :2] + pivot)[seed], axis=0) - pivot[seed[0]]}
     for frames in (range(seed[0] + 1, episode[-1] + 1), range(seed[0] - 1, episode[0] - 1, -1)):
         previous = seed[0]
         for frame in frames:
-            on_heel = states[frame] & states[previous] & HEEL
-            toe = places[previous] + to_toe[previous]
-            places[frame] = places[previous] if on_heel else toe - to_toe[frame]
+            pivot = to_heel if states[frame] & states[previous] & HEEL else to_toe
+            places[frame] = places[previous] + pivot[previous] - pivot[frame]
             previous = frame
     return places
