@@ -11,7 +11,6 @@ from studio.app.workbench import Workbench
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.normalized.drift import with_drift_told
 from studio.core.project import Clip, Motion, Project, new_id
 from studio.core.solver.rows import stage_span
 from studio.core.staging import side_by_side
@@ -43,6 +42,8 @@ def read_motion(
 
     ``known`` are the corrections of earlier files, by kind; ``expect`` hears of the capture as soon as it is read.
     """
+    from studio.core.normalized.drift import with_drift_told  # what computes is loaded after the window
+
     try:
         capture, read_as = read_as_corrected(
             path, options, known, lambda share, text: progress(READ_SHARE * share, text)

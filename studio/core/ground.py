@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.plausible import GROUND
 
 FloatArray = NDArray[np.float64]
+LEVEL_WITHIN = 1e-9
+"""Metres by which heights of one level may differ as they are computed."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,12 @@ class Ground:
     def nudges(self, soles: FloatArray) -> FloatArray:
         """(N, 2) by how much soles (N, 3, 2: heel, ball, tip) had better stand elsewhere; not at all as a rule."""
         return np.zeros((len(soles), 2))
+
+    def felt_at(self, places: ArrayLike) -> "Ground":
+        """This ground, or the level floor where it neither rises nor sinks at any of ``places`` (..., 2 or 3)."""
+        if self.is_level or np.abs(self.height_at(places) - self.height).max() > LEVEL_WITHIN:
+            return self
+        return Ground(self.height)
 
     def seen_from(self, position: tuple[float, float], heading: float) -> "Ground":
         """The same ground in the axes of who stands at ``position`` (metres), turned by ``heading`` (radians)."""

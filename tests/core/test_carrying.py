@@ -242,12 +242,12 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     shoulder, upper = layout.collar(side) + 1, layout.spine_count + 3 + 4 * side
     way = random.normal(size=3)
     wrist = positions[shoulder] + random.uniform(0.2, 1.3) * BODY.arm[side].sum() * way / np.linalg.norm(way)
-    hand, clavicle = random_rotations(random), rotations[upper - 1].copy()
+    hand = random_rotations(random)
     comfort = random.uniform(0.9, 1.0)
     kernel.place_arm(row, BODY.packed, side, wrist, hand, 1.0, comfort, positions, rotations)
 
-    rest = _frame_along(BODY.clavicle_rest[side])
-    frame = clavicle @ rest.T @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
+    clavicle = rotations[layout.spine_count - 1] @ from_quaternion(row[at.CLAVICLE + 4 * side :][:4])
+    frame = clavicle @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
     apart, length = wrist - before[shoulder], BODY.arm[side].sum()
     distance = np.linalg.norm(apart)
     elbow, reached, first, second = place_limb(

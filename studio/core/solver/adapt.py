@@ -102,6 +102,7 @@ def stand(
 ) -> Standing:
     """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7)."""
     positions, rotations = realize(motion, morphology)
+    ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations)
     upright, share = (positions, rotations), 1.0 if carrying is None else carrying.feet_share
