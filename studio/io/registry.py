@@ -86,6 +86,7 @@ class Format:
         capture: Capture = self._function("capture_reader")(path, options, progress)
         try:
             BONE.check(capture.skeleton.offsets[1:])
+            BONE.check(capture.poses.local_translations[:, 1:])
             TRAVEL.check(capture.poses.local_translations[:, 0])
         except ValueError as error:
             raise StudioError(f"{path.name}: {error} Export it in its right unit, or say which that is.") from error

@@ -24,7 +24,7 @@ ALWAYS = ActivationCurve(-1.0, -1.0, 1e4, 1e4)
 CLEAR = ClearConstraint("motion", "Clear", BodyPoint(BodyPart.THORAX), Chain(), 0, ALWAYS)
 SHOWN = (
     "accad_female1_D3_ConversationGestures", "accad_male2_E4_CrossRight", "accad_male2_E11_BlockLeftHigh",
-    "accad_male2_E9_BodyHookLeft", "accad_male2_E1_JabLeft", "cmu_max_jumping_jacks", "accad_female1_B03_Walk1",
+    "accad_male2_E9_BodyHookLeft", "accad_male2_E1_JabLeft", "cmu_max_jumping_jacks",
 )  # fmt: skip
 DEEPEST = 0.02
 """Metres: what is kept of the depth that an actor has in a body whose girths are guessed."""
