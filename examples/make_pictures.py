@@ -9,7 +9,7 @@ from pictured.figures import FIGURES, write_figure
 from pictured.kick_film import FRAME_RATE, KickFilm
 from pictured.shots import constrain, import_report, markers, sliders, timeline, window
 
-from studio.engine import first_run
+from studio.cli import first_run
 
 FILM_WIDTH = 880
 STILLS = {

@@ -5,6 +5,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 os.environ.update(QT_QPA_PLATFORM="offscreen", VTK_DEFAULT_OPENGL_WINDOW="vtkEGLRenderWindow")
@@ -19,6 +20,7 @@ from studio.core.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
+from studio.core.hand_shapes import AT_EASE, FIST
 from studio.core.staging import staged
 from studio.document.document import Document
 from studio.io.character_file import bundled_characters
@@ -45,7 +47,9 @@ class Session:
         self.window.show()
         read = importing.read_motion(example(capture), ImportOptions(), lambda share, text: None)
         contacts = read.annotations.of_motion(capture).contacts or ()
-        self.document.new(staged(read.capture, contacts, bundled_characters(), capture))
+        grip = FIST if "kick" in capture or "punch" in capture else AT_EASE
+        bodies = {name: replace(each, grip=grip) for name, each in bundled_characters().items()}
+        self.document.new(staged(read.capture, contacts, bodies, capture))
         application.import_views()
         application.show_views(self.window)
         self.settle()
@@ -111,11 +115,11 @@ def kick_target(target: tuple[float, float, float] = KICK_TARGET) -> PositionCon
     point = BodyPoint(BodyPart.RIGHT_FOOT, at_end=True)
     chain = Chain(limb=1.0, clavicle=0.0, trunk=0.3, root=0.6)
     activation = ActivationCurve(2.25, 2.5, 2.65, 2.95)
-    return PositionConstraint("sample", "Kick target", point, chain, 0, activation, target=target)
+    return PositionConstraint("front_kick", "Kick target", point, chain, 0, activation, target=target)
 
 
 def left_wrist() -> PositionConstraint:
     """The left hand stays before the face."""
     point = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
     activation = ActivationCurve(1.7, 2.1, 2.7, 3.1)
-    return PositionConstraint("sample", "Guard up", point, Chain(trunk=0.3), 1, activation, target=(0.3, 0.1, 1.35))
+    return PositionConstraint("front_kick", "Guard up", point, Chain(trunk=0.3), 1, activation, target=(0.3, 0.1, 1.35))
