@@ -1,8 +1,9 @@
 """Fight training (K05 section 10, figure 14): eight fighters in pairs, with three motions between them."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from studio.core import hand_shapes
 from studio.core.canonical import BodyPart
 from studio.core.character import Character
 from studio.core.constraints.activation import ActivationCurve
@@ -49,7 +50,7 @@ def fight_training(pairs: int = 4) -> Project:
     stuff = material(
         rest=("Rest", "straight_punch"), kick=("Kick", "front_kick"), ward_off=("Ward off, punch", "straight_punch")
     )
-    characters = bodies(2 * pairs)
+    characters = {key: replace(each, grip=hand_shapes.FIST) for key, each in bodies(2 * pairs).items()}
     keys = sorted(characters, key=lambda key: characters[key].morphology.stature)
     fighters = [Pair(*keys[place : place + 2]) for place in range(0, 2 * pairs, 2)]
     performers: dict[str, Performer] = {}
