@@ -7,6 +7,7 @@ from pictured.bodies import bodies, priorities
 from pictured.encode import write_film, write_picture
 from pictured.figures import FIGURES, write_figure
 from pictured.kick_film import FRAME_RATE, KickFilm
+from pictured.scenes import fight
 from pictured.shots import constrain, import_report, markers, sliders, timeline, window
 
 from studio.cli import first_run
@@ -14,6 +15,7 @@ from studio.cli import first_run
 FILM_WIDTH = 880
 STILLS = {
     "window": window,
+    "fight": fight,
     "constrain": constrain,
     "timeline": timeline,
     "import_report": import_report,
