@@ -4,7 +4,6 @@ The clip takes over from what plays by the transition of all clips in a row. A c
 offset grows from nothing at the change to all of it at the hit, and goes again: the target may move on until the hit.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,8 +36,6 @@ EASED_IN = 0.6
 """Part of the time to the hit in which the clip takes over from what played."""
 HOLD = 0.03
 """Seconds for which the target is met whole, so that the frame of the hit is among them."""
-SHARES = (0.25, 0.5, 0.75, 1.0)
-"""How much of the other clip is tried between two."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,22 +138,3 @@ def between(first: Blow, second: Blow, share: float) -> Blow:
     blow = NormalizedMotion(name, motion.frame_rate, mixed, places)
     label = replace(first.label, first=0, last=first.last - first.start, hit=first.hit - first.start)
     return Blow(blow, contacts, 0, first.hit - first.start, first.last - first.start, label)
-
-
-def best_between(
-    playing: Piece, at_frame: int, blows: Sequence[Blow], body: Morphology, target: ArrayLike
-) -> tuple[Blow, float]:
-    """Of the first blow and what lies between it and each other of its limb, the one to be bent least, and how far (m).
-
-    What P09 leaves to larger databases: no clip alone need come near the target.
-    """
-    aim = np.asarray(target, dtype=np.float64)
-    x, y, z = aim.tolist()
-
-    def bent(blow: Blow) -> float:
-        return offset_at_hit(make_strike(playing, at_frame, blow, body, (x, y, z)), blow.label, aim)
-
-    first = blows[0]
-    others = [other for other in blows[1:] if other.label.limb is first.label.limb]
-    mixed = [between(first, other, share) for other in others for share in SHARES]
-    return min(((blow, bent(blow)) for blow in (first, *mixed)), key=lambda pair: pair[1])
