@@ -126,6 +126,14 @@ WANDER = 0.08
 """Metres from its own middle that a standing hand, knee or seat may stray: what creeps farther does not stand."""
 TRAILING = 0.05
 """The same of the toes of who kneels or lies."""
+FLAT = 0.14
+"""Middle of the hips above the floor of who lies on its front, in parts of the leg's length: half a pelvis."""
+PRONE = 0.7
+"""Part of the front's direction that points down on a body that is prone."""
+FARTHEST_OVER = np.radians(35.0)
+"""Radians by which the leg of a heel that stands leans over its toes: ankles bend no farther, and a bent knee leaves
+the hip behind.
+"""
 
 
 def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) -> dict[ContactPoint, list[Span]]:
@@ -175,7 +183,7 @@ def detect_body_contacts(
     """Frames (first, last) in which hands, knees and seat stand: low above the floor, and hardly moving.
 
     ``tracks`` (F, 3) metres above the capture's floor: what seldom touches the ground has no usual low of its own. On
-    a body that sits or lies the knees carry nothing.
+    a body that sits or lies the knees carry nothing. Hips on the ground are the seat, face up or down.
     """
     found: dict[ContactPoint, list[Span]] = {}
     for point, track in tracks.items():
@@ -189,6 +197,19 @@ def detect_body_contacts(
         seated = contact_mask([(max(first - room, 0), last + room) for first, last in seats], len(tracks[knee]))
         found[knee] = without(found[knee], seated, round(2 * SHORTEST * frame_rate))
     return found
+
+
+def faces_down(hips: FloatArray, shoulders: FloatArray) -> NDArray[np.bool_]:
+    """(F,) where a body is prone: it lies, crawls or is stretched face down. Both hips and shoulders (F, 2, 3)."""
+    front = np.cross(hips[:, 0] - hips[:, 1], shoulders.mean(axis=1) - hips.mean(axis=1))
+    return np.asarray(front[:, 2] < -PRONE * np.linalg.norm(front, axis=1))
+
+
+def tipped_over(hip: FloatArray, ankle: FloatArray, toe: FloatArray) -> NDArray[np.bool_]:
+    """(F,) where a leg leans over its toes as in a plank, of points (F, 3): its heel cannot be on the ground."""
+    ahead = toe[:, :2] - ankle[:, :2]
+    over = np.sum((hip - ankle)[:, :2] * ahead, axis=1) / np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)
+    return np.asarray(over > np.tan(FARTHEST_OVER) * (hip - ankle)[:, 2])
 
 
 def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:

@@ -14,7 +14,9 @@ from studio.core.contacts import (
     contact_mask,
     detect_body_contacts,
     detect_contacts,
+    faces_down,
     staying,
+    tipped_over,
     without,
 )
 
@@ -147,6 +149,23 @@ def _touching(point: ContactPoint, track: np.ndarray) -> list[tuple[int, int]]:
 def test_what_lies_low_and_still_touches_and_what_is_higher_does_not(point: str, low: float) -> None:
     assert _touching(ContactPoint(point), _above_floor(low)) == [(0, 119)]
     assert _touching(ContactPoint(point), _above_floor(0.4)) == []
+
+
+def _trunk(facing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Hips and shoulders (1, 2, 3) of a trunk that is tilted forward by ``facing`` radians from upright."""
+    hips = np.array([[[0.0, 0.1, 0.5], [0.0, -0.1, 0.5]]])
+    return hips, hips + 0.5 * np.array([np.sin(facing), 0.0, np.cos(facing)])
+
+
+@pytest.mark.parametrize(("degrees", "prone"), [(0, False), (30, False), (90, True), (110, True), (-90, False)])
+def test_a_body_is_prone_when_its_front_points_down(degrees: float, prone: bool) -> None:
+    assert faces_down(*_trunk(np.radians(degrees))).item() is prone
+
+
+@pytest.mark.parametrize(("hip", "tipped"), [((0.1, 0.9), False), ((-0.3, 0.3), False), ((0.6, 0.4), True)])
+def test_the_leg_of_a_plank_is_tipped_over_and_that_of_a_crouch_is_not(hip: tuple[float, float], tipped: bool) -> None:
+    ankle, toe = np.array([[0.0, 0.0, 0.08]]), np.array([[0.14, 0.0, 0.03]])
+    assert tipped_over(np.array([[hip[0], 0.0, hip[1]]]), ankle, toe).item() is tipped
 
 
 def test_what_creeps_along_the_ground_touches_only_while_it_stays() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.capture import Capture
-from studio.core.contacts import FOOT_POINTS, contact_mask
+from studio.core.contacts import FOOT_POINTS, ContactPoint, contact_mask
 from studio.core.markers.force_plates import plate_reactions, sample_times
 from studio.core.normalized.normalize import capture_contacts
 from studio.io.importing import load_annotations, load_capture
@@ -105,6 +105,31 @@ def test_left_and_right_land_in_turn(captures: Path, stem: str) -> None:
 @pytest.mark.parametrize("stem", WALKS)
 def test_one_foot_nearly_always_carries_the_body(captures: Path, stem: str) -> None:
     assert _stances(stem).any(axis=0).mean() > 0.85
+
+
+@pytest.mark.parametrize(
+    ("file", "first", "last"),
+    [
+        ("more_captures/accad_male2_A11_Crawl.bvh", 0, 372),
+        ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 0, 510),  # then she lies down
+    ],
+)
+def test_who_crawls_does_not_sit(captures: Path, file: str, first: int, last: int) -> None:
+    found = capture_contacts(load_capture(_also(captures, file)))
+    assert not contact_mask(found[ContactPoint.SEAT], last + 1000)[first : last + 1].any()
+
+
+def test_heels_are_off_the_ground_in_a_plank(captures: Path) -> None:
+    found = capture_contacts(load_capture(_also(captures, "more_captures/accad_female1_D4_RandomStuff.bvh")))
+    for heel in (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL):
+        assert not contact_mask(found[heel], 603)[254:272].any()
+
+
+def _also(captures: Path, file: str) -> Path:
+    path = captures.parent / file
+    if not path.is_file():
+        pytest.skip(f"{path.name} is not here ({path.parent})")
+    return path
 
 
 def _rises(mask: np.ndarray) -> np.ndarray:

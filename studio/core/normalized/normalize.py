@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from studio.core.capture import Capture
 from studio.core.contacts import (
     BODY_POINTS,
+    FLAT,
     SHORTEST,
     TRAILING,
     ContactInterval,
@@ -16,7 +17,9 @@ from studio.core.contacts import (
     contact_mask,
     detect_body_contacts,
     detect_contacts,
+    faces_down,
     staying,
+    tipped_over,
     touching_points,
     without,
 )
@@ -132,9 +135,10 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
     shortest = round(SHORTEST * capture.frame_rate)
     for side, name in enumerate(("left", "right")):
         heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
-        # A heel does not stand while its knee does, or is lower; toes of who lies or kneels may only trail.
-        prone = points[:, hips[side] + 1, 2] < points[:, hips[side] + 2, 2]
-        feet[heel] = without(feet[heel], prone | contact_mask(bodies[knee], len(points)), shortest)
+        # A heel does not stand while its knee does, or is lower, nor in a plank; who lies or kneels may trail its toes.
+        hip_track, knee_track, ankle, _ = np.moveaxis(points[:, hips[side] : hips[side] + 4], 1, 0)
+        raised = (knee_track[:, 2] < ankle[:, 2]) | tipped_over(hip_track, ankle, toes[:, side])
+        feet[heel] = without(feet[heel], raised | contact_mask(bodies[knee], len(points)), shortest)
         rising = rising_heels(
             feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle(side), 2], float(leg)
         )
@@ -142,6 +146,10 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
         down = contact_mask([*bodies[knee], *bodies[ContactPoint.SEAT]], len(points))
         stays = (staying(toes[:, side], *span, TRAILING) if down[slice(*span)].any() else span for span in feet[toe])
         feet[toe] = [(first, last) for first, last in stays if last - first >= shortest]
+    # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
+    prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
+    flat = tracks[ContactPoint.SEAT][:, 2] < FLAT * leg
+    bodies[ContactPoint.SEAT] = without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
     return feet | bodies
 
 
