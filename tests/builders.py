@@ -171,7 +171,7 @@ def make_project(characters: int = 2, constraints: int = 1, contacts: int = 2, f
 
     Ids are readable: ``capture``, ``motion``, ``character 0``, ``performer 0``, ``constraint 0`` and so on.
     """
-    clips = (Clip("motion", 0, frames - 1),)
+    clips = (Clip("motion", 0, frames - 1, id="clip"),)
     bodies = {f"character {k}": make_character(f"Body {k}", leg_scale=1.0 + 0.1 * k) for k in range(characters)}
     performers = {
         f"performer {k}": Performer(f"Body {k}", f"character {k}", clips, (0.0, 1.2 * k)) for k in range(characters)

@@ -6,15 +6,16 @@ from dataclasses import dataclass
 from studio.app import casting, recovery
 from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.striking import show_strikes
-from studio.app.verbs import editing, files, playback, view
+from studio.app.verbs import clips, editing, files, playback, view
 from studio.app.verbs.constraining import add_box, adder, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
+from studio.core.clip_row import players_of
 from studio.library.scenes import SCENES
 
 Run = Callable[[Workbench], object]
 Test = Callable[[Workbench], bool]
 
-MENUS = ("File", "Scenes", "Edit", "Character", "Constraint", "Play", "View", "Help")
+MENUS = ("File", "Scenes", "Edit", "Character", "Clip", "Constraint", "Play", "View", "Help")
 
 
 def _always(_: Workbench) -> bool:
@@ -43,6 +44,18 @@ def _any_selected(bench: Workbench) -> bool:
 
 def _constraint_selected(bench: Workbench) -> bool:
     return bool(bench.document.selection.of("constraints"))
+
+
+def _clip_chosen(bench: Workbench) -> bool:
+    return clips.chosen_clip(bench) is not None
+
+
+def _copyable(bench: Workbench) -> bool:
+    return _constraint_selected(bench) or bool(bench.document.selection.of("clips"))
+
+
+def _clip_shared(bench: Workbench) -> bool:
+    return len(players_of(bench.document.project, clips.chosen_clip(bench) or "")) > 1
 
 
 def _picked(bench: Workbench) -> bool:
@@ -124,6 +137,19 @@ CHARACTER = (
     Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every body", _with_bodies),
 )  # fmt: skip
 
+CLIP = (
+    Action("add_clip", "Clip", "Add clip…", clips.add,
+           tooltip="A motion of the library after what the selected bodies play, or all that are shown",
+           enabled=_performing, ends_group=True),
+    Action("split_clip", "Clip", "Split clip at playhead", clips.split, ("Ctrl+B",),
+           "The clip becomes two that play as the one did", _clip_chosen),
+    Action("mirror_clip", "Clip", "Mirror clip", clips.mirror, ("Ctrl+M",), "Left is right", _clip_chosen),
+    Action("duplicate_clip", "Clip", "Duplicate clip", clips.duplicate, tooltip="A copy that plays after it",
+           enabled=_clip_chosen),
+    Action("own_clip", "Clip", "Make clip the body's own", clips.make_own,
+           tooltip="Several bodies play it; this one's is edited alone from now on", enabled=_clip_shared),
+)  # fmt: skip
+
 CONSTRAINT = (
     Action("add_constraint", "Constraint", "Add position constraint", adder("position"), ("C",),
            "Give the joint picked in the viewport a target", _picked),
@@ -147,8 +173,8 @@ CONSTRAINT = (
            enabled=_viewing),
     Action("find_strike", "Constraint", "Find a strike…", show_strikes, ("Ctrl+F",),
            "Which clip of the motion library hits a box best, and why", _performing, ends_group=True),
-    Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",), "Copy the selected constraints",
-           _constraint_selected),
+    Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
+           "Copy the selected constraints, or the clip", _copyable),
 )  # fmt: skip
 
 PLAY = (
@@ -214,4 +240,4 @@ SHOWN = tuple(
     for scene in SCENES
 )
 
-ACTIONS: tuple[Action, ...] = (*FILE, *SHOWN, *EDIT, *CHARACTER, *CONSTRAINT, *PLAY, *VIEW, *HELP)
+ACTIONS: tuple[Action, ...] = (*FILE, *SHOWN, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *PLAY, *VIEW, *HELP)

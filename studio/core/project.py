@@ -218,10 +218,15 @@ class Project:
         """By performer the motion that it plays first."""
         return {key: each.clips[0].motion_id for key, each in self.performers.items() if each.clips}
 
-    def get(self, collection: str, entity_id: str) -> Entity | None:
-        """The entity of that id, or None."""
-        found: Entity | None = getattr(self, collection).get(entity_id)
-        return found
+    @cached_property
+    def clips(self) -> Mapping[str, Clip]:
+        """What performers play, by the clips' ids; of one that several play, as the first of them has it."""
+        played = [clip for performer in self.performers.values() for clip in performer.clips]
+        return MappingProxyType({clip.id: clip for clip in reversed(played)})
+
+    def get(self, collection: str, entity_id: str) -> Any:
+        """The entity of that id, or the clip among ``clips``, or None."""
+        return getattr(self, collection).get(entity_id)
 
     def place(self, collection: str, entity_id: str) -> int | None:
         """Where in its collection the entity of that id stands, or None."""

@@ -137,11 +137,12 @@ class EditedProject(QObject):
 
     @property
     def active_performer_id(self) -> str | None:
-        """The selected performer, else the first visible one."""
-        performers = self._project.performers
+        """The selected performer, else the first visible one that plays a selected clip, else the first visible one."""
+        performers, clips = self._project.performers, {*self.selection.of("clips")}
         selected = [key for key in self.selection.of("performers") if key in performers]
         visible = [key for key, performer in performers.items() if performer.visible]
-        return next(iter((*reversed(selected), *visible)), None)
+        playing = [key for key in visible if clips and any(clip.id in clips for clip in performers[key].clips)]
+        return next(iter((*reversed(selected), *playing, *visible)), None)
 
     @property
     def active_clip(self) -> Clip | None:
@@ -235,7 +236,9 @@ class EditedProject(QObject):
                 self.entity_changed.emit(collection, entity_id)
 
     def _may_be_seen(self, item: Item) -> bool:
-        """A constraint or contact of a motion that nobody on the stage plays any more is not worked on."""
+        """A constraint or contact of a motion that nobody on the stage plays any more is not worked on, nor a clip."""
+        if item[0] == "clips" and self._project.get(*item) is None:
+            return False
         motion_id = getattr(self._project.get(*item), "motion_id", None)
         playing = (performer for performer in self._project.performers.values() if performer.visible)
         return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.clips)

@@ -9,6 +9,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.capture_editor import CaptureEditor
 from studio.panels.character_editor import CharacterEditor
+from studio.panels.clip_editor import ClipEditor
 from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.contact_editor import ContactEditor
 from studio.panels.editor import Editor, PlainEditor
@@ -20,6 +21,7 @@ from studio.panels.stage_editor import StageEditor
 EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "captures": CaptureEditor,
     "characters": CharacterEditor,
+    "clips": ClipEditor,
     "performers": PerformerEditor,
     "contacts": ContactEditor,
     "grounds": GroundEditor,

@@ -1,5 +1,6 @@
 """Library: what is in the project, and which bodies are shown. Selection goes both ways with the document."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,6 +9,7 @@ from PySide6.QtCore import (
     QEvent,
     QItemSelection,
     QItemSelectionModel,
+    QMimeData,
     QModelIndex,
     QPersistentModelIndex,
     QRect,
@@ -20,6 +22,7 @@ from PySide6.QtWidgets import QAbstractItemView, QListView, QVBoxLayout, QWidget
 
 from studio.core.project import Performer
 from studio.document.document import Document
+from studio.document.dragging import CAPTURE, carried_capture
 from studio.panels.library_delegate import EYE_WIDTH, LibraryDelegate
 from studio.panels.library_rows import Row, rows_of
 
@@ -64,7 +67,16 @@ class LibraryModel(QAbstractListModel):
         item = self.rows[index.row()].item if index.isValid() else None
         if item is None:
             return Qt.ItemFlag.NoItemFlags
-        return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+        dragged = Qt.ItemFlag.ItemIsDragEnabled if item[0] == "captures" else Qt.ItemFlag.NoItemFlags
+        return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | dragged
+
+    def mimeTypes(self) -> list[str]:
+        return [CAPTURE]
+
+    def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
+        """The capture that is dragged; onto the timeline it becomes a clip."""
+        captures = [row.item[1] for row in (self.rows[each.row()] for each in indexes) if row.item]
+        return carried_capture(captures[0])
 
 
 class LibraryView(QListView):
@@ -128,6 +140,7 @@ class Library(QWidget):
         self.view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.view.setUniformItemSizes(False)
+        self.view.setDragEnabled(True)
         self.view.setResizeMode(QListView.ResizeMode.Adjust)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 4, 0, 0)

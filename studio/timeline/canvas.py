@@ -1,19 +1,32 @@
 """TrackCanvas: the rows in the user's hands: mouse, wheel, menus and keys."""
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
-from PySide6.QtGui import QContextMenuEvent, QHelpEvent, QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QDragEnterEvent,
+    QDragMoveEvent,
+    QDropEvent,
+    QHelpEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QToolTip, QWidget
 
 from studio.core.contacts import ContactPoint
 from studio.document.document import Document
+from studio.document.dragging import capture_in
 from studio.engine.live import Live
 from studio.timeline import edits
-from studio.timeline.gestures.begin import cursor_at, gesture_at, item_of
+from studio.timeline.clip_edits import add_clip
+from studio.timeline.figures import moment
+from studio.timeline.gestures.begin import cursor_at, gesture_at, items_of
 from studio.timeline.gestures.view import Pan, Scrub
 from studio.timeline.hover import hover_text, is_value
 from studio.timeline.keys import is_wanted, press_key
 from studio.timeline.menus import menu_at
 from studio.timeline.shown import LABEL_WIDTH, Hit, Part
+from studio.timeline.snapping import snapped
 from studio.timeline.view import TrackView
 
 DRAG_BEGINS = 3
@@ -37,6 +50,7 @@ class TrackCanvas(TrackView):
         self.axis.changed.connect(self._hover_again)
         self.scroll_bar.valueChanged.connect(self._hover_again)
         self.setMouseTracking(True)
+        self.setAcceptDrops(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
     def leave(self) -> None:
@@ -123,15 +137,50 @@ class TrackCanvas(TrackView):
             self.scroll_bar.setValue(round(self.scroll_bar.value() - degrees * SCROLL_PER_DEGREE))
         event.accept()
 
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Take captures of the library; files are the window's."""
+        event.setAccepted(self._dropped(event) is not None)
+
+    def dragMoveEvent(self, event: QDragMoveEvent) -> None:
+        """As on entering; where it would begin is told."""
+        motion_id = self._dropped(event)
+        event.setAccepted(motion_id is not None)
+        if motion_id is not None and self.sheet is not None:
+            place = snapped(self.axis, self.axis.time_at(event.position().x()), (self.document.playhead.time,))
+            name = self.document.project.motions[motion_id].name
+            self.told.emit(f"{name} from {moment(place.time * self.axis.frame_rate, place.time)}")
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """A clip from there on, in the row under the mouse; beside all rows, where the active one's ends."""
+        motion_id = self._dropped(event)
+        event.setAccepted(motion_id is not None)
+        self.told.emit("")
+        if motion_id is None or self.sheet is None:
+            return
+        row = self.sheet.row_at(event.position().toPoint())
+        place = snapped(self.axis, self.axis.time_at(event.position().x()), (self.document.playhead.time,))
+        if row is not None and row.kind == "clip" and event.position().x() >= LABEL_WIDTH:
+            add_clip(self.sheet.shown, row.id, motion_id, place.time)
+        else:
+            add_clip(self.sheet.shown, self.sheet.shown.subject.performer_id, motion_id, None)
+
+    def _dropped(self, event: QDropEvent) -> str | None:
+        """The motion of the capture that is dragged."""
+        capture_id = capture_in(event.mimeData())
+        motions = self.document.project.motions.items()
+        return next((key for key, motion in motions if motion.capture_id == capture_id), None)
+
     def _select(self, hit: Hit, add: bool) -> None:
-        item, selection = item_of(hit), self.document.selection
-        if item is None:
+        items, selection = items_of(hit), self.document.selection
+        if not items:
             if hit.part == Part.EMPTY and hit.kind != "ruler":
                 selection.clear()
+        elif add and items[-1] in selection:
+            selection.toggle(items[-1])
         elif add:
-            selection.toggle(item)
-        elif selection.items != (item,):
-            selection.set(item)
+            selection.set(*(item for item in selection.items if item not in items), *items)
+        elif items[-1][0] != "clips" or not {*items} <= {*selection.items}:  # one of them drags all selected clips
+            selection.set(*items)
 
     def _drag(self, event: QMouseEvent) -> None:
         if self.gesture is None:
@@ -147,7 +196,7 @@ class TrackCanvas(TrackView):
         self.gesture = None
         self.told.emit("")
         self._set_cursor(self.mouse)
-        self.update()
+        self.lay_out()
 
     def _set_cursor(self, position: QPointF) -> None:
         if self.sheet is not None:

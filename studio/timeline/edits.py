@@ -5,13 +5,17 @@ from typing import Any
 
 from studio.core.constraints.target import key_times
 from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.project import Clip, Project
+from studio.document.clips import name_of as clip_name
+from studio.document.clips import remove_clips
+from studio.timeline.clip_edits import nudged
 from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact
 from studio.timeline.shown import EDGES, HANDLES, Part, Shown
 
-DELETABLE = ("constraints", "contacts")
+DELETABLE = ("constraints", "contacts", "clips")
 
 
 def add_contact(shown: Shown, point: ContactPoint, frame: int) -> str | None:
@@ -25,18 +29,28 @@ def add_contact(shown: Shown, point: ContactPoint, frame: int) -> str | None:
 
 
 def delete_selected(shown: Shown) -> bool:
-    """Delete the selected constraints and contacts as one step; whether there were any."""
+    """Delete the selected constraints, contacts and clips as one step; whether there were any."""
     document = shown.document
     items = [item for item in document.selection.items if item[0] in DELETABLE]
     if not items:
         return False
-    first = document.project.get(*items[0])
-    name = name_of(first).lower() if isinstance(first, ContactInterval) else getattr(first, "name", "")
-    text = f"Delete {name}" if len(items) == 1 else f"Delete {len(items)} things"
+    text = f"Delete {_words(document.project, *items[0])}" if len(items) == 1 else f"Delete {len(items)} things"
     with document.group(text):
+        remove_clips(document, document.selection.of("clips"), text)
         for collection, entity_id in items:
-            document.remove(collection, entity_id, text)
+            if collection != "clips" and document.project.get(collection, entity_id) is not None:
+                document.remove(collection, entity_id, text)
     return True
+
+
+def _words(project: Project, collection: str, entity_id: str) -> str:
+    entity = project.get(collection, entity_id)
+    match entity:
+        case ContactInterval():
+            return name_of(entity).lower()
+        case Clip():
+            return f"clip {clip_name(project, entity)}"
+    return getattr(entity, "name", "")
 
 
 def go_to_key(shown: Shown, direction: int) -> None:
@@ -62,7 +76,7 @@ def handles_of(shown: Shown) -> tuple[Part, ...]:
     match shown.document.selection.current:
         case ("constraints", _):
             return HANDLES
-        case ("contacts", _):
+        case ("contacts" | "clips", _):
             return EDGES
     return ()
 
@@ -84,6 +98,9 @@ def nudge(shown: Shown, frames: int) -> None:
     if current is None or shown.handle is None:
         return
     collection, entity_id = current
+    if collection == "clips":
+        nudged(shown, entity_id, shown.handle, frames)
+        return
     entity: Any = shown.project.get(collection, entity_id)
     if collection == "contacts":
         new: Any = _trimmed(shown, entity_id, entity, shown.handle, frames)
@@ -104,6 +121,9 @@ def handle_words(shown: Shown) -> str:
     if entity is None or shown.handle is None:
         return "Timeline"
     rate = shown.subject.frame_rate
+    if isinstance(entity, Clip):
+        frame = entity.first if shown.handle == Part.FIRST else entity.last
+        return f"Clip {clip_name(shown.project, entity)}, {shown.handle} {frame}"
     if isinstance(entity, ContactInterval):
         frame = entity.first if shown.handle == Part.FIRST else entity.last
         return f"{name_of(entity)}, {shown.handle}, {moment(frame, frame / rate)}"

@@ -4,13 +4,14 @@ from typing import Any
 
 from PySide6.QtCore import QPointF
 
+from studio.core.clip_row import players_of
 from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
 from studio.timeline.strips import StripState
-from studio.timeline.tracks import constraint
+from studio.timeline.tracks import clip, constraint
 from studio.timeline.tracks.plot import PlotPicture
 
 
@@ -29,6 +30,10 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             rate = sheet.shown.subject.frame_rate
             seconds = (contact.last - contact.first) / rate
             return f"{name_of(contact)}: frames {contact.first} to {contact.last}, {seconds:.3f} s"
+        case "clips":
+            return _clip_text(sheet, hit)
+        case "clip":
+            return "Right-click to add a clip, or drop a capture of the library here"
         case "lane":
             return f"{hit.id.replace('_', ' ').capitalize()}: double-click to add a contact"
     return ""
@@ -57,6 +62,8 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
 
 def _label_text(sheet: Sheet, hit: Hit) -> str:
     if hit.part == Part.FOLD:
+        if hit.kind == "clip":
+            return "Click to see everybody's clips, or one row for all"
         return "Click to fold the row, or to unfold it"
     if hit.kind == "plot":
         return "Click to choose what is plotted"
@@ -64,6 +71,14 @@ def _label_text(sheet: Sheet, hit: Hit) -> str:
         name, (text, _) = sheet.shown.project.constraints[hit.id].name, constraint.verdict(sheet.shown, hit.id)
         return f"{name}: {text}" if text else name
     return ""
+
+
+def _clip_text(sheet: Sheet, hit: Hit) -> str:
+    shown, entity = sheet.shown, sheet.shown.project.clips[hit.id]
+    length = entity.length(shown.project.frame_rate_of(entity))
+    players = len(players_of(shown.project, hit.id))
+    shared = f", shared by {players} bodies" if players > 1 else ""
+    return f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
 
 
 def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:

@@ -8,7 +8,9 @@ from PySide6.QtWidgets import QMenu
 
 from studio.core.contacts import ContactPoint
 from studio.timeline import edits
+from studio.timeline.clip_edits import offer_clip, offer_motions
 from studio.timeline.curves import Quantity
+from studio.timeline.gestures.begin import items_of
 from studio.timeline.gestures.contact import new_contact
 from studio.timeline.shown import Hit, Part, Shown
 
@@ -25,6 +27,15 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
     if hit.kind == "plot":
         _offer_quantities(menu, canvas, canvas.sheet.shown)
+    elif hit.kind == "clips":
+        if ("clips", hit.id) not in canvas.document.selection:
+            canvas.document.selection.set(*items_of(hit))
+        offer_clip(menu, canvas.sheet.shown, hit)
+        menu.addSeparator()
+        offer_motions(menu, canvas.sheet.shown, hit.performer_id, None)
+    elif hit.kind in ("clip", "performers"):
+        start = None if hit.part == Part.LABEL else canvas.sheet.shown.axis.time_at(position.x())
+        offer_motions(menu, canvas.sheet.shown, hit.id, start)
     elif hit.kind in edits.DELETABLE and hit.part != Part.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         _offer_deletion(menu, canvas, hit)

@@ -105,7 +105,7 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
         painter.fillRect(label_area(area), QColor(colours.SELECTED_ROW))
     match row.kind:
         case "clip":
-            clip.paint_clip_label(painter, area, shown)
+            clip.paint_clip_label(painter, area, shown, row.id)
         case "lane":
             contacts.paint_contacts_label(painter, area, row.id)
         case "constraints":
@@ -115,7 +115,7 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
 def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None:
     match row.kind:
         case "clip":
-            clip.paint_clip(painter, area, shown)
+            clip.paint_clips(painter, area, shown, row.id)
         case "lane":
             contacts.paint_contacts(painter, area, shown, row.id)
         case "constraints":

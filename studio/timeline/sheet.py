@@ -12,13 +12,14 @@ RIGHT_MARGIN = 12
 
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
-    """Clip, what touches the ground, then the motion's constraints by priority."""
+    """Clips of performers, what touches the ground, then the motion's constraints by priority."""
+    players = shown.project.performers if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     tall = constraint.height(len(shown.subject.bodies))
     heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
     heights = [
-        ("clip", shown.subject.performer_id, clip.HEIGHT),
+        *(("clip", key, clip.HEIGHT) for key in players),
         *(("lane", row, contacts.HEIGHT) for row in contacts.rows_with(touching)),
         *(("constraints", key, high) for key, high in heights_of.items()),
     ]
@@ -96,14 +97,17 @@ class Sheet:
         return self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
 
     def _hit_row(self, row: Row, position: QPointF) -> Hit:
-        if position.x() < FOLD_WIDTH and row.kind == "constraints":
+        if position.x() < FOLD_WIDTH and (row.kind == "constraints" or self._folds(row)):
             return Hit(row.kind, row.id, Part.FOLD)
         if position.x() < LABEL_WIDTH:
             return Hit("performers" if row.kind == "clip" else row.kind, row.id, Part.LABEL)
         area = self.rect(row)
         match row.kind:
             case "clip":
-                return clip.clip_hit(self.shown, area, position)
+                return clip.clip_hit(self.shown, area, row.id, position)
             case "lane":
                 return contacts.contacts_hit(self.shown, area, row.id, position)
         return constraint.constraint_hit(self.shown, area, row.id, position)
+
+    def _folds(self, row: Row) -> bool:
+        return row.kind == "clip" and clip.folds(self.shown, row.id)

@@ -45,7 +45,10 @@ EDGES = (Part.FIRST, Part.LAST)
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its kind (constraints, clip, lane), the id there, and its place from the top of all rows."""
+    """One row: its kind (constraints, clip, lane), the id there, and its place from the top of all rows.
+
+    A row of clips has its performer's id.
+    """
 
     kind: str
     id: str
@@ -55,11 +58,15 @@ class Row:
 
 @dataclass(frozen=True)
 class Hit:
-    """What lies under a point: its kind, its id (an empty place of a line has its contact point), its part."""
+    """What lies under a point: its kind, its id (an empty place of a line has its contact point), its part.
+
+    A clip lies in the row of ``performer_id``.
+    """
 
     kind: str
     id: str
     part: Part
+    performer_id: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +80,8 @@ class Shown:
     handle: Part | None = None
     folded: frozenset[tuple[str, str]] = frozenset()
     """Kind and id of the rows that are only a line high."""
+    apart: bool = False
+    """Whether every performer has its row of clips; else the active one's stands for all."""
 
     @property
     def project(self) -> Project:

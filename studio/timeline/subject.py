@@ -84,5 +84,10 @@ def stage_extent(project: Project) -> float:
     return max(ends, default=1.0)
 
 
+def play_apart(project: Project) -> bool:
+    """Whether those who are shown play different clips, so that one row cannot stand for all."""
+    return len({each.clips for each in project.performers.values() if each.visible}) > 1
+
+
 def _plays(performer: Performer, motion_id: str) -> bool:
     return any(clip.motion_id == motion_id for clip in performer.clips)

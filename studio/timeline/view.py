@@ -16,7 +16,7 @@ from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import RIGHT_MARGIN, Sheet, rows_of
 from studio.timeline.shown import LABEL_WIDTH, Part, Shown
-from studio.timeline.subject import stage_extent, subject_of
+from studio.timeline.subject import play_apart, stage_extent, subject_of
 
 
 class TrackView(QWidget):
@@ -32,6 +32,8 @@ class TrackView(QWidget):
         self.handle: Part | None = None
         self.mouse = QPointF()
         self.folded: frozenset[tuple[str, str]] = frozenset()
+        self.apart: bool | None = None
+        """Whether every performer has its row of clips; None while the user leaves that to what they play."""
         self._progress = ("", 0.0)
         self._playhead_area = QRect()
         self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
@@ -89,7 +91,8 @@ class TrackView(QWidget):
             self.scroll_bar.hide()
             self.update()
             return
-        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded)
+        apart = play_apart(self.document.project) if self.apart is None else self.apart
+        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded, apart)
         sheet = Sheet(shown, rows_of(shown), self.size())
         hidden = max(sheet.content_height - sheet.viewport.height(), 0)
         with QSignalBlocker(self.scroll_bar):
@@ -100,7 +103,8 @@ class TrackView(QWidget):
         self.sheet = Sheet(shown, sheet.rows, self.size(), self.scroll_bar.value())
         with QSignalBlocker(self.axis):
             self.axis.place(LABEL_WIDTH, self.width() - LABEL_WIDTH - RIGHT_MARGIN)
-            self.axis.set_extent(0.0, stage_extent(self.document.project), self.document.playhead.frame_rate)
+            if self.gesture is None:  # time does not move under a hand that drags in it
+                self.axis.set_extent(0.0, stage_extent(self.document.project), self.document.playhead.frame_rate)
         self._redraw_all()
 
     def _redraw_all(self) -> None:
@@ -112,7 +116,7 @@ class TrackView(QWidget):
         self.update()
 
     def _show_project(self) -> None:
-        self.handle = None
+        self.handle = self.apart = None
         self.axis.fit()
         self.lay_out()
 
@@ -125,8 +129,11 @@ class TrackView(QWidget):
             self.scroll_bar.setValue(max(min(self.scroll_bar.value(), high), low))
 
     def fold(self, kind: str, row_id: str = "") -> None:
-        """Make a constraint's row, or the plot, a line high, or as high as it was."""
-        self.folded ^= {(kind, row_id)}
+        """Make a constraint's row, or the plot, a line high, or as high as it was; rows of performers one, or all."""
+        if kind == "clip":
+            self.apart = not (self.shown and self.shown.apart)
+        else:
+            self.folded ^= {(kind, row_id)}
         self.lay_out()
 
     def fold_all(self) -> None:

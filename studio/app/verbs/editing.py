@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+from studio.app.verbs import clips
 from studio.app.workbench import Workbench
 from studio.core.contacts import ContactInterval
 from studio.core.names import free_name
-from studio.core.project import GROUND_ID
+from studio.core.project import GROUND_ID, Clip
+from studio.document.clips import name_of, remove_clips
 
-SMALL_THINGS = ("constraints", "contacts", "props")
+SMALL_THINGS = ("constraints", "contacts", "props", "clips")
 
 
 def undo(bench: Workbench) -> None:
@@ -21,8 +23,11 @@ def redo(bench: Workbench) -> None:
 
 
 def duplicate(bench: Workbench) -> None:
-    """A copy of each selected constraint, last in priority."""
+    """A copy of each selected constraint, last in priority; of a clip, one that plays after it."""
     document = bench.document
+    if document.selection.of("clips"):
+        clips.duplicate(bench)
+        return
     copies = []
     keys = document.selection.of("constraints")
     text = (
@@ -40,15 +45,16 @@ def duplicate(bench: Workbench) -> None:
 def delete(bench: Workbench) -> None:
     """Remove what is selected, and what cannot be without it.
 
-    A constraint is selected together with the body it is seen on; the body stays then.
+    A constraint or a clip is selected together with the body it is seen on; the body stays then.
     """
     document = bench.document
     selected = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
     items = [item for item in selected if item[0] in SMALL_THINGS] or selected
     text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} things"
     with document.group(text):
+        remove_clips(document, document.selection.of("clips"), text)
         for collection, key in items:
-            if document.project.get(collection, key) is not None:
+            if collection != "clips" and document.project.get(collection, key) is not None:
                 document.remove(collection, key, text)
 
 
@@ -99,4 +105,6 @@ def _name(bench: Workbench, collection: str, key: str) -> str:
     entity = bench.document.project.get(collection, key)
     if isinstance(entity, ContactInterval):
         return f"{entity.point.words} contact"
+    if isinstance(entity, Clip):
+        return f"clip {name_of(bench.document.project, entity)}"
     return str(getattr(entity, "name", "selection"))

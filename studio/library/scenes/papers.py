@@ -91,7 +91,7 @@ def _row(stuff: Material, motion_id: str, count: int, apart: float = 1.15, same:
     capture = stuff.captures[stuff.motions[motion_id].capture_id]
     performers = {
         f"{name} {place}": Performer(
-            characters[name].name, name, (Clip(motion_id, 0, capture.frame_count - 1, id=f"clip {place}"),),
+            characters[name].name, name, (Clip(motion_id, 0, capture.frame_count - 1, id="clip"),),
             (0.0, apart * ((count - 1) / 2 - place)),
         )
         for place, name in enumerate(names)

@@ -4,6 +4,7 @@ from PySide6.QtCore import QPointF, Qt
 
 from studio.core.contacts import ContactInterval
 from studio.timeline.gestures.activation import DragHandle, MoveActivation
+from studio.timeline.gestures.clip import MoveClips, TrimClip
 from studio.timeline.gestures.contact import DragContact
 from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.gestures.view import Scrub
@@ -20,6 +21,8 @@ def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
         return DragHandle(shown, hit.id, hit.part, press)
     if hit.kind == "constraints" and hit.part == Part.BODY:
         return MoveActivation(shown, hit.id, press)
+    if hit.kind == "clips":
+        return MoveClips(shown, hit.id, press) if hit.part == Part.BODY else TrimClip(shown, hit.id, hit.part, press)
     if hit.kind == "contacts":
         return DragContact(shown, hit.id, hit.part, press)
     return None
@@ -29,7 +32,7 @@ def cursor_at(hit: Hit) -> Cursor:
     """Arrows for what moves, a hand for what is chosen, a cross where a contact may be added."""
     if hit.part in HANDLES or hit.part in EDGES or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == Part.BODY and hit.kind in ("constraints", "contacts"):
+    if hit.part == Part.BODY and hit.kind in ("constraints", "contacts", "clips"):
         return Cursor.OpenHandCursor
     if hit.part == Part.FOLD or (hit.part == Part.LABEL and hit.kind in ("constraints", "plot", "performers")):
         return Cursor.PointingHandCursor
@@ -38,11 +41,13 @@ def cursor_at(hit: Hit) -> Cursor:
     return Cursor.ArrowCursor
 
 
-def item_of(hit: Hit) -> tuple[str, str] | None:
-    """What a click on it selects."""
-    if hit.kind in ("constraints", "performers") and hit.part != Part.EMPTY:
-        return hit.kind, hit.id
-    return (hit.kind, hit.id) if hit.kind == "contacts" else None
+def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
+    """What a click on it selects: a clip with whom it was clicked on."""
+    if hit.kind == "clips":
+        return ("performers", hit.performer_id), ("clips", hit.id)
+    if hit.kind == "contacts" or (hit.kind in ("constraints", "performers") and hit.part != Part.EMPTY):
+        return ((hit.kind, hit.id),)
+    return ()
 
 
 def name_of(contact: ContactInterval) -> str:

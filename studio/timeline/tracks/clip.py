@@ -1,74 +1,157 @@
-"""The clip bar of the active performer."""
+"""The clips of a performer: one bar each, over each other where one fades into the next."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter
+from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
 
+from studio.core.constraints.activation import EaseShape, ease
+from studio.core.project import Clip
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN, empty_words
 from studio.timeline.figures import rate
 from studio.timeline.shown import Hit, Part, Shown, label_area
-from studio.timeline.tracks.brush import LABEL_INDENT, font, paint_bar, paint_dot, paint_label
+from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
 
 HEIGHT = 24
-FILL = colours.mixed(colours.CONTROL, colours.KINDS["position"], 0.28)
+EDGE_REACH = 5.0
+"""Pixels at a bar's ends by which it is trimmed; a quarter of a short bar."""
+TINT, SELECTED_TINT = 0.28, 0.6
+CURVE_STEPS = 16
 
 
-def clip_bar(shown: Shown, row: QRect) -> QRectF:
-    """Where the clip lies."""
-    clip = shown.subject.clip
-    left, right = shown.x_of_frame(clip.first), shown.x_of_frame(clip.last)
+def clip_bar(shown: Shown, row: QRect, clip: Clip) -> QRectF:
+    """Where a clip lies, all its repeats together."""
+    left = shown.axis.x_of_time(clip.start)
+    right = shown.axis.x_of_time(clip.start + clip.length(shown.project.frame_rate_of(clip)))
     return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
 
 
-def clip_text(shown: Shown) -> str:
-    """``front_kick · 70 frames at 30 Hz → 5 bodies``; where all are hidden, that."""
-    subject = shown.subject
-    frames = subject.clip.last - subject.clip.first + 1
-    bodies = len(subject.bodies)
-    what = f"{subject.motion.name} · {frames} frame{'' if frames == 1 else 's'} at {rate(subject.frame_rate)}"
+def bars_of(shown: Shown, row: QRect, performer_id: str) -> list[tuple[Clip, QRectF]]:
+    """The bars of a performer, later ones over earlier ones."""
+    clips = sorted(shown.project.performers[performer_id].clips, key=lambda clip: clip.start)
+    return [(clip, clip_bar(shown, row, clip)) for clip in clips]
+
+
+def clip_text(shown: Shown, clip: Clip) -> str:
+    """``front_kick · 70 frames at 30 Hz``, and how it plays where that is not as it is."""
+    motion, frames = shown.project.motions[clip.motion_id], clip.last - clip.first + 1
+    words = [motion.name, f"{frames} frame{'' if frames == 1 else 's'} at {rate(shown.project.frame_rate_of(clip))}"]
+    words += [f"{clip.speed:g} × as fast"] if clip.speed != 1.0 else []
+    words += [f"{clip.repeats} times"] if clip.repeats > 1 else []
+    words += ["mirrored"] if clip.mirrored else []
+    return " · ".join(words)
+
+
+def row_text(shown: Shown, clip: Clip) -> str:
+    """As ``clip_text``; where one row stands for all, on how many bodies, or that all are hidden."""
+    text = clip_text(shown, clip)
+    if shown.apart:
+        return text
+    bodies = len(shown.subject.bodies)
     if not bodies:
-        return f"{what} · {HIDDEN if empty_words(shown.project) == HIDDEN else 'no body that is shown plays it'}"
-    return f"{what} → {bodies} {'body' if bodies == 1 else 'bodies'}"
+        return f"{text} · {HIDDEN if empty_words(shown.project) == HIDDEN else 'no body that is shown plays it'}"
+    return f"{text} → {bodies} {'body' if bodies == 1 else 'bodies'}"
 
 
-def other_bars(shown: Shown, row: QRect) -> list[tuple[QRectF, str]]:
-    """Where the other clips of the performer lie, and the names of their motions."""
-    project, own = shown.project, shown.subject.clip
-    bars = []
-    for clip in project.performers[shown.subject.performer_id].clips:
-        if clip is not own:
-            end = clip.start + clip.length(project.frame_rate_of(clip))
-            left, right = shown.axis.x_of_time(clip.start), shown.axis.x_of_time(end)
-            bar = QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
-            bars.append((bar, project.motions[clip.motion_id].name))
-    return bars
+def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) -> None:
+    """Quiet bars that say what plays; what fades in rises over what fades out."""
+    bars = bars_of(shown, row, performer_id)
+    end = -1e9
+    for place, (clip, bar) in enumerate(bars):
+        fade = min(max(end - bar.left(), 0.0), bar.width())
+        _paint_bar(painter, shown, performer_id, clip, _outline(bar, fade))
+        _paint_fade(painter, bar, fade)
+        _paint_repeats(painter, clip, bar)
+        nearest = min((other.left() for _, other in bars[place + 1 :]), default=bar.right())
+        _paint_text(painter, shown, clip, bar.adjusted(fade, 0, min(nearest - bar.right(), 0.0), 0))
+        end = max(end, bar.right())
 
 
-def paint_clip(painter: QPainter, row: QRect, shown: Shown) -> None:
-    """A quiet bar that says what plays on how many bodies, among the performer's other clips."""
-    for other, name in other_bars(shown, row):
-        paint_bar(painter, other, QColor(colours.CONTROL), 3)
-        painter.setFont(font())
-        painter.setPen(QColor(colours.TEXT_SECOND))
-        inside = other.intersected(QRectF(shown.axis.left, other.top(), shown.axis.width, other.height()))
-        painter.drawText(inside.adjusted(10, 0, -4, 0), Qt.AlignmentFlag.AlignVCenter, name)
-    bar = clip_bar(shown, row)
-    paint_bar(painter, bar, QColor(FILL), 3)
+def _outline(bar: QRectF, fade: float) -> QPainterPath:
+    """A bar with rounded corners that rises over ``fade`` pixels, as the blend does."""
+    path = QPainterPath()
+    if fade < 2.0:
+        path.addRoundedRect(bar, 3, 3)
+        return path
+    path.addPolygon(QPolygonF([*_rise(bar, fade), bar.topRight(), bar.bottomRight()]))
+    path.closeSubpath()
+    return path
+
+
+def _rise(bar: QRectF, fade: float) -> list[QPointF]:
+    shares = [step / CURVE_STEPS for step in range(CURVE_STEPS + 1)]
+    heights = [float(ease(share, EaseShape.QUINTIC)) * bar.height() for share in shares]
+    return [
+        QPointF(bar.left() + share * fade, bar.bottom() - height) for share, height in zip(shares, heights, strict=True)
+    ]
+
+
+def _paint_bar(painter: QPainter, shown: Shown, performer_id: str, clip: Clip, path: QPainterPath) -> None:
+    project = shown.project
+    colour = colours.KINDS["position"]
+    if shown.apart:
+        colour = project.characters[project.performers[performer_id].character_id].colour
+    selected = shown.is_selected("clips", clip.id)
+    tint = SELECTED_TINT if selected else TINT
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setBrush(QColor(colours.mixed(colours.CONTROL, colour, tint)))
+    painter.setPen(hairline(colours.SELECTED_HANDLE if selected else colours.PANEL, 1.2 if selected else 1.0))
+    painter.drawPath(path)
+
+
+def _paint_fade(painter: QPainter, bar: QRectF, fade: float) -> None:
+    """The curve by which a clip takes over."""
+    if fade >= 2.0:
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(hairline(translucent(colours.TEXT, 0.7), 1.2))
+        painter.drawPolyline(_rise(bar, fade))
+
+
+def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
+    """A notch where it plays again."""
+    painter.setPen(hairline(translucent(colours.TEXT, 0.6)))
+    for repeat in range(1, clip.repeats):
+        x = bar.left() + bar.width() * repeat / clip.repeats
+        painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.top() + 5))
+        painter.drawLine(QPointF(x, bar.bottom() - 5), QPointF(x, bar.bottom()))
+
+
+def _paint_text(painter: QPainter, shown: Shown, clip: Clip, room: QRectF) -> None:
     painter.setFont(font())
     painter.setPen(QColor(colours.TEXT))
-    visible = bar.intersected(QRectF(shown.axis.left, bar.top(), shown.axis.width, bar.height()))
-    painter.drawText(visible.adjusted(10, 0, -4, 0), Qt.AlignmentFlag.AlignVCenter, clip_text(shown))
+    visible = room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
+    area = visible.adjusted(10, 0, -4, 0)
+    text = painter.fontMetrics().elidedText(row_text(shown, clip), Qt.TextElideMode.ElideRight, round(area.width()))
+    painter.drawText(area, Qt.AlignmentFlag.AlignVCenter, text)
 
 
-def paint_clip_label(painter: QPainter, row: QRect, shown: Shown) -> None:
-    """Whose clip it is, with the body's colour."""
-    performer = shown.project.performers[shown.subject.performer_id]
+def paint_clip_label(painter: QPainter, row: QRect, shown: Shown, performer_id: str) -> None:
+    """Whose clips they are, with the body's colour; the first one's arrow folds the rows of all."""
+    performer = shown.project.performers[performer_id]
     colour = shown.project.characters[performer.character_id].colour
     paint_dot(painter, QPointF(LABEL_INDENT + 3.5, row.center().y() + 0.5), 3.5, colour)
-    paint_label(painter, label_area(row).adjusted(14, 0, 0, 0), performer.name, colours.TEXT)
+    text = colours.TEXT if performer.visible else colours.TEXT_THIRD
+    name = performer.name if performer.visible else f"{performer.name}, hidden"
+    paint_label(painter, label_area(row).adjusted(14, 0, 0, 0), name, text)
+    if folds(shown, performer_id):
+        paint_fold(painter, row, not shown.apart)
 
 
-def clip_hit(shown: Shown, row: QRect, point: QPointF) -> Hit:
-    """The clip's performer."""
-    part = Part.BODY if clip_bar(shown, row).contains(point) else Part.EMPTY
-    return Hit("performers", shown.subject.performer_id, part)
+def folds(shown: Shown, performer_id: str) -> bool:
+    """Whether the rows of all performers are folded and unfolded at this one's."""
+    performers = list(shown.project.performers)
+    return len(performers) > 1 and (not shown.apart or performer_id == performers[0])
+
+
+def clip_hit(shown: Shown, row: QRect, performer_id: str, point: QPointF) -> Hit:
+    """An end of a clip, its body, or the row's empty place."""
+    for clip, bar in reversed(bars_of(shown, row, performer_id)):
+        reach = min(EDGE_REACH, bar.width() / 4)
+        if not bar.adjusted(-reach / 2, 0, reach / 2, 0).contains(point):
+            continue
+        part = Part.BODY
+        if point.x() < bar.left() + reach:
+            part = Part.FIRST
+        elif point.x() > bar.right() - reach:
+            part = Part.LAST
+        return Hit("clips", clip.id, part, performer_id)
+    return Hit("clip", performer_id, Part.EMPTY)

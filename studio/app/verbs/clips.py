@@ -1,0 +1,75 @@
+"""Edits of the selected clips, and new ones from the captures of the project."""
+
+from functools import partial
+
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.document import clips
+
+
+def chosen_clip(bench: Workbench) -> str | None:
+    """The selected clip, else the active body's only one."""
+    document = bench.document
+    selected = [key for key in document.selection.of("clips") if key in document.project.clips]
+    if selected:
+        return selected[-1]
+    performer = document.project.performers.get(document.active_performer_id or "")
+    return performer.clips[0].id if performer and len(performer.clips) == 1 else None
+
+
+def add(bench: Workbench) -> None:
+    """Choose a capture: it plays after what the selected bodies play, or all that are shown."""
+    project = bench.document.project
+    choices = [
+        ((motion.name, f"{project.captures[motion.capture_id].duration:.1f} s"), partial(_add, bench, motion_id))
+        for motion_id, motion in project.motions.items()
+        if project.captures[motion.capture_id].body_map is not None
+    ]
+    if not choices:
+        raise StudioError("There is no motion to add yet. Drop a capture on the window first.")
+    bench.window.choose("Add a clip of", choices)
+
+
+def _add(bench: Workbench, motion_id: str) -> None:
+    document = bench.document
+    performers = document.project.performers
+    chosen = [key for key in document.selection.of("performers") if key in performers]
+    keys = chosen or [key for key, each in performers.items() if each.visible]
+    if keys:
+        name = clips.add_clip(document, keys, motion_id)
+        document.selection.set(*(("performers", key) for key in keys), ("clips", name))
+
+
+def split(bench: Workbench) -> None:
+    """The clip at the playhead becomes two."""
+    clip_id = _clip(bench)
+    _select(bench, clips.split_clip(bench.document, clip_id, bench.document.playhead.time))
+
+
+def mirror(bench: Workbench) -> None:
+    """Left is right, or again left."""
+    clips.mirror_clip(bench.document, _clip(bench))
+
+
+def duplicate(bench: Workbench) -> None:
+    """A copy that plays after it."""
+    _select(bench, clips.duplicate_clip(bench.document, _clip(bench)))
+
+
+def make_own(bench: Workbench) -> None:
+    """The active body's clip is edited alone from now on."""
+    performer_id, clip_id = bench.document.active_performer_id, _clip(bench)
+    if performer_id is not None:
+        _select(bench, clips.make_own(bench.document, performer_id, clip_id))
+
+
+def _clip(bench: Workbench) -> str:
+    clip_id = chosen_clip(bench)
+    if clip_id is None:
+        raise StudioError("Select a clip on the timeline first.")
+    return clip_id
+
+
+def _select(bench: Workbench, clip_id: str) -> None:
+    document = bench.document
+    document.selection.set(("performers", document.active_performer_id or ""), ("clips", clip_id))

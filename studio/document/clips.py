@@ -1,0 +1,114 @@
+"""Edits of clips: each is one undo step, for all who play the clip and for what is asked of it."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from studio.core.clip_row import ClipEdit, edited, in_order, players_of, split
+from studio.core.errors import StudioError
+from studio.core.project import Clip, Project, new_id, new_ids
+from studio.core.scope import Scope
+from studio.core.solver.rows import timing_of
+from studio.document.editing import EditedProject
+
+BLEND = 0.3
+"""Seconds by which a clip that is added overlaps what comes before it."""
+MOST_PARTS = 4
+
+
+def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, gesture: int | None = None) -> None:
+    """Edit a clip wherever it is played. Raises StudioError where ``edit`` raises ValueError: then nothing changes."""
+    with document.group(text, gesture):
+        for key, performer in players_of(document.project, clip_id).items():
+            try:
+                document.replace("performers", key, edited(performer, clip_id, edit), text)
+            except ValueError as error:
+                raise StudioError(str(error)) from error
+
+
+def remove_clips(document: EditedProject, clip_ids: Iterable[str], text: str) -> None:
+    """Take clips out of all rows, with what was asked of them alone."""
+    with document.group(text):
+        for clip_id in clip_ids:
+            edit_clip(document, clip_id, lambda _: (), text)
+            for collection in ("constraints", "contacts"):
+                for key in _asked_of(document.project, collection, clip_id):
+                    document.remove(collection, key, text)
+
+
+def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
+    """A clip as several from a time of the stage on; the id of the last one. Raises StudioError as ``split``."""
+    clip = document.project.clips[clip_id]
+    text, names = f"Split {name_of(document.project, clip)}", new_ids(MOST_PARTS)
+    rate = document.project.frame_rate_of(clip)
+    with document.group(text):
+        edit_clip(document, clip_id, lambda each: split(each, rate, time, iter(names)), text)
+        made = [name for name in names if name in document.project.clips]
+        for name in made:
+            ask_also(document, clip_id, name, text)
+    return made[-1]
+
+
+def mirror_clip(document: EditedProject, clip_id: str) -> None:
+    """A clip as seen in a mirror, or as it was."""
+    text = f"Mirror {name_of(document.project, document.project.clips[clip_id])}"
+    edit_clip(document, clip_id, lambda clip: (replace(clip, mirrored=not clip.mirrored),), text)
+
+
+def duplicate_clip(document: EditedProject, clip_id: str) -> str:
+    """A copy behind a clip, which plays on from where that ends; its id."""
+    project = document.project
+    text, name = f"Duplicate {name_of(project, project.clips[clip_id])}", new_id()
+    rate = project.frame_rate_of(project.clips[clip_id])
+
+    def twice(clip: Clip) -> Sequence[Clip]:
+        return clip, replace(clip, id=name, start=clip.start + clip.length(rate), joined=True)
+
+    with document.group(text):
+        edit_clip(document, clip_id, twice, text)
+        ask_also(document, clip_id, name, text)
+    return name
+
+
+def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: str, start: float | None = None) -> str:
+    """A whole motion as a clip in the rows of performers, from ``start`` or where each ends; its id."""
+    project, name = document.project, new_id()
+    capture = project.captures[project.motions[motion_id].capture_id]
+    if capture.body_map is None:
+        raise StudioError(f"'{capture.name}' shows no body yet: nobody can play it. Its report says what is missing.")
+    clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=name)
+    text = f"Add clip {project.motions[motion_id].name}"
+    with document.group(text):
+        for key in performer_ids:
+            performer = project.performers[key]
+            end = timing_of(project, performer).end - BLEND if performer.clips else 0.0
+            placed = replace(clip, start=max(end, 0.0) if start is None else start)
+            document.replace("performers", key, in_order(performer, (*performer.clips, placed)), text)
+    return name
+
+
+def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:
+    """A clip that several play as one performer's own, with what is asked of it; its id there."""
+    performer, name = document.project.performers[performer_id], new_id()
+    text = f"{performer.name} has its own {name_of(document.project, document.project.clips[clip_id])}"
+    with document.group(text):
+        own = edited(performer, clip_id, lambda clip: (replace(clip, id=name),))
+        document.replace("performers", performer_id, own, text)
+        ask_also(document, clip_id, name, text)
+    return name
+
+
+def name_of(project: Project, clip: Clip) -> str:
+    """By which a clip goes: its motion's."""
+    return project.motions[clip.motion_id].name
+
+
+def ask_also(document: EditedProject, clip_id: str, other: str, text: str) -> None:
+    """Ask of another clip what is asked of one."""
+    for collection in ("constraints", "contacts"):
+        asked = _asked_of(document.project, collection, clip_id)
+        copies = (replace(document.project.get(collection, key), scope=Scope(clip_id=other)) for key in asked)
+        document.add_all(collection, copies, text)
+
+
+def _asked_of(project: Project, collection: str, clip_id: str) -> list[str]:
+    return [key for key, each in getattr(project, collection).items() if each.scope.clip_id == clip_id]

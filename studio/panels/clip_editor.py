@@ -1,0 +1,168 @@
+"""The form of a clip: what of its motion plays, when, how, and where."""
+
+import math
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
+
+from studio.core.clip_row import begun_at, ended_at, players_of
+from studio.core.errors import StudioError
+from studio.core.project import FASTEST, MOST_REPEATS, SLOWEST, Clip
+from studio.document import clips
+from studio.document.document import Document
+from studio.engine.live import Live
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section, labelled, press_button
+
+FAR = 1000.0
+LATE = 100_000.0
+
+
+class ClipEditor(Editor):
+    """What is changed is changed on all who play the clip."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        self.column.addWidget(self._playing())
+        self.column.addWidget(self._placing())
+        self.finish()
+
+    def _playing(self) -> Section:
+        section = Section("Clip")
+        self._motion, self._players = labelled("", "value"), labelled("", "value")
+        self._players.setWordWrap(True)
+        section.add_row("Motion", self._motion)
+        section.add_row("Played by", self._players)
+        self._own = press_button("", self._make_own)
+        self._own.setToolTip("Edits of a clip are of all who play it. A clip of its own is edited alone.")
+        section.add_wide(self._own)
+        self._start = self._number(NumberField("Start", "s", -LATE, LATE, 0.05, 3), "Move", "in time", start=1.0)
+        section.add_row("Start", self._start)
+        self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
+        self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
+        section.add_row("Frames", self._first, self._last)
+        speed = NumberField("Speed", "×", SLOWEST, FASTEST, 0.05)
+        self._speed = self._number(speed, "Change speed of", "", speed=1.0)
+        section.add_row("Speed", self._speed)
+        self._repeats = self.bind(NumberField("Times", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
+        section.add_row("Times", self._repeats)
+        self._mirrored = self._box("left is right", lambda on: self._set("Mirror", mirrored=on))
+        section.add_row("Mirrored", self._mirrored)
+        section.add_wide(self._buttons())
+        return section
+
+    def _placing(self) -> Section:
+        section = Section("Where it plays")
+        self._joined = self._box("where the one before ends", lambda on: self._set("Join", joined=on))
+        section.add_row("Begins", self._joined)
+        turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
+        self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
+        section.add_row("Turn", self._turn)
+        self._offset = [
+            self.bind(NumberField(f"Offset {axis}", "", -FAR, FAR, 0.01), partial(self._move, k))
+            for k, axis in enumerate("XY")
+        ]
+        for field in self._offset:
+            field.setToolTip("In leg lengths, so that it is as far for every body. Drag sideways to change.")
+        section.add_row("Offset  legs", *self._offset)
+        self._ease = self._number(NumberField("Takes over in", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
+        self._ease.setSpecialValueText("as needed")
+        section.add_row("Takes over", self._ease)
+        section.add_wide(labelled("Where it overlaps another clip it fades in over that one instead.", "hint"))
+        return section
+
+    def _buttons(self) -> QWidget:
+        buttons = QWidget()
+        row = QHBoxLayout(buttons)
+        row.setContentsMargins(0, 4, 0, 0)
+        row.setSpacing(4)
+        for text, run in (("Split at playhead", self._split), ("Duplicate", self._duplicate)):
+            row.addWidget(press_button(text, run), 1)
+        return buttons
+
+    def _box(self, text: str, put: Any) -> QCheckBox:
+        box = QCheckBox(text)
+        box.toggled.connect(put)
+        return box
+
+    def _number(self, field: NumberField, verb: str, rest: str, **unit: float) -> NumberField:
+        """A field of the number ``unit`` names, which is one of the field's in its own."""
+        [(name, size)] = unit.items()
+        return self.bind(field, lambda number: self._set(verb, rest, **{name: number * size}))
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        clip: Clip | None = self.entity
+        if clip is None:
+            return
+        project = self.document.project
+        self._motion.setText(clips.name_of(project, clip))
+        players = players_of(project, clip.id)
+        self._players.setText(", ".join(each.name for each in players.values()))
+        active = players.get(self.document.active_performer_id or "")
+        self._own.setVisible(len(players) > 1 and active is not None)
+        self._own.setText(f"Make it {active.name}'s own" if active else "")
+        shown = {
+            self._start: clip.start, self._first: clip.first, self._last: clip.last, self._speed: clip.speed,
+            self._repeats: clip.repeats, self._turn: math.degrees(clip.turn), self._ease: clip.ease,
+            self._offset[0]: clip.offset[0], self._offset[1]: clip.offset[1],
+        }  # fmt: skip
+        for field, value in shown.items():
+            field.show_value(value)
+        for box, on in ((self._mirrored, clip.mirrored), (self._joined, clip.joined)):
+            with QSignalBlocker(box):
+                box.setChecked(on)
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """Clips are played by performers; their names are those of motions."""
+        return collection in ("performers", "motions")
+
+    def _edit(self, edit: Any, verb: str, rest: str = "") -> None:
+        text = f"{verb} {clips.name_of(self.document.project, self.entity)} {rest}".strip()
+        self._say(lambda: clips.edit_clip(self.document, self.entity_id, edit, text, self._gesture))
+
+    def _set(self, verb: str, rest: str = "", **values: Any) -> None:
+        self._edit(lambda clip: (replace(clip, **values),), verb, rest)
+
+    def _set_first(self, frame: float) -> None:
+        rate = self.document.project.frame_rate_of(self.entity)
+        self._edit(lambda clip: (begun_at(clip, rate, round(frame)),), "Trim")
+
+    def _set_last(self, frame: float) -> None:
+        project = self.document.project
+        count = project.captures[project.motions[self.entity.motion_id].capture_id].frame_count
+        self._edit(lambda clip: (ended_at(clip, round(frame), count),), "Trim")
+
+    def _set_repeats(self, times: float) -> None:
+        self._set("Loop", repeats=round(times))
+
+    def _move(self, axis: int, way: float) -> None:
+        offset = list(self.entity.offset)
+        offset[axis] = way
+        self._set("Move", offset=tuple(offset))
+
+    def _make_own(self) -> None:
+        performer_id = self.document.active_performer_id
+        if performer_id is not None:
+            self._select(lambda: clips.make_own(self.document, performer_id, self.entity_id))
+
+    def _split(self) -> None:
+        self._select(lambda: clips.split_clip(self.document, self.entity_id, self.document.playhead.time))
+
+    def _duplicate(self) -> None:
+        self._select(lambda: clips.duplicate_clip(self.document, self.entity_id))
+
+    def _select(self, make: Any) -> None:
+        """Work on the clip that ``make`` makes, with whom it was made."""
+        performer_id = self.document.active_performer_id or ""
+        self._say(lambda: self.document.selection.set(("performers", performer_id), ("clips", make())))
+
+    def _say(self, run: Any) -> None:
+        try:
+            run()
+        except StudioError as error:
+            self.document.problem.emit(str(error))
+            self.refresh()

@@ -1,0 +1,86 @@
+"""Edits of clips without a drag: from the menu of their rows, by the keyboard, or dropped from the library."""
+
+from collections.abc import Callable
+
+from PySide6.QtWidgets import QMenu
+
+from studio.core.clip_row import begun_at, ended_at, players_of
+from studio.core.errors import StudioError
+from studio.document import clips
+from studio.timeline.shown import Hit, Part, Shown
+
+
+def performers_of_row(shown: Shown, performer_id: str) -> tuple[str, ...]:
+    """Whom a row stands for: one performer, or all who are shown with the same clips."""
+    performers = shown.project.performers
+    if shown.apart:
+        return (performer_id,)
+    row = performers[performer_id].clips
+    return tuple(key for key, each in performers.items() if (each.visible and each.clips == row) or key == performer_id)
+
+
+def add_clip(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> None:
+    """Add and select a clip in a row, from ``start`` or where the row ends."""
+    document = shown.document
+    try:
+        name = clips.add_clip(document, performers_of_row(shown, performer_id), motion_id, start)
+    except StudioError as error:
+        document.problem.emit(str(error))
+        return
+    document.selection.set(("performers", performer_id), ("clips", name))
+
+
+def nudged(shown: Shown, clip_id: str, edge: Part, frames: int) -> None:
+    """Trim an end of a clip by whole frames: one undo step."""
+    project = shown.project
+    clip = project.clips[clip_id]
+    rate, count = project.frame_rate_of(clip), project.captures[project.motions[clip.motion_id].capture_id].frame_count
+    text = f"Trim {clips.name_of(project, clip)}"
+    if edge == Part.FIRST:
+        clips.edit_clip(shown.document, clip_id, lambda each: (begun_at(each, rate, each.first + frames),), text)
+    else:
+        clips.edit_clip(shown.document, clip_id, lambda each: (ended_at(each, each.last + frames, count),), text)
+
+
+def offer_clip(menu: QMenu, shown: Shown, hit: Hit) -> None:
+    """What can be done with a clip."""
+    document, project = shown.document, shown.project
+
+    def select(clip_id: str) -> None:
+        document.selection.set(("performers", hit.performer_id), ("clips", clip_id))
+
+    def split() -> None:
+        select(clips.split_clip(document, hit.id, document.playhead.time))
+
+    _offer(menu, shown, "Split at playhead", split)
+    _offer(menu, shown, "Mirror", lambda: clips.mirror_clip(document, hit.id))
+    _offer(menu, shown, "Duplicate", lambda: select(clips.duplicate_clip(document, hit.id)))
+    players = players_of(project, hit.id)
+    if len(players) > 1:
+        text = f"Make it {project.performers[hit.performer_id].name}'s own"
+        _offer(menu, shown, text, lambda: select(clips.make_own(document, hit.performer_id, hit.id)))
+    text = f"Delete clip {clips.name_of(project, project.clips[hit.id])}"
+    _offer(menu, shown, "Delete", lambda: clips.remove_clips(document, (hit.id,), text))
+
+
+def offer_motions(menu: QMenu, shown: Shown, performer_id: str, start: float | None) -> None:
+    """Every motion of the project as a clip to add to a row."""
+    added = menu.addMenu("Add clip")
+    for motion_id, motion in shown.project.motions.items():
+        if shown.project.captures[motion.capture_id].body_map is not None:
+            add = _adder(shown, performer_id, motion_id, start)
+            added.addAction(motion.name).triggered.connect(add)
+
+
+def _adder(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> Callable[[], None]:
+    return lambda: add_clip(shown, performer_id, motion_id, start)
+
+
+def _offer(menu: QMenu, shown: Shown, text: str, run: Callable[[], None]) -> None:
+    def said() -> None:
+        try:
+            run()
+        except StudioError as error:
+            shown.document.problem.emit(str(error))
+
+    menu.addAction(text).triggered.connect(said)
