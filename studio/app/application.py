@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
 from studio.app import recovery, sample
@@ -25,14 +25,14 @@ from studio.engine.tasks import TaskRunner
 def main(argv: Sequence[str] | None = None) -> int:
     """Open the window with the files named in ``argv`` (without the program's name), else the sample; the exit code."""
     names = list(sys.argv[1:] if argv is None else argv)
+    gc.disable()  # what is loaded stays: looking for what is lost among it costs a tenth of the start
     start_log()
     application = make_application()
     problems = ProblemHooks()
-    warm_up = WarmUp()
+    warm_up = WarmUp(held=True)
     journals = journal_folder()
     window = make_window(Settings(), Document(journal_folder=journals), warm_up)
     problems.told.connect(window.bench.said)
-    window.bench.views_changed.connect(settle, Qt.ConnectionType.SingleShotConnection)
     window.show()
     QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()
@@ -45,6 +45,7 @@ def settle() -> None:
     """What is loaded by now stays: the collector, which would stop the window for 0.1 s, need not look at it again."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def make_application() -> QApplication:
@@ -77,24 +78,65 @@ def fill_window(
     else:
         sample.open_sample(bench)
     # The imports take a second or more; the interpreter does them beside the window.
-    bench.runner.run("Starting the 3D view", lambda _: import_views(), lambda _: show_views(window))
+    bench.runner.run("Starting the 3D view", lambda _: import_viewport(warm_up), lambda _: show_first(window, warm_up))
     if warm_up is not None and warm_up.running:
         bench.runner.run("Preparing the solver", warm_up.follow)
 
 
+def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
+    """Put the 3D view into the window, and when it has drawn, let the rest be loaded."""
+    show_viewport(window)
+
+    def drawn() -> None:
+        window.bench.viewport.start()
+        if warm_up is not None:
+            warm_up.go_on()
+        window.bench.runner.run("Starting the timeline", lambda _: import_timeline(), lambda _: show_last(window))
+
+    QTimer.singleShot(0, window, drawn)
+
+
+def show_last(window: MainWindow) -> None:
+    """Put the timeline into the window; nothing is missing then."""
+    show_timeline(window)
+    settle()
+
+
 def import_views() -> None:
-    """Load what the views are made of, and with what they draw bodies before the solver is there."""
-    import_module("studio.timeline.timeline")
+    """Load all that the views are made of."""
+    import_viewport()
+    import_timeline()
+
+
+def import_viewport(warm_up: WarmUp | None = None) -> None:
+    """Load what the 3D view is made of, and with what it draws bodies before the solver is there."""
     import_module("studio.viewport.widget")
     import_module("studio.viewport.scene")  # VTK, which the first picture would load otherwise
+    if warm_up is not None:
+        warm_up.join_picture()
     import_module("studio.cli.first_picture").run()
+
+
+def import_timeline() -> None:
+    """Load what the timeline is made of."""
+    import_module("studio.timeline.timeline")
 
 
 def show_views(window: MainWindow) -> None:
     """Make the views and put them into the window."""
-    from studio.timeline.timeline import Timeline
+    show_timeline(window)
+    show_viewport(window)
+
+
+def show_viewport(window: MainWindow) -> None:
+    """Make the 3D view and put it into the window."""
     from studio.viewport.widget import Viewport
 
-    bench = window.bench
-    window.show_timeline(Timeline(bench.document, bench.live))
-    window.show_viewport(Viewport(bench.document, bench.live))
+    window.show_viewport(Viewport(window.bench.document, window.bench.live))
+
+
+def show_timeline(window: MainWindow) -> None:
+    """Make the timeline and put it into the window."""
+    from studio.timeline.timeline import Timeline
+
+    window.show_timeline(Timeline(window.bench.document, window.bench.live))

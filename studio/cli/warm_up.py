@@ -1,7 +1,7 @@
 """Kernels are compiled or fetched from their cache in the background while the window opens.
 
-Compiled once a machine, by two processes beside the window's: ``python -m studio.cli.warm_up HALF``, which tells
-how far it is, a share of one a line.
+Compiled once a machine, by processes beside the window's: ``python -m studio.cli.warm_up MODULE FUNCTION``, which
+tells how far it is, a share of one a line. First what draws a body, then the solver, by two of them.
 """
 
 import gc
@@ -17,15 +17,21 @@ from pathlib import Path
 from subprocess import PIPE
 
 from studio.cli.printing import progress_line
+from studio.cli.process import COLLECTED_AFTER
 from studio.io.child_process import child_process
 
 KERNELS = "studio.core.kernels."
 LOOKED_AT_EVERY = 0.1
+LONGEST_HELD = 10.0
+"""Seconds after which what is shown first has failed."""
 LONG = 3.0
 """Seconds after which it is plain that the kernels are compiled and not fetched."""
 TRANSLATED = 0.8
 """How far it is when every kernel has been translated and what constraints call is optimised, in one go."""
-HALVES = ("standing", "constraints")
+PICTURE = ("first_picture", "run")
+HALVES = (("first_run", "run_standing"), ("first_run", "run_constraints"))
+FAR_BEHIND = 10
+"""How much nicer than the window's the processes are that compile the solver: it is to be used meanwhile."""
 CHILD = (sys.executable, "-m", "studio.cli.warm_up")
 LONGEST_TO_COMPILE = "adapt.solve_frames-*.nbc"
 """What stands in a cache that is full."""
@@ -34,8 +40,12 @@ LONGEST_TO_COMPILE = "adapt.solve_frames-*.nbc"
 class WarmUp:
     """Begins at once; whoever needs a kernel sooner waits for that one only. Stop it before the process ends."""
 
-    def __init__(self) -> None:
+    def __init__(self, held: bool = False) -> None:
+        """While it is ``held`` other processes compile, but this one is left to what is shown first."""
         self._stopped, self._ready = threading.Event(), threading.Event()
+        self._let_go, self._drawable = threading.Event(), threading.Event()
+        if not held:
+            self.go_on()
         self._shares = dict.fromkeys(HALVES, 0.0)
         # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
@@ -52,9 +62,18 @@ class WarmUp:
         if self._stopped.is_set():
             raise CancelledError
 
+    def join_picture(self) -> None:
+        """Wait until bodies can be drawn without compiling, or nobody is going to see to that."""
+        self._drawable.wait()
+
+    def go_on(self) -> None:
+        """Fetch the kernels, if it was held until now."""
+        self._let_go.set()
+
     def stop(self) -> None:
         """End it, and the processes; a kernel that is just being compiled in this one is waited for."""
         self._stopped.set()
+        self.go_on()
         self._thread.join()
 
     def follow(self, report: Callable[[float, str], None]) -> None:
@@ -68,10 +87,15 @@ class WarmUp:
     def _run(self) -> None:
         try:
             if is_cold():
-                self._compile_beside()
+                self._compile_beside(PICTURE, behind=0)
+            self._drawable.set()
+            if is_cold():
+                self._compile_beside(*HALVES, behind=FAR_BEHIND)
+            self._let_go.wait(LONGEST_HELD)
             if not self._stopped.is_set():
                 self._first_run("run")  # what a child failed in fails here again, and is told
         finally:
+            self._drawable.set()
             self._ready.set()
         if not self._stopped.is_set():
             self._first_run("run_seldom")
@@ -79,18 +103,21 @@ class WarmUp:
     def _first_run(self, part: str) -> None:
         getattr(import_module("studio.cli.first_run"), part)()
 
-    def _compile_beside(self) -> None:
+    def _compile_beside(self, *parts: tuple[str, str], behind: int) -> None:
         with ExitStack() as stack:
-            children = [stack.enter_context(child_process((*CHILD, half), stdout=PIPE)) for half in HALVES]
-            for half, child in zip(HALVES, children, strict=True):
-                threading.Thread(target=self._listen, args=(half, child.stdout), daemon=True).start()
+            children = [
+                stack.enter_context(child_process((*CHILD, *part), stdout=PIPE, behind=behind)) for part in parts
+            ]
+            for part, child in zip(parts, children, strict=True):
+                threading.Thread(target=self._listen, args=(part, child.stdout), daemon=True).start()
             while any(child.poll() is None for child in children) and not self._stopped.wait(LOOKED_AT_EVERY):
                 pass
 
-    def _listen(self, half: str, lines: Iterable[bytes]) -> None:
+    def _listen(self, part: tuple[str, str], lines: Iterable[bytes]) -> None:
         with suppress(ValueError):  # of a process that is ended the last line is cut, or its stream closed
             for line in lines:
-                self._shares[half] = float(line)
+                if part in HALVES:
+                    self._shares[part] = float(line)
 
 
 def compile_first() -> None:
@@ -119,16 +146,20 @@ def ready_share() -> float:
 
 
 def main() -> None:
-    """Compile one half, for the process that listens."""
-    gc.set_threshold(50_000, 20, 20)  # what a compiler makes it keeps: looking for what is lost costs a tenth
+    """Compile one part, for the process that listens."""
+    gc.set_threshold(*COLLECTED_AFTER)
     threading.Thread(target=_tell, daemon=True).start()
-    getattr(import_module("studio.cli.first_run"), f"run_{sys.argv[1]}")()
+    module, function = sys.argv[1:]
+    getattr(import_module(f"studio.cli.{module}"), function)()
 
 
 def _tell() -> None:
-    while True:
-        os.write(sys.stdout.fileno(), b"%.3f\n" % ready_share())  # a lock of print's might be held when Python ends
-        time.sleep(LOOKED_AT_EVERY)
+    try:
+        while True:
+            os.write(sys.stdout.fileno(), b"%.3f\n" % ready_share())  # a lock of print's might be held at Python's end
+            time.sleep(LOOKED_AT_EVERY)
+    except BrokenPipeError:
+        os._exit(0)  # whoever listened is gone, and needs no kernels
 
 
 if __name__ == "__main__":

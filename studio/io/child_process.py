@@ -13,7 +13,7 @@ from typing import IO
 ROOT = Path(__file__).resolve().parents[2]
 """Where ``python -m studio...`` finds this studio."""
 BEHIND = 5
-"""How much nicer than this process a child is: of two that want a processor, it gets a quarter."""
+"""How much nicer than this process a child is by default: of two that want a processor, it gets a quarter."""
 POLL = 0.05
 """Seconds between two looks at whether the user wants to stop."""
 
@@ -22,18 +22,22 @@ Streams = IO[bytes] | int | None
 
 @contextmanager
 def child_process(
-    command: Sequence[str], stdin: Streams = None, stdout: Streams = None, stderr: Streams = None
+    command: Sequence[str],
+    stdin: Streams = None,
+    stdout: Streams = None,
+    stderr: Streams = None,
+    behind: int = BEHIND,
 ) -> Iterator["subprocess.Popen[bytes]"]:
     """A process that is gone after the block: killed, unless it has ended by itself.
 
-    Where processors are scarce it waits for this one, which may have a window to keep alive. Ctrl-C in a terminal ends
-    this one alone, and so both.
+    Where processors are scarce it is ``behind`` this one, which may have a window to keep alive. Ctrl-C in a terminal
+    ends this one alone, and so both.
     """
     apart = None if sys.platform == "win32" else 0
     process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT, process_group=apart)
     try:
         if sys.platform != "win32":
-            os.setpriority(os.PRIO_PROCESS, process.pid, BEHIND)
+            os.setpriority(os.PRIO_PROCESS, process.pid, behind)
         yield process
     finally:
         process.kill()

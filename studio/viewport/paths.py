@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.contacts import ContactInterval, touching_points
@@ -79,6 +78,8 @@ def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePat
 
 def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
     """The same way, drawn through at least ``TRAIL_RATE`` points a second by a spline through its frames."""
+    from scipy.interpolate import CubicSpline  # late: it takes longer than a window
+
     steps = int(np.ceil(TRAIL_RATE / frame_rate))
     finer = np.linspace(frames[0], frames[-1], steps * (len(frames) - 1) + 1)
     return CubicSpline(frames, path)(finer), finer

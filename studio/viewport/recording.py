@@ -10,7 +10,6 @@ from studio.core.capture import Capture
 from studio.core.markers.force_plates import plate_reactions
 from studio.core.markers.marker_map import seen_labels
 from studio.core.markers.trial import Trial
-from studio.core.normalized.normalize import motion_origin
 from studio.core.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
@@ -40,6 +39,8 @@ class RecordedBy:
     """An optical capture in the space of its motion, or over the floor where it shows no body."""
 
     def __init__(self, capture: Capture) -> None:
+        from studio.core.normalized.normalize import motion_origin  # late, with scipy
+
         assert capture.markers is not None
         self.capture, trial = capture, capture.markers.trial
         self._turn = trial.metres * AXES[capture.up_axis].T

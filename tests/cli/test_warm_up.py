@@ -20,7 +20,7 @@ def test_following_the_warm_up_reports_rising_shares_until_it_is_done(monkeypatc
     monkeypatch.setattr(warm_up.WarmUp, "running", property(lambda _: next(running)))
     told = []
     warming = object.__new__(warm_up.WarmUp)
-    warming._shares = {"standing": 0.05, "constraints": 0.2}
+    warming._shares = dict(zip(warm_up.HALVES, (0.05, 0.2), strict=True))
     warming.follow(lambda share, words: told.append((share / warm_up.TRANSLATED, words)))
     assert told == [(pytest.approx(0.45), ""), (pytest.approx(0.75), ""), (1.0, "")]
 
@@ -85,6 +85,30 @@ def test_a_full_cache_needs_no_other_process(cold, tmp_path):
     assert cold == []
     warm_up.WarmUp().join()
     assert cold[0] == "most"
+
+
+def test_while_it_is_held_other_processes_compile_and_this_one_fetches_nothing(cold):
+    warming = warm_up.WarmUp(held=True)
+    warming.join_picture()
+    assert cold == []
+    warming.go_on()
+    warming.join()
+    assert cold[0] == "most"
+
+
+def test_one_that_is_held_can_be_stopped(cold):
+    warming = warm_up.WarmUp(held=True)
+    warming.stop()
+    warming.join_picture()
+    assert cold == []
+
+
+def test_a_process_whose_listener_is_gone_ends_without_a_word():
+    process = (sys.executable, "-m", "studio.cli.warm_up", "first_run", "run_standing")
+    with subprocess.Popen(process, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+        child.stdout.close()
+        assert child.wait(60) == 0
+        assert child.stderr.read() == b""
 
 
 def test_the_name_by_which_a_full_cache_is_known_is_that_of_the_kernel():
