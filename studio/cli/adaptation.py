@@ -10,7 +10,7 @@ from typing import Any
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
 from studio.core.character import Character
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import clean
 from studio.core.markers.take import mapped_labels
@@ -88,7 +88,7 @@ def cleaning_records(capture: Capture) -> list[dict[str, Any]]:
 def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[int]]]:
     """Contacts as JSON has them: ``{"left_heel": [[first, last], ...], ...}``, every foot point there."""
     return {
-        point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in ContactPoint
+        point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in CONTACT_POINTS
     }
 
 

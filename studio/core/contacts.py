@@ -1,4 +1,4 @@
-"""Contacts: when heels and toes, hands, knees and seat stand on the ground."""
+"""Contacts: when heels and toes, hands, knees and seat stand on the ground, and when hands touch what."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -72,26 +72,84 @@ def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
     return [layout.hip(point.side) + {"knee": 1, "heel": 2, "toe": 3}[point.member]]
 
 
+class Touch(StrEnum):
+    """What hands touch or hold, other than the ground.
+
+    Hands that are together keep their way from each other as far as their arms are long; a thing between them keeps
+    its size. A hand on the body stays where it lies on it, however thick that is.
+    """
+
+    HANDS_TOGETHER = "hands_together"
+    HANDS_ON_THING = "hands_on_thing"
+    LEFT_HAND_ON_HEAD = "left_hand_on_head"
+    LEFT_HAND_ON_TRUNK = "left_hand_on_trunk"
+    LEFT_HAND_ON_HIPS = "left_hand_on_hips"
+    LEFT_HAND_ON_THIGH = "left_hand_on_thigh"
+    RIGHT_HAND_ON_HEAD = "right_hand_on_head"
+    RIGHT_HAND_ON_TRUNK = "right_hand_on_trunk"
+    RIGHT_HAND_ON_HIPS = "right_hand_on_hips"
+    RIGHT_HAND_ON_THIGH = "right_hand_on_thigh"
+
+    @cached_property
+    def side(self) -> int:
+        """0 left, 1 right; both hands count as left."""
+        return 1 if self.value.startswith("right") else 0
+
+    @cached_property
+    def member(self) -> str:
+        """What a hand is on: ``head``, ``trunk``, ``hips`` or ``thigh``; of both hands ``together`` or ``thing``."""
+        return self.value.rpartition("_")[2]
+
+    @property
+    def is_foot(self) -> bool:
+        return False
+
+    @property
+    def limb(self) -> int:
+        """-1: it keeps no limb from what is asked of it by standing on the ground."""
+        return -1
+
+    @cached_property
+    def words(self) -> str:
+        """``left hand on hips``."""
+        return self.value.replace("_", " ").replace("on thing", "on a thing")
+
+
 FOOT_POINTS = tuple(point for point in ContactPoint if point.is_foot)
 BODY_POINTS = tuple(point for point in ContactPoint if not point.is_foot)
 """Hands, knees and seat: what carries a body that is not on its feet."""
+CONTACT_POINTS = (*ContactPoint, *Touch)
+"""All that may be in contact, on the ground or not."""
+
+
+def contact_point(name: str) -> ContactPoint | Touch:
+    """The one of that name; ValueError where there is none."""
+    return Touch(name) if name in tuple(Touch) else ContactPoint(name)
 
 
 @dataclass(frozen=True)
 class ContactInterval:
-    """One contact of a motion: ``point`` stands still on the ground from frame ``first`` to ``last``, both included."""
+    """One contact of a motion from frame ``first`` to ``last``, both included.
+
+    ``point`` stands still on the ground, or hands touch or hold what it says.
+    """
 
     motion_id: str
-    point: ContactPoint
+    point: ContactPoint | Touch
     first: int
     last: int
     scope: Scope = EVERYONE
     """Whose contact it is. Where one of a narrower scope is, those of its point of wider ones do not count."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "point", ContactPoint(self.point))
+        object.__setattr__(self, "point", contact_point(self.point))
         if not 0 <= self.first <= self.last:
             raise ValueError(f"A contact runs from a frame to a later one, not from {self.first} to {self.last}.")
+
+
+def on_ground(contacts: Iterable[ContactInterval]) -> tuple[ContactInterval, ...]:
+    """Those of what stands on the ground."""
+    return tuple(each for each in contacts if isinstance(each.point, ContactPoint))
 
 
 HEIGHT_MARGIN = 0.04

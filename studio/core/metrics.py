@@ -61,6 +61,8 @@ def contact_tracks(
     """
     slides, heights = np.full((2, len(ContactPoint), adapted.frame_count), np.nan)
     for contact in contacts:
+        if not isinstance(contact.point, ContactPoint):
+            continue
         first = max(contact.first - adapted.first_frame, 0)
         stop = min(contact.last + 1 - adapted.first_frame, adapted.frame_count)
         if stop > first:

@@ -21,6 +21,10 @@ LEVELS = (0.03, 0.30, 0.58, 0.80)
 """Heights at which the trunk is measured, parts of the way from the hips to the neck base."""
 PROBES = ((0, 0.0), (0, 0.5), (0, 1.0), (1, 0.45), (1, 0.85))
 """Where the spheres of an arm lie: bone (0 forearm, 1 hand) and part of its length."""
+PALM = PROBES[3][1]
+"""The same of the palm."""
+CAPSULES_OF = {"hips": (0, 1), "trunk": (2, 3, 4, 5), "head": (6,), "thigh": (7, 8)}
+"""The capsules of a body by the part that they stand for."""
 _THIGH = (0.2, 0.9)
 _SECTIONS = ((0.123, 0.071, -0.096), (0.100, 0.069, -0.060), (0.118, 0.095, -0.057), (0.122, 0.090, -0.051))
 _THIGH_GIRTH, _HEAD, _ARM_GIRTH = (0.065, 0.036), (0.066, 0.018, 0.27, 0.50), (0.024, 0.022, 0.016, 0.015, 0.011)

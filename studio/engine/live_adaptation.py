@@ -11,7 +11,7 @@ from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 from studio.cli.warm_up import WarmUp
 from studio.core.capture import Capture
 from studio.core.constraints.clear import ClearConstraint
-from studio.core.contacts import ContactInterval
+from studio.core.contacts import ContactInterval, Touch
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.morphology import AnyMorphology, Morphology
@@ -312,7 +312,9 @@ class LiveAdaptation(QObject):
             for capture, clip in zip(captures, performer.clips, strict=True)
         )
         # The skin is measured only for who asks: a moved slider would pay for it every time.
-        clears = any(isinstance(each.constraint, ClearConstraint) for each in asked)
+        clears = any(isinstance(each.constraint, ClearConstraint) for each in asked) or any(
+            isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts
+        )
         ground = project.ground.seen_from(performer.position, performer.heading)
         volume = character.volume if clears else None
         return Wanted(

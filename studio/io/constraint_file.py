@@ -24,7 +24,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import CONTACT_POINTS, ContactInterval, contact_point
 from studio.core.errors import StudioError
 from studio.core.project import Prop
 from studio.io.beside import refuse_devices
@@ -164,15 +164,15 @@ def contacts_of(record: Json, motion_id: str, where: str) -> tuple[ContactInterv
         raise StudioError(f"{where}, contacts: expected a record of lists by foot.")
     contacts = []
     for foot, spans in record.items():
-        if foot not in tuple(ContactPoint) or not isinstance(spans, list):
+        if foot not in CONTACT_POINTS or not isinstance(spans, list):
             raise StudioError(
-                f"{where}, contacts, {foot}: expected lists of [first, last] by {', '.join(ContactPoint)}."
+                f"{where}, contacts, {foot}: expected lists of [first, last] by {', '.join(CONTACT_POINTS)}."
             )
         for place, span in enumerate(spans):
             if not (isinstance(span, list) and len(span) == 2 and all(type(frame) is int for frame in span)):
                 raise StudioError(f"{where}, contacts, {foot}[{place}]: expected two frames [first, last].")
             try:
-                contacts.append(ContactInterval(motion_id, ContactPoint(foot), *span))
+                contacts.append(ContactInterval(motion_id, contact_point(foot), *span))
             except ValueError as error:
                 raise StudioError(f"{where}, contacts, {foot}[{place}]: {error}") from error
     return tuple(contacts)

@@ -19,6 +19,7 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.grounds import GROUND_KINDS
@@ -27,7 +28,7 @@ from studio.io.json_text import json_of
 from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 2
-ENTITY_SCHEMAS = {**dict.fromkeys(COLLECTIONS, 1), "performers": 2, "constraints": 2, "contacts": 2}
+ENTITY_SCHEMAS = {**dict.fromkeys(COLLECTIONS, 1), "performers": 2, "constraints": 2, "contacts": 3}
 """A higher number tells an older version that it would misread what it knows by that name."""
 CONSTRAINT_KINDS: Mapping[str, type] = {
     kind.kind: kind
@@ -93,7 +94,13 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
         return name
 
     record = to_json(entity, MemberCodec(store, _no_member))
-    return {**record, "id": entity_id, "schema": ENTITY_SCHEMAS[collection]}
+    return {**record, "id": entity_id, "schema": _schema_of(collection, entity)}
+
+
+def _schema_of(collection: str, entity: Entity) -> int:
+    """A contact with the ground says what it has always said."""
+    plain = isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint)
+    return 2 if plain else ENTITY_SCHEMAS[collection]
 
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from studio import __version__
 from studio.core.annotations import Annotations
 from studio.core.capture import Capture
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.kernels import layout as at
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
@@ -112,7 +112,7 @@ def _record(s4d: S4d, free: list[int], moving: list[int]) -> dict[str, Any]:
 
 def _by_foot(contacts: tuple[ContactInterval, ...]) -> Mapping[str, list[list[int]]]:
     return {
-        point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in ContactPoint
+        point.value: [[each.first, each.last] for each in contacts if each.point is point] for point in CONTACT_POINTS
     }
 
 

@@ -1,15 +1,24 @@
-"""A contact: which point of the body stands still, from frame to frame."""
+"""A contact: which point of the body stands still, or what hands touch, from frame to frame."""
 
-from studio.core.contacts import ContactPoint
+from studio.core.contacts import CONTACT_POINTS, ContactPoint, Touch
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
 
 
-def contact_words(point: ContactPoint) -> str:
+def contact_words(point: ContactPoint | Touch) -> str:
     """``Left heel``."""
     return point.words.capitalize()
+
+
+ON_BODY = "The {what}: it lies where the actor's does, however thick the body is,"
+KEPT = {
+    "together": "The hands keep their way from each other, as long as the arms are,",
+    "thing": "The hands hold a thing that keeps its size",
+    **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY),
+}
+"""What is kept through a contact that is not with the ground, by the member of its point."""
 
 
 class ContactEditor(Editor):
@@ -18,7 +27,7 @@ class ContactEditor(Editor):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Contact")
-        self._point = Choice("Point", [(point, contact_words(point)) for point in ContactPoint])
+        self._point = Choice("Point", [(point, contact_words(point)) for point in CONTACT_POINTS])
         self._point.chosen.connect(lambda point: self.change(f"Move contact to {contact_words(point)}", point=point))
         section.add_row("Point", self._point)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
@@ -39,7 +48,8 @@ class ContactEditor(Editor):
         self._last.show_value(contact.last)
         seconds = (contact.last - contact.first + 1) / self.document.playhead.frame_rate
         what = contact_words(contact.point).lower()
-        self._words.setText(f"The {what} stands still on the ground for {seconds:.2f} s, on every body.")
+        kept = KEPT.get(contact.point.member, "The {what} stands still on the ground").format(what=what)
+        self._words.setText(f"{kept} for {seconds:.2f} s, on every body.")
 
     def _set_first(self, frame: float) -> None:
         text = f"Trim {contact_words(self.entity.point).lower()} contact"

@@ -13,7 +13,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QToolTip, QWidget
 
-from studio.core.contacts import ContactPoint
+from studio.core.contacts import contact_point
 from studio.document.document import Document
 from studio.document.dragging import capture_in
 from studio.engine.live import Live
@@ -116,7 +116,7 @@ class TrackCanvas(TrackView):
         hit = self.sheet.hit(event.position()) if self.sheet else None
         if self.sheet and hit and hit.kind == "lane" and hit.part == Part.EMPTY:
             frame = round(self.sheet.shown.frame_at(event.position().x()))
-            edits.add_contact(self.sheet.shown, ContactPoint(hit.id), frame)
+            edits.add_contact(self.sheet.shown, contact_point(hit.id), frame)
         else:
             self.mousePressEvent(event)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from studio.core.constraints.target import key_times
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.project import Clip, Project
 from studio.document.clips import name_of as clip_name
 from studio.document.clips import remove_clips
@@ -18,7 +18,7 @@ from studio.timeline.shown import EDGES, HANDLES, Part, Shown
 DELETABLE = ("constraints", "contacts", "clips")
 
 
-def add_contact(shown: Shown, point: ContactPoint, frame: int) -> str | None:
+def add_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> str | None:
     """Add and select a contact about a frame of the motion; its id, or None where one stands already."""
     contact = new_contact(shown, point, frame)
     if contact is None:

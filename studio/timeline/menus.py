@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
-from studio.core.contacts import ContactPoint
+from studio.core.contacts import CONTACT_POINTS, ContactPoint, Touch, contact_point
 from studio.timeline import edits
 from studio.timeline.clip_edits import offer_clip, offer_motions
 from studio.timeline.curves import Quantity
@@ -67,13 +67,14 @@ def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPoi
     time = shown.document.playhead.time
     frame = round(shown.subject.motion_frame(time) if on_name else shown.frame_at(position.x()))
     if not on_name:
-        _offer_contact(menu, canvas, ContactPoint(hit.id), frame, f"Add {ContactPoint(hit.id).words} contact here")
+        point = contact_point(hit.id)
+        _offer_contact(menu, canvas, point, frame, f"Add {point.words} contact here")
     others = menu.addMenu("Add contact of")
-    for point in ContactPoint:
+    for point in CONTACT_POINTS:
         _offer_contact(others, canvas, point, frame, point.words.capitalize())
 
 
-def _offer_contact(menu: QMenu, canvas: "TrackCanvas", point: ContactPoint, frame: int, text: str) -> None:
+def _offer_contact(menu: QMenu, canvas: "TrackCanvas", point: ContactPoint | Touch, frame: int, text: str) -> None:
     action = menu.addAction(text)
     action.setEnabled(canvas.shown is not None and new_contact(canvas.shown, point, frame) is not None)
     action.triggered.connect(lambda: canvas.shown and edits.add_contact(canvas.shown, point, frame))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import BodyPoint
-from studio.core.contacts import ContactInterval, touching_points
+from studio.core.contacts import ContactPoint, touching_points
 from studio.core.project import Project
 from studio.document import colours
 from studio.engine.performance import FloatArray, Posed
@@ -69,10 +69,11 @@ def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePat
         moment = pose.motion_id or "", pose.row + pose.motion.first_frame
         if moment not in standing:  # once for all bodies: a long motion has thousands of contacts
             contacts = project.contacts_of(moment[0]).values()
-            standing[moment] = [each for each in contacts if each.first <= moment[1] <= each.last]
-        for contact in standing[moment]:
+            now = [each for each in contacts if each.first <= moment[1] <= each.last]
+            standing[moment] = [each.point for each in now if isinstance(each.point, ContactPoint)]
+        for point in standing[moment]:
             colour = colours.kind_colour("contact")
-            found.append(_ring(_touching_point(pose, contact), MARK_RADIUS, project, colour, 0.9))
+            found.append(_ring(_touching_point(pose, point), MARK_RADIUS, project, colour, 0.9))
     return found
 
 
@@ -85,8 +86,8 @@ def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[Fl
     return CubicSpline(frames, path)(finer), finer
 
 
-def _touching_point(pose: Posed, contact: ContactInterval) -> FloatArray:
-    touching = touching_points(contact.point, pose.motion.morphology.layout)
+def _touching_point(pose: Posed, point: ContactPoint) -> FloatArray:
+    touching = touching_points(point, pose.motion.morphology.layout)
     return np.asarray(pose.points[touching].mean(axis=0))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from studio.cli.main import main
-from studio.core.contacts import ContactPoint
+from studio.core.contacts import CONTACT_POINTS
 from studio.io.c3d_writer import write_c3d
 from studio.io.export import write_capture
 from studio.io.project_file import new_document_id, write_project
@@ -61,7 +61,7 @@ def test_a_body_is_told_with_the_keys_that_others_build_on(capsys, walk):
     assert (record["frames"], record["frame_rate"], record["joints"]) == (30, 60.0, 21)
     assert (record["unit"], record["up_axis"]) == ("cm", "Y")
     assert record["body_map"]["left_hand"] == "LeftHand"
-    assert record["contacts"].keys() == set(ContactPoint)
+    assert record["contacts"].keys() == set(CONTACT_POINTS)
     assert record["round_trip"]["position_mm"] < 0.1
     assert record["round_trip"]["rotation_deg"] < 0.01
     assert any(sentence.startswith("unit: cm") for sentence in record["assumptions"])

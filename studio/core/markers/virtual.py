@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.canonical import BodyPart
 from studio.core.capture import Capture
-from studio.core.contacts import ContactInterval
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.humanoid import BodyMap
 from studio.core.kinematics import joint_world, rest_poses
 from studio.core.markers.roles import JOINTS, SIDES
@@ -160,7 +160,7 @@ def _events(capture: Capture, contacts: Iterable[ContactInterval]) -> tuple[Tria
     """A foot strikes when its heel comes down, and is off when its toes leave the ground."""
     events = []
     for contact in contacts:
-        if not contact.point.is_foot:
+        if not isinstance(contact.point, ContactPoint) or not contact.point.is_foot:
             continue
         side = contact.point.value.split("_")[0]
         frame, label = (contact.first, "Foot Strike") if contact.point.is_heel else (contact.last, "Foot Off")

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import ContactInterval, ContactPoint, Touch, contact_point
 from studio.core.kernels import layout as at
 from studio.core.normalized.motion import NormalizedMotion
 
@@ -50,12 +50,12 @@ def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
 
 
 def mirrored_contacts(contacts: Sequence[ContactInterval]) -> tuple[ContactInterval, ...]:
-    """The contacts of the other side; the seat's stay."""
+    """The contacts of the other side; the seat's stay, and those of both hands."""
     return tuple(replace(each, point=other_side(each.point)) for each in contacts)
 
 
-def other_side(point: ContactPoint) -> ContactPoint:
+def other_side(point: ContactPoint | Touch) -> ContactPoint | Touch:
     """The same of the other side."""
     swaps = {"left": "right", "right": "left"}
     side, _, member = point.value.partition("_")
-    return ContactPoint(f"{swaps[side]}_{member}") if side in swaps else point
+    return contact_point(f"{swaps[side]}_{member}") if side in swaps else point

@@ -108,9 +108,20 @@ def sole_heights(capture: Capture) -> list[list[float]]:
 
 
 def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
-    """``capture_contacts`` as those of a motion."""
-    found = capture_contacts(capture).items()
-    return tuple(ContactInterval(motion_id, point, first, last) for point, spans in found for first, last in spans)
+    """``capture_contacts`` as those of a motion, and what its hands touch (``touching``)."""
+    from studio.core.touching import find_touches  # it needs a body, which is measured here
+
+    if capture.body_map is None:
+        return ()
+    motion, actor = normalize(capture)
+    standing = capture_contacts(capture)
+    hands = (standing[ContactPoint.LEFT_HAND], standing[ContactPoint.RIGHT_HAND])
+    free = np.array([~contact_mask(spans, motion.frame_count) for spans in hands])
+    touches = find_touches(motion, actor.morphology, free, capture.first_frame)
+    return (
+        *(ContactInterval(motion_id, point, *span) for point, spans in standing.items() for span in spans),
+        *(ContactInterval(motion_id, touch, *span) for touch, span in touches),
+    )
 
 
 def _seen(capture: Capture) -> tuple[Landmarks, Contacts]:

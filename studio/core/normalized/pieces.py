@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.kernels import layout as at
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.mirror import mirrored, mirrored_contacts
@@ -18,7 +18,7 @@ from studio.core.timing import Timing
 FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-POINTS = tuple(ContactPoint)
+POINTS = CONTACT_POINTS
 AS_IT_IS = Planar()
 
 
@@ -78,7 +78,7 @@ class Source:
         raise NotImplementedError
 
     def stands(self, frames: NDArray[np.int64]) -> Mask:
-        """(9, N)."""
+        """(P, N) of ``POINTS``."""
         raise NotImplementedError
 
 

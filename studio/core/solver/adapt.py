@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import BodyPoint, Constraint
-from studio.core.contacts import ContactInterval
+from studio.core.contacts import ContactInterval, on_ground
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.carrying import place_arms
@@ -23,6 +23,7 @@ from studio.core.solver.easing import LOOKED
 from studio.core.solver.footing import Footing, find_footing
 from studio.core.solver.packing import point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
+from studio.core.solver.self_contact import SelfContact, hands_standing, self_contact_of
 from studio.core.solver.settling import Arms, settle
 from studio.core.solver.shown_floor import shown_floor
 from studio.core.solver.stretch import Stretch, legs_of
@@ -48,6 +49,7 @@ class Standing:
     volume: BodyVolume | None = None
     actor: Morphology | None = None
     limited: bool = True
+    self_contact: SelfContact | None = None
 
     @property
     def unasked(self) -> Unasked:
@@ -88,7 +90,8 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 def standing_of(request: AdaptRequest) -> Standing:
     """How the motion of ``request`` stands before its constraints."""
     ground, volume, actor = request.ground, request.volume, request.actor
-    return stand(request.motion, request.morphology, request.contacts, ground, volume, actor, request.limited)
+    known = request.motion, request.morphology, request.contacts, ground, volume, actor
+    return stand(*known, request.limited, request.clears)
 
 
 def stand(
@@ -99,9 +102,14 @@ def stand(
     volume: BodyVolume | None = None,
     actor: Morphology | None = None,
     limited: bool = True,
+    clears: bool = False,
 ) -> Standing:
-    """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7)."""
+    """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7).
+
+    What its hands touch they touch here; where it ``clears``, its arms stay out of it (``solver.self_contact``).
+    """
     positions, rotations = realize(motion, morphology)
+    contacts, touches = on_ground(contacts), contacts
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations)
@@ -121,8 +129,14 @@ def stand(
     if arms is not None:
         stance = arms.wrists, arms.hands, arms.bends, arms.comforts
         place_arms(motion.channels, measures, *stance, positions, rotations)
-    known = tuple(contacts), ground
-    return Standing(motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited)
+    self_contact = self_contact_of(motion, morphology, touches, volume, actor, clears)
+    if self_contact is not None:
+        asked = hands_standing(contacts, motion.frame_count, motion.frame_rate)
+        self_contact.close(slice(None), asked, positions, rotations)
+    known = contacts, ground
+    return Standing(
+        motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited, self_contact
+    )
 
 
 def hold(

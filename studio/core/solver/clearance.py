@@ -50,7 +50,7 @@ def pack_clearance(
     shape = (activations.shape[1], 2, len(PROBES))
     own, ways = np.zeros(shape), np.zeros((*shape, 3))
     if actor is not None:
-        own, ways = (np.ascontiguousarray(each[window]) for each in _actor_rooms(motion, actor))
+        own, ways = (np.ascontiguousarray(each[window]) for each in actor_rooms(motion, actor))
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
     wanted = np.empty((len(asked), *shape))
     above = np.full((len(asked), len(others)), STANDS)
@@ -59,7 +59,7 @@ def pack_clearance(
         kernel.wanted_rooms(own, each.margin, wanted[row])
         above[row, standing:] = HIGHER * (priorities < each.priority) + (priorities == each.priority)
     return (
-        _packed(volume or usual_volume(body)),
+        packed(volume or usual_volume(body)),
         np.array(body.layout.proximal_points()),
         wanted,
         np.ascontiguousarray(activations),
@@ -93,7 +93,7 @@ def _nothing(others: int) -> tuple[Any, ...]:
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
     wanted, ways, stages = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
-    return _packed(volume), stages[:0], wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways, stages
+    return packed(volume), stages[:0], wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways, stages
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:
@@ -103,7 +103,8 @@ def rooms(adapted: AdaptedMotion) -> FloatArray:
 
 
 @lru_cache(maxsize=8)
-def _actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
+def actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
+    """``rooms`` of the actor that a motion was captured from, and the ways out of its body (F, 2, 5, 3)."""
     return _rooms(actor, usual_volume(actor), *realize(motion, actor, play=True))
 
 
@@ -112,9 +113,10 @@ def _rooms(
 ) -> tuple[FloatArray, FloatArray]:
     found = np.empty((len(positions), 2, len(PROBES)))
     ways = np.empty((*found.shape, 3))
-    kernel.room_frames(_packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, ways)
+    kernel.room_frames(packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, ways)
     return found, ways
 
 
-def _packed(volume: BodyVolume) -> tuple[NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
+def packed(volume: BodyVolume) -> tuple[NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
+    """A volume as the kernels take it."""
     return volume.segments, volume.places, volume.radii, volume.girths

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from studio.core.contacts import ContactInterval
+from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
 from studio.core.kernels import feet as kernel
 from studio.core.kernels import layout as at
@@ -75,7 +75,7 @@ def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArra
     toes, heels = np.zeros((2, 2, frame_count), dtype=np.int64)
     for contact in contacts:
         point = contact.point
-        if point.is_foot:
+        if isinstance(point, ContactPoint) and point.is_foot:
             bit, bits = (kernel.HEEL, heels) if point.is_heel else (kernel.TOE, toes)
             bits[point.side, contact.first : contact.last + 1] = bit
     return np.asarray(toes | heels)

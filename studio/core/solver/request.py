@@ -39,6 +39,8 @@ class AdaptRequest:
     """Whether constraints bring the joints of limbs no further than a person's go, or than the motion itself does."""
     eased: bool = False
     """Whether frames are eased in time where joints jolt; without, each is solved from its own pose alone."""
+    clears: bool = False
+    """Whether arms stay out of their own body where the actor's do."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.packing import in_order, limb_of, pack
 from studio.core.solver.recruiting import leg_room, limb_freedoms
 from studio.core.solver.root_leash import RootLeash
+from studio.core.solver.self_contact import arms_asked
 from studio.core.solver.support import mass_path, standing_points, support_path
 from studio.core.solver.tracks import Targets, Track, Tracks
 from studio.core.solver.wished import brought
@@ -251,6 +252,9 @@ class Stretch:
                 standing.arms, standing.holds, standing.morphology, channels, rate, self.window, self._positions,
                 self._rotations,
             )  # fmt: skip
+        if standing.self_contact is not None:
+            asked = arms_asked(self._rows.asked["ends"], self._activations, standing.morphology)
+            standing.self_contact.close(self.window, asked, self._positions, self._rotations)
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]
         rows = slice(window.start - self.window.start, window.stop - self.window.start)

@@ -8,7 +8,7 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.ground import Ground
 from studio.core.grounds.surface_mesh import SurfaceMesh
 from studio.core.joint_limits import limits_of
@@ -65,13 +65,16 @@ def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
 def warm_up_seldom(morphology: Morphology) -> None:
     """What only some scenes call before they are solved: hands, knees and seat that stand, feet too high, meshes."""
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
-    contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in points)
+    touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
+    contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in (*points, *touches))
     mesh = TriangleMesh(np.array(CORNERS), np.array([[0, 1, 2]]))
     what = "warm-up", "", HAND, Chain(), 0, ALWAYS
     asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=mesh)
     ground = SurfaceMesh(vertices=mesh.vertices, triangles=mesh.triangles)
     standing_of(AdaptRequest(_still_motion(ABOVE), morphology, contacts[:1]))
-    standing = standing_of(AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology))
+    standing = standing_of(
+        AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
+    )
     Stretch(standing, asked, slice(0, FRAMES), {}, Bound())
 
 

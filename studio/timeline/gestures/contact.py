@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.project import Project
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
@@ -16,7 +16,7 @@ LONGEST_NEW = 0.3
 
 
 def free_stretch(
-    project: Project, motion_id: str, point: ContactPoint, frame: int, last_frame: int, without: str = ""
+    project: Project, motion_id: str, point: ContactPoint | Touch, frame: int, last_frame: int, without: str = ""
 ) -> tuple[int, int] | None:
     """First and last frame about ``frame`` that no contact of the point takes; None where one stands."""
     first, last = 0, last_frame
@@ -32,7 +32,7 @@ def free_stretch(
     return (first, last) if first <= frame <= last else None
 
 
-def new_contact(shown: Shown, point: ContactPoint, frame: int) -> ContactInterval | None:
+def new_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
     """A contact about ``frame``, at most 0.3 s long and up to its neighbours; None where one stands."""
     subject = shown.subject
     room = free_stretch(shown.project, subject.motion_id, point, frame, subject.last_frame)

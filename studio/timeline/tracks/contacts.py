@@ -1,10 +1,10 @@
-"""Contacts of a foot, the hands, the knees or the seat: a thin line a point, heel above ball, left above right."""
+"""Contacts with the ground, and what hands touch: a thin line a point, heel above ball, left above right."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter
 
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
 from studio.timeline.shown import EDGES, Hit, Part, Shown, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
@@ -13,12 +13,18 @@ HEIGHT = 24
 LINE = 7
 EDGE_REACH = 5.0
 LEAST_BAR = 3.0
-LANES = {
+LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
     "left foot": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
     "right foot": (ContactPoint.RIGHT_HEEL, ContactPoint.RIGHT_TOE),
     "hands": (ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND),
     "knees": (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE),
     "seat": (ContactPoint.SEAT,),
+    "hands together": (Touch.HANDS_TOGETHER,),
+    "hands on a thing": (Touch.HANDS_ON_THING,),
+    **{
+        f"hands on {part}": (Touch(f"left_hand_on_{part}"), Touch(f"right_hand_on_{part}"))
+        for part in ("head", "trunk", "hips", "thigh")
+    },
 }
 """The rows and the points whose contacts lie in them, from above."""
 ALWAYS = ("left foot", "right foot")
@@ -26,17 +32,17 @@ ALWAYS = ("left foot", "right foot")
 FILLS = (colours.mixed(colours.KINDS["contact"], colours.PANEL, 0.30), colours.KINDS["contact"])
 
 
-def rows_with(points: set[ContactPoint]) -> tuple[str, ...]:
+def rows_with(points: set[ContactPoint | Touch]) -> tuple[str, ...]:
     """The rows of a motion whose contacts are of these points: feet always, others where they touch."""
     return tuple(row for row, lanes in LANES.items() if row in ALWAYS or not points.isdisjoint(lanes))
 
 
-def row_of(point: ContactPoint) -> str:
+def row_of(point: ContactPoint | Touch) -> str:
     """The row in which a point's contacts lie."""
     return next(row for row, lanes in LANES.items() if point in lanes)
 
 
-def lane(row: QRect, point: ContactPoint) -> QRectF:
+def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
     """The height at which a point's contacts lie in its row."""
     lanes = LANES[row_of(point)]
     middle = row.top() + row.height() / 2

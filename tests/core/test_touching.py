@@ -1,0 +1,135 @@
+"""Hands that touch: what is found, and that it holds on every body."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.contacts import ContactInterval, ContactPoint, Touch
+from studio.core.morphology import Morphology
+from studio.core.normalized.mirror import mirrored_contacts
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import detected_contacts, normalize
+from studio.core.normalized.realize import realize
+from studio.core.solver.adapt import adapt
+from studio.core.solver.clearance import rooms
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.touching import find_touches
+from studio.io.character_file import bundled_characters
+from studio.io.entity_json import entity_of, entity_record
+from studio.io.importing import load_capture
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
+BODIES = ("child", "giant", "stocky_man")
+PUNCH = "straight_punch"
+
+
+@cache
+def guard() -> tuple[NormalizedMotion, Morphology, tuple[ContactInterval, ...]]:
+    """The first second of a punch: a guard with the hands before the chin."""
+    capture = load_capture(EXAMPLES / f"{PUNCH}.bvh")
+    motion, actor = normalize(capture)
+    return motion, actor.morphology, detected_contacts(capture, "motion")
+
+
+def adapted(body: str, *touches: Touch, **asked: object) -> AdaptedMotion:
+    motion, actor, contacts = guard()
+    character = bundled_characters()[body]
+    feet = tuple(each for each in contacts if isinstance(each.point, ContactPoint))
+    spans = tuple(ContactInterval("motion", touch, 20, 60) for touch in touches)
+    request = AdaptRequest(motion, character.morphology, (*feet, *spans), volume=character.volume, actor=actor, **asked)
+    return adapt(request)
+
+
+def wrists(found: AdaptedMotion) -> np.ndarray:
+    """(F, 3) from the left wrist to the right."""
+    layout = found.morphology.layout
+    return found.positions[:, layout.wrist(1)] - found.positions[:, layout.wrist(0)]
+
+
+def source_gaps() -> np.ndarray:
+    motion, actor, _ = guard()
+    positions, _ = realize(motion, actor, play=True)
+    return positions[:, actor.layout.wrist(1)] - positions[:, actor.layout.wrist(0)]
+
+
+def test_a_guard_before_the_chin_is_found_as_hands_together() -> None:
+    _, _, contacts = guard()
+    together = [each for each in contacts if each.point is Touch.HANDS_TOGETHER]
+    assert [each.first for each in together[:1]] == [0]
+
+
+def test_hands_on_the_ground_are_not_together() -> None:
+    motion, actor, _ = guard()
+    assert not list(find_touches(motion, actor, np.zeros((2, motion.frame_count), dtype=bool)))
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_hands_that_are_together_lie_as_the_actors_do_by_the_length_of_arms(body: str) -> None:
+    found = adapted(body, Touch.HANDS_TOGETHER)
+    scale = found.morphology.arm.sum() / guard()[1].arm.sum()
+    np.testing.assert_allclose(wrists(found)[20:61], scale * source_gaps()[20:61], atol=1e-4)
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_thing_between_the_hands_keeps_its_size(body: str) -> None:
+    found = adapted(body, Touch.HANDS_ON_THING)
+    np.testing.assert_allclose(wrists(found)[20:61], source_gaps()[20:61], atol=1e-4)
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_a_hand_on_the_body_lies_on_its_surface(body: str) -> None:
+    palm = rooms(adapted(body, Touch.LEFT_HAND_ON_TRUNK))[20:61, 0, 3]
+    assert np.median(np.abs(palm)) < 0.02
+
+
+def test_who_touches_nothing_is_left_alone() -> None:
+    motion, _, contacts = guard()
+    body = bundled_characters()["giant"].morphology
+    feet = tuple(each for each in contacts if isinstance(each.point, ContactPoint))
+    plain = adapt(AdaptRequest(motion, body, feet))
+    touched = adapted("giant", Touch.HANDS_TOGETHER)
+    away = np.r_[90 : motion.frame_count]
+    np.testing.assert_array_equal(touched.positions[away], plain.positions[away])
+
+
+def test_the_other_hand_follows_one_of_which_something_is_asked() -> None:
+    found = adapted("giant", Touch.HANDS_TOGETHER)
+    wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
+    place = found.positions[40, found.morphology.layout.wrist(0)] + [0.05, 0.0, 0.1]
+    always = ActivationCurve(-1.0, -1.0, 100.0, 100.0)
+    target = tuple(place.tolist())
+    asked = PositionConstraint("motion", "Reach", wrist, Chain(clavicle=0.0), 0, always, target=target)
+    reached = adapted("giant", Touch.HANDS_TOGETHER, constraints=(asked,))
+    assert np.linalg.norm(reached.positions[40, reached.morphology.layout.wrist(0)] - place) < 2e-4
+    np.testing.assert_allclose(wrists(reached)[40], wrists(found)[40], atol=1e-4)
+
+
+def test_any_window_of_frames_is_as_in_the_whole() -> None:
+    motion, actor, _ = guard()
+    touches = tuple(
+        ContactInterval("motion", each, 20, 60) for each in (Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK)
+    )
+    request = AdaptRequest(motion, bundled_characters()["child"].morphology, touches, actor=actor, clears=True)
+    whole, part = adapt(request), adapt(request, 30, 50)
+    np.testing.assert_array_equal(part.positions, whole.positions[30:51])
+
+
+def test_a_mirrored_touch_is_of_the_other_hand() -> None:
+    contacts = [ContactInterval("m", each, 0, 1) for each in (Touch.LEFT_HAND_ON_HIPS, Touch.HANDS_TOGETHER)]
+    points = [each.point for each in mirrored_contacts(contacts)]
+    assert points == [Touch.RIGHT_HAND_ON_HIPS, Touch.HANDS_TOGETHER]
+
+
+def test_a_stored_touch_comes_back_and_older_versions_are_told_that_it_is_new() -> None:
+    contact = ContactInterval("m", Touch.RIGHT_HAND_ON_HEAD, 2, 9)
+    record = entity_record("contacts", "a", contact, {})
+    assert entity_of("contacts", record, lambda _name: np.empty(0)) == contact
+    assert record["schema"] == 3
+    assert entity_record("contacts", "b", replace(contact, point=ContactPoint.SEAT), {})["schema"] == 2
