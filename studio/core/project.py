@@ -17,7 +17,7 @@ from studio.core.character import Character
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.target import follows_of
-from studio.core.contacts import ContactInterval
+from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.ground import Ground
 from studio.core.scope import Scope, meant_for, narrowest
 
@@ -285,13 +285,15 @@ class Project:
         """The motion's contacts by id, in time."""
         return dict(self._contacts_by_motion.get(motion_id, ()))
 
-    def contacts_for(self, performer_id: str, clip: Clip) -> tuple[ContactInterval, ...]:
-        """What stands while a performer plays a clip: of each point the contacts of the narrowest scope."""
-        meant = meant_for(self.contacts_of(clip.motion_id), performer_id, clip.id).values()
-        if not any(each.scope.is_narrow for each in meant):
-            return tuple(meant)
-        points = dict.fromkeys(each.point for each in meant)
-        return tuple(each for point in points for each in narrowest(item for item in meant if item.point == point))
+    def contacts_for(self, performer_id: str, clip: Clip) -> dict[str, ContactInterval]:
+        """What stands while a performer plays a clip, by id: of each point the contacts of the narrowest scope."""
+        meant = meant_for(self.contacts_of(clip.motion_id), performer_id, clip.id)
+        if not any(each.scope.is_narrow for each in meant.values()):
+            return meant
+        own: dict[ContactPoint | Touch, dict[str, ContactInterval]] = {}
+        for key, each in meant.items():
+            own.setdefault(each.point, {})[key] = each
+        return {key: each for contacts in own.values() for key, each in narrowest(contacts).items()}
 
     def constraints_for(self, performer_id: str, clip: Clip) -> dict[str, Constraint]:
         """What is asked of a performer while it plays a clip, by id, highest priority first."""

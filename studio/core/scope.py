@@ -1,6 +1,6 @@
 """Of whom something is asked of a motion: of all who play it, of one performer, or of one clip."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -52,8 +52,8 @@ def meant_for(items: Mapping[str, Item], performer_id: str, clip_id: str) -> dic
     return {key: item for key, item in items.items() if item.scope.includes(performer_id, clip_id)}
 
 
-def narrowest(items: Iterable[Item]) -> list[Item]:
+def narrowest(items: Mapping[str, Item]) -> dict[str, Item]:
     """Of items about one thing those with the narrowest scope: a clip's before a performer's before everyone's."""
-    ranked = [(bool(item.scope.clip_id), bool(item.scope.performer_id), item) for item in items]
-    best = max((rank[:2] for rank in ranked), default=None)
-    return [rank[2] for rank in ranked if rank[:2] == best]
+    ranks = {key: (bool(item.scope.clip_id), bool(item.scope.performer_id)) for key, item in items.items()}
+    best = max(ranks.values(), default=None)
+    return {key: item for key, item in items.items() if ranks[key] == best}

@@ -146,11 +146,19 @@ class EditedProject(QObject):
 
     @property
     def active_clip(self) -> Clip | None:
-        """The selected clip of the active performer, else its first."""
-        performer = self._project.performers.get(self.active_performer_id or "")
+        """The active performer's clip that is selected, or of which something selected is asked; else its first."""
+        performer_id = self.active_performer_id or ""
+        performer = self._project.performers.get(performer_id)
         clips = performer.clips if performer else ()
         selected = {*self.selection.of("clips")}
-        return next((clip for clip in clips if clip.id in selected), clips[0] if clips else None)
+        asked = [self._project.get(*item) for item in self.selection.items if item[0] in ("constraints", "contacts")]
+        for clip in clips:
+            if clip.id in selected:
+                return clip
+        for clip in clips:
+            if any(each.motion_id == clip.motion_id and each.scope.includes(performer_id, clip.id) for each in asked):
+                return clip
+        return clips[0] if clips else None
 
     @property
     def active_motion_id(self) -> str | None:

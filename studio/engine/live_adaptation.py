@@ -307,10 +307,9 @@ class LiveAdaptation(QObject):
         asked = asked_of(project, key)
         captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips]
         alone = len(captures) == 1 and is_plain(performer.clips[0])  # then it is all the same when it begins
-        motions = tuple(
-            (id(capture), replace(clip, start=0.0, first=0) if alone else clip, project.contacts_for(key, clip))
-            for capture, clip in zip(captures, performer.clips, strict=True)
-        )
+        clips = [replace(clip, start=0.0, first=0) if alone else clip for clip in performer.clips]
+        stand = [tuple(project.contacts_for(key, clip).values()) for clip in performer.clips]
+        motions = tuple(zip(map(id, captures), clips, stand, strict=True))
         # The skin is measured only for who asks: a moved slider would pay for it every time.
         clears = any(isinstance(each.constraint, ClearConstraint) for each in asked) or any(
             isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts

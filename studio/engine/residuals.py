@@ -120,7 +120,7 @@ def worst_residual(
     clips = [each for each in project.performers[performer_id].clips if each.motion_id == constraint.motion_id]
     played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
     asked = np.where(played, missed.amounts, np.nan)
-    contacts = project.contacts_for(performer_id, clips[0])
+    contacts = tuple(project.contacts_for(performer_id, clips[0]).values())
     full = np.where(_activation(contacts, constraint, frames, missed.frame_rate) >= FULLY, asked, np.nan)
     fully_active = bool(np.isfinite(full).any())
     counted = full if fully_active else asked

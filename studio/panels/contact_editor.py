@@ -1,10 +1,13 @@
 """A contact: which point of the body stands still, or what hands touch, from frame to frame."""
 
-from studio.core.contacts import CONTACT_POINTS, ContactPoint, Touch
+from studio.core.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
+from studio.core.scope import Scope
+from studio.document.contacts import ask_contact_of
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.scope_row import ScopeRow
 
 
 def contact_words(point: ContactPoint | Touch) -> str:
@@ -33,6 +36,7 @@ class ContactEditor(Editor):
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
         section.add_row("Frames", self._first, self._last)
+        self._scope = ScopeRow(self, section, self._ask)
         self._words = labelled("", "hint")
         section.add_wide(self._words)
         self.column.addWidget(section)
@@ -44,12 +48,25 @@ class ContactEditor(Editor):
         if contact is None:
             return
         self._point.show_value(contact.point)
+        self._scope.refresh()
         self._first.show_value(contact.first)
         self._last.show_value(contact.last)
         seconds = (contact.last - contact.first + 1) / self.document.playhead.frame_rate
         what = contact_words(contact.point).lower()
         kept = KEPT.get(contact.point.member, "The {what} stands still on the ground").format(what=what)
-        self._words.setText(f"{kept} for {seconds:.2f} s, on every body.")
+        self._words.setText(f"{kept} for {seconds:.2f} s{self._whose(contact)}.")
+
+    def _whose(self, contact: ContactInterval) -> str:
+        return "" if contact.scope.is_narrow else ", on every body"
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """Its scope names performers and clips."""
+        return super().concerns(collection, entity_id) or collection == "performers"
+
+    def _ask(self, scope: Scope) -> None:
+        text = f"Ask {contact_words(self.entity.point).lower()} contacts of others"
+        contact_id = ask_contact_of(self.document, self.entity_id, scope, text)
+        self.document.selection.set(("contacts", contact_id))
 
     def _set_first(self, frame: float) -> None:
         text = f"Trim {contact_words(self.entity.point).lower()} contact"

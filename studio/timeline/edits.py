@@ -132,8 +132,7 @@ def handle_words(shown: Shown) -> str:
 
 
 def _trimmed(shown: Shown, entity_id: str, contact: ContactInterval, edge: Part, frames: int) -> ContactInterval:
-    subject = shown.subject
-    room = free_stretch(shown.project, subject.motion_id, contact.point, contact.first, subject.last_frame, entity_id)
+    room = free_stretch(shown, contact.point, contact.first, entity_id)
     low, high = room or (contact.first, contact.last)
     if edge == Part.FIRST:
         return replace(contact, first=min(max(contact.first + frames, low), contact.last))

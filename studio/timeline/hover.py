@@ -29,7 +29,8 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             contact: Any = sheet.shown.project.contacts[hit.id]
             rate = sheet.shown.subject.frame_rate
             seconds = (contact.last - contact.first) / rate
-            return f"{name_of(contact)}: frames {contact.first} to {contact.last}, {seconds:.3f} s"
+            alone = f", of {sheet.shown.subject_name} alone" if contact.scope.is_narrow else ""
+            return f"{name_of(contact)}: frames {contact.first} to {contact.last}, {seconds:.3f} s{alone}"
         case "clips":
             return _clip_text(sheet, hit)
         case "clip":
@@ -68,7 +69,8 @@ def _label_text(sheet: Sheet, hit: Hit) -> str:
     if hit.kind == "plot":
         return "Click to choose what is plotted"
     if hit.kind == "constraints":
-        name, (text, _) = sheet.shown.project.constraints[hit.id].name, constraint.verdict(sheet.shown, hit.id)
+        entity, (text, _) = sheet.shown.project.constraints[hit.id], constraint.verdict(sheet.shown, hit.id)
+        name = f"{entity.name}, of {sheet.shown.subject_name} alone" if entity.scope.is_narrow else entity.name
         return f"{name}: {text}" if text else name
     return ""
 

@@ -88,6 +88,11 @@ class Shown:
         """The project as it is now."""
         return self.document.project
 
+    @property
+    def subject_name(self) -> str:
+        """The active performer's."""
+        return self.project.performers[self.subject.performer_id].name
+
     def is_selected(self, collection: str, entity_id: str) -> bool:
         """Whether the user works on it."""
         return (collection, entity_id) in self.document.selection

@@ -9,11 +9,11 @@ import numpy as np
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.gizmo import Gizmo, moved_axes
+from studio.viewport.gizmo import RING, Gizmo, moved_axes
 from studio.viewport.movables import Movable
 
 FINE = 0.2
-SNAP_METRES = 0.01
+SNAP_METRES, SNAP_TURN = 0.01, math.radians(15.0)
 ORBIT_PER_PIXEL = math.radians(0.4)
 ZOOM_PER_PIXEL = 1.006
 
@@ -63,6 +63,38 @@ class CameraDrag:
     def cancel(self) -> None:
         """The camera goes back."""
         self._show(self._begin)
+
+
+class TurnDrag:
+    """Turns a thing by the gizmo's ring; one undo step, and none at all when cancelled."""
+
+    part = RING
+
+    def __init__(self, document: Document, live: Live, movable: Movable, gizmo: Gizmo, x: float, y: float) -> None:
+        self._live, self._movable, self._gizmo = live, movable, gizmo
+        self._number = document.new_gesture()
+        self._seen, self._angle = self._bearing(x, y), 0.0
+        live.interactive = True
+
+    def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
+        """Follow the mouse round the middle: ``fine`` a fifth of the way, ``snap`` to fifteen degrees."""
+        seen = self._bearing(x, y)
+        self._angle += math.remainder(seen - self._seen, 2.0 * math.pi) * (FINE if fine else 1.0)
+        self._seen = seen
+        self._movable.turn(round(self._angle / SNAP_TURN) * SNAP_TURN if snap else self._angle, self._number)
+
+    def finish(self) -> None:
+        """The edit stays."""
+        self._live.interactive = False
+
+    def cancel(self) -> None:
+        """The thing turns back, and the edit vanishes from the history."""
+        self._movable.put_back(self._number)
+        self._live.interactive = False
+
+    def _bearing(self, x: float, y: float) -> float:
+        right, ahead, _ = self._gizmo.axes @ (self._gizmo.grip(RING, x, y) - self._gizmo.origin)
+        return math.atan2(ahead, right)
 
 
 class GizmoDrag:

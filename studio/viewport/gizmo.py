@@ -1,7 +1,8 @@
-"""The gizmo: three arrows, three small planes and a ball, hit and dragged by numpy alone."""
+"""The gizmo: three arrows, three small planes, a ball and a ring, hit and dragged by numpy alone."""
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,10 @@ LINE_REACH, BALL_REACH = 8.0, 10.0
 AXES = ("x", "y", "z")
 PLANES = {"yz": 0, "zx": 1, "xy": 2}
 """Each plane handle and the axis it stands across."""
-BALL = "view"
+BALL, RING = "view", "ring"
+RING_RADIUS = 0.8
+"""Of the ring by which a thing is turned about Z, in parts of an arrow."""
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
 
 
 def arrow_pixels(body_height: float) -> float:
@@ -39,6 +43,8 @@ class Gizmo:
     """Of an arrow."""
     flat: bool = False
     """Whether what it moves stays on the ground."""
+    turns: bool = False
+    """Whether it can be turned about Z."""
 
     @cached_property
     def length(self) -> float:
@@ -76,10 +82,17 @@ class Gizmo:
             corners[name] = self._pixels(np.array([a * first + b * second for a, b in steps]))
         return corners
 
+    @cached_property
+    def ring(self) -> FloatArray:
+        """(49, 2) pixels of the ring, closed."""
+        return self._pixels(RING_RADIUS * np.column_stack([np.cos(_ROUND), np.sin(_ROUND), np.zeros(len(_ROUND))]))
+
     def usable(self, part: str) -> bool:
-        """An arrow seen end on, or a plane seen edge on, cannot be dragged and is not shown."""
+        """An arrow seen end on, or a plane or the ring seen edge on, cannot be dragged and is not shown."""
         if part == BALL:
             return True
+        if part == RING:
+            return self.turns and self.usable("xy")
         if self.flat and "z" in part:
             return False
         sight = self.origin - self.camera.eye if not self.camera.parallel else -self.camera.axes[2]
@@ -88,7 +101,7 @@ class Gizmo:
         return bool(facing[AXES.index(part)] < 0.985 if part in AXES else facing[PLANES[part]] > 0.12)
 
     def part_at(self, x: float, y: float) -> str | None:
-        """The part under pixel (x, y): ball before planes before arrows."""
+        """The part under pixel (x, y): ball before planes before arrows before the ring."""
         mouse = np.array([x, y])
         if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
             return BALL
@@ -100,7 +113,10 @@ class Gizmo:
             for axis, tip in zip(AXES, self.tips, strict=True)
         ]
         nearest = int(np.argmin(away))
-        return AXES[nearest] if away[nearest] <= LINE_REACH else None
+        if away[nearest] <= LINE_REACH:
+            return AXES[nearest]
+        on_ring = self.usable(RING) and min(_distance(mouse, *side) for side in pairwise(self.ring)) <= LINE_REACH
+        return RING if on_ring else None
 
     def grip(self, part: str, x: float, y: float) -> FloatArray:
         """(3,) stage point that pixel (x, y) holds when ``part`` is dragged: on its axis or in its plane."""
@@ -111,7 +127,8 @@ class Gizmo:
             lean = float(axis @ sight)
             along = (lean * (sight @ away) - axis @ away) / max(1.0 - lean * lean, 1e-6)
             return self.origin + along * axis
-        normal = self.camera.axes[2] if part == BALL else self.axes[PLANES[part]]
+        level = part == RING or (part == BALL and self.flat)
+        normal = self.axes[2] if level else self.camera.axes[2] if part == BALL else self.axes[PLANES[part]]
         slant = float(normal @ sight)
         slant = np.copysign(max(abs(slant), 1e-3), slant)
         return begin + (float(normal @ away) / slant) * sight

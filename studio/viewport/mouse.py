@@ -10,7 +10,8 @@ from PySide6.QtGui import QMouseEvent
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.viewport import picking
-from studio.viewport.gestures import CameraDrag, GizmoDrag
+from studio.viewport.gestures import CameraDrag, GizmoDrag, TurnDrag
+from studio.viewport.gizmo import RING
 
 if TYPE_CHECKING:
     from studio.viewport.widget import Viewport
@@ -46,12 +47,14 @@ def move(viewport: Viewport, event: QMouseEvent) -> None:
 
 
 def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y: float) -> bool:
-    gizmo, movable = viewport.gizmo(), viewport.movable()
-    part = gizmo.part_at(x, y) if gizmo is not None else None
+    gizmo, movable, part = viewport.gizmo(), viewport.movable(), _gizmo_part(viewport, x, y)
     if gizmo is None or movable is None or part is None:
         return False
     viewport.gizmo_part_hovered = part
-    viewport.gesture = GizmoDrag(document, live, movable, gizmo, part, x, y)
+    if part == RING:
+        viewport.gesture = TurnDrag(document, live, movable, gizmo, x, y)
+    else:
+        viewport.gesture = GizmoDrag(document, live, movable, gizmo, part, x, y)
     return True
 
 
@@ -88,9 +91,17 @@ def _select_body_or_prop(viewport: Viewport, document: Document, where: tuple) -
         document.selection.clear()
 
 
-def _hover(viewport: Viewport, x: float, y: float) -> None:
-    gizmo = viewport.gizmo()
+def _gizmo_part(viewport: Viewport, x: float, y: float) -> str | None:
+    """What of the gizmo is under the mouse; beside a body's feet their joints go first."""
+    gizmo, movable = viewport.gizmo(), viewport.movable()
     part = gizmo.part_at(x, y) if gizmo is not None else None
+    if part is None or movable is None or not movable.yields:
+        return part
+    return None if picking.joint_at(viewport.posed, viewport.camera, viewport.view_size, x, y) else part
+
+
+def _hover(viewport: Viewport, x: float, y: float) -> None:
+    part = _gizmo_part(viewport, x, y)
     joint = None if part else picking.joint_at(viewport.posed, viewport.camera, viewport.view_size, x, y)
     if (part, joint) != (viewport.gizmo_part_hovered, viewport.joint_hovered):
         viewport.gizmo_part_hovered, viewport.joint_hovered = part, joint

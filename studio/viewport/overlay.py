@@ -9,7 +9,7 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.gizmo import AXES, BALL, PLANES, Gizmo
+from studio.viewport.gizmo import AXES, BALL, PLANES, RING, Gizmo
 from studio.viewport.handles import Handle
 from studio.viewport.recording import Recording
 
@@ -107,6 +107,8 @@ class Overlay:
         for name, across in PLANES.items():
             if gizmo.usable(name):
                 self._square(gizmo.squares[name], AXIS_COLOURS[AXES[across]], name == hot)
+        if gizmo.usable(RING):
+            self._ring(gizmo.ring, QColor(HOVERED if hot == RING else AXIS_COLOURS["z"]))
         order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
         for index in order:
             axis = AXES[index]
@@ -220,6 +222,12 @@ class Overlay:
         self._painter.setBrush(QBrush(QColor(colour)))
         corners = (tip, base + ARROW_WIDTH * across, base - ARROW_WIDTH * across)
         self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
+
+    def _ring(self, corners: FloatArray, colour: QColor) -> None:
+        self._painter.setBrush(Qt.BrushStyle.NoBrush)
+        for hue, width in ((SHADOW, 4.0), (colour, 2.2)):
+            self._painter.setPen(QPen(hue, width))
+            self._painter.drawPolyline(QPolygonF([QPointF(*corner) for corner in corners]))
 
     def _square(self, corners: FloatArray, colour: str, hot: bool) -> None:
         fill = QColor(HOVERED if hot else colour)

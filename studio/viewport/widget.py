@@ -245,10 +245,13 @@ class Viewport(Canvas):
             self.view_size,
             arrow_pixels(self.camera.height(pose.points, self.view_size)) if pose else ARROW_PIXELS,
             movable.flat,
+            movable.turns,
         )
 
     def movable(self) -> Movable | None:
-        """What the gizmo moves."""
+        """What the gizmo moves; nothing while a joint is picked, beside which it would lie."""
+        if self.joint_picked is not None and (self._document.selection.current or ("",))[0] == "performers":
+            return None
         pose = self.posed.get(self._document.active_performer_id or "")
         floor = floor_under(self._document.project, pose) if pose else 0.0
         return selected_movable(self._document, self._moment(pose) if pose else None, floor)

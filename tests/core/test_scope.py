@@ -43,9 +43,9 @@ def test_the_narrowest_contacts_of_a_point_count() -> None:
     toe = make_contact(point=ContactPoint.LEFT_TOE)
     project = project.with_entity("contacts", "toe", toe)
     clip = project.performers["performer 0"].clips[0]
-    assert {each.first for each in project.contacts_for("performer 0", clip) if each.point.is_heel} == {7}
-    assert {each.first for each in project.contacts_for("performer 1", clip) if each.point.is_heel} == {3}
-    assert toe in project.contacts_for("performer 0", clip)
+    assert {each.first for each in project.contacts_for("performer 0", clip).values() if each.point.is_heel} == {7}
+    assert {each.first for each in project.contacts_for("performer 1", clip).values() if each.point.is_heel} == {3}
+    assert toe in project.contacts_for("performer 0", clip).values()
 
 
 def test_who_is_removed_takes_what_was_asked_of_it_alone_along() -> None:

@@ -254,3 +254,10 @@ def test_undo_of_an_added_clip_leaves_nothing_selected_that_is_gone(document):
     document.selection.set(("performers", FIRST), ("clips", name))
     document.undo_stack.undo()
     assert document.selection.items == (("performers", FIRST),)
+
+
+def test_a_selected_constraint_brings_the_clip_of_which_it_is_asked(document, timeline):
+    constraint_id = document.add("constraints", make_constraint("other"), "")
+    document.selection.set(("performers", SECOND), ("constraints", constraint_id))
+    assert document.active_clip.id == "kick"
+    assert not timeline.row_rect("constraints", constraint_id).isEmpty()

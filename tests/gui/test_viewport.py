@@ -13,7 +13,7 @@ from studio.core.project import Motion, Prop
 from studio.document.document import Document
 from studio.engine.empty_stage import HIDDEN
 from studio.viewport.body_points import body_joints
-from studio.viewport.gizmo import AXES
+from studio.viewport.gizmo import AXES, RING
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
 from tests.viewport.standing import StandingLive
@@ -280,7 +280,7 @@ def test_a_drag_ends_quietly_when_what_it_drags_is_removed(studio):
     document.remove("constraints", "constraint 0", "Remove")
     send_move(viewport, QPoint(300, 200), LEFT, NONE)
     QTest.mouseRelease(viewport, LEFT, NONE, QPoint(300, 200))
-    assert viewport.gizmo() is None
+    assert viewport.gesture is None
     assert not live.interactive
 
 
@@ -309,6 +309,73 @@ def test_a_selected_prop_is_moved_by_the_gizmo(studio):
     x, y, z = document.project.props[prop_id].position
     assert x > 0.65
     assert (y, z) == (0.6, 0.2)
+
+
+def select_performer(viewport, document):
+    document.selection.set(("performers", "performer 1"))
+    viewport.frame_selection()
+    settle(viewport)
+    return document.project.performers["performer 1"]
+
+
+def test_a_selected_body_is_moved_over_the_ground_with_all_that_it_plays(studio):
+    viewport, document, _ = studio
+    before = select_performer(viewport, document)
+    root = viewport.posed["performer 1"].points[0]
+    drag(viewport, on_arrow(viewport, "y", 0.9), on_arrow(viewport, "y", 1.6))
+    settle(viewport)
+    after = document.project.performers["performer 1"]
+    moved = after.position[1] - before.position[1]
+    assert moved > 0.05
+    assert after.position[0] == pytest.approx(before.position[0])
+    assert viewport.posed["performer 1"].points[0] - root == pytest.approx([0.0, moved, 0.0])
+    assert document.undo_stack.count() == 1
+    document.undo_stack.undo()
+    assert document.project.performers["performer 1"] == before
+
+
+def test_a_selected_body_is_turned_by_the_ring_about_where_it_stands(studio):
+    viewport, document, _ = studio
+    before = select_performer(viewport, document)
+    root = viewport.posed["performer 1"].points[0]
+    begin, end = on_ring(viewport, 29), on_ring(viewport, 31)
+    assert viewport.gizmo().part_at(begin.x(), begin.y()) == RING
+    drag(viewport, begin, end)
+    settle(viewport)
+    after = document.project.performers["performer 1"]
+    assert after.heading - before.heading == pytest.approx(np.radians(15.0), abs=np.radians(2.0))
+    assert viewport.posed["performer 1"].points[0] == pytest.approx(root, abs=1e-9)
+    assert document.undo_stack.text(0).startswith("Turn")
+    drag(viewport, begin, end, modifiers=Qt.KeyboardModifier.ControlModifier)
+    assert document.project.performers["performer 1"].heading - after.heading == pytest.approx(np.radians(15.0))
+
+
+def test_esc_while_a_body_is_turned_turns_it_back(studio):
+    viewport, document, _ = studio
+    before = select_performer(viewport, document)
+    drag(viewport, on_ring(viewport, 29), on_ring(viewport, 33), release=False)
+    assert document.project.performers["performer 1"] != before
+    viewport.cancel_gesture()
+    assert document.project.performers["performer 1"] == before
+    assert document.undo_stack.count() == 0
+
+
+def on_ring(viewport, place):
+    return QPoint(*(round(float(number)) for number in viewport.gizmo().ring[place]))
+
+
+def test_a_picked_joint_has_no_gizmo_beside_it(studio):
+    viewport, _, _ = studio
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 1", "right wrist"))
+    settle(viewport)
+    assert viewport.gizmo() is None
+
+
+def test_joints_of_the_feet_go_before_the_handles_about_them(studio):
+    viewport, document, _ = studio
+    select_performer(viewport, document)
+    QTest.mouseClick(viewport, LEFT, NONE, joint_pixel(viewport, "performer 1", "left ankle"))
+    assert viewport.joint_picked.joint.name == "left ankle"
 
 
 def test_the_select_tool_hides_the_gizmo_and_w_brings_it_back(studio):

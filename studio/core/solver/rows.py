@@ -71,7 +71,8 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
     """What a performer's clips come to, with their contacts."""
     pieces = []
     for place, clip in enumerate(project.performers[performer_id].clips):
-        motion, contacts = motion_of(clip.motion_id), project.contacts_for(performer_id, clip)
+        motion = motion_of(clip.motion_id)
+        contacts = tuple(project.contacts_for(performer_id, clip).values())
         own = Planar(clip.turn, clip.offset)
         once = clip.length(motion.frame_rate) / clip.repeats
         for repeat in range(clip.repeats):

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QCheckBox, QLineEdit
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.target import is_moving
+from studio.core.scope import Scope
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.engine.point_names import POINTS, point_words
@@ -17,6 +18,7 @@ from studio.panels.constraint_editors.priority import PrioritySection
 from studio.panels.constraint_editors.residuals import ResidualSection
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section
+from studio.panels.scope_row import ScopeRow
 
 CENTIMETRE = 0.01
 
@@ -39,6 +41,7 @@ class ConstraintEditor(Editor):
         kind = self.entity.kind.replace("_", "-")
         self._section = Section(f"{kind.capitalize()} constraint")
         self._add_names()
+        self._scope = ScopeRow(self, self._section, self._ask)
         self._add_point()
         self.add_kind_rows(self._section)
         self._activation = ActivationSection(self)
@@ -90,6 +93,7 @@ class ConstraintEditor(Editor):
         self._enabled.blockSignals(False)
         if not self._name.hasFocus() or not self._name.isModified():
             self._name.setText(constraint.name)
+        self._scope.refresh()
         self._show_point(constraint.point)
         for field, value in zip(self._offset, constraint.point.offset, strict=True):
             field.show_value(value / CENTIMETRE)
@@ -118,6 +122,9 @@ class ConstraintEditor(Editor):
         if name and name != self.entity.name:
             self.change(f"Rename {self.entity.name}", name=name)
         self._name.setModified(False)
+
+    def _ask(self, scope: Scope) -> None:
+        self.change(f"Ask {self.entity.name} of others", scope=scope)
 
     def _set_enabled(self, enabled: bool) -> None:
         self.change(f"Turn {'on' if enabled else 'off'} {self.entity.name}", enabled=enabled)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from PySide6.QtCore import QPointF
 
 from studio.core.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.project import Project
+from studio.core.scope import EVERYONE
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import Part, Shown
@@ -15,12 +15,10 @@ LONGEST_NEW = 0.3
 """Seconds of a contact that is added by hand."""
 
 
-def free_stretch(
-    project: Project, motion_id: str, point: ContactPoint | Touch, frame: int, last_frame: int, without: str = ""
-) -> tuple[int, int] | None:
+def free_stretch(shown: Shown, point: ContactPoint | Touch, frame: int, without: str = "") -> tuple[int, int] | None:
     """First and last frame about ``frame`` that no contact of the point takes; None where one stands."""
-    first, last = 0, last_frame
-    for key, contact in project.contacts_of(motion_id).items():
+    first, last = 0, shown.subject.last_frame
+    for key, contact in contacts_shown(shown).items():
         if contact.point != point or key == without:
             continue
         if contact.first <= frame <= contact.last:
@@ -34,13 +32,18 @@ def free_stretch(
 
 def new_contact(shown: Shown, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
     """A contact about ``frame``, at most 0.3 s long and up to its neighbours; None where one stands."""
-    subject = shown.subject
-    room = free_stretch(shown.project, subject.motion_id, point, frame, subject.last_frame)
+    subject, room = shown.subject, free_stretch(shown, point, frame)
     if room is None:
         return None
     length = min(int(LONGEST_NEW * subject.frame_rate), room[1] - room[0])
     first = min(max(frame - length // 2, room[0]), room[1] - length)
-    return ContactInterval(subject.motion_id, point, first, first + length)
+    scopes = [each.scope for each in contacts_shown(shown).values() if each.point == point]
+    return ContactInterval(subject.motion_id, point, first, first + length, scopes[0] if scopes else EVERYONE)
+
+
+def contacts_shown(shown: Shown) -> dict[str, ContactInterval]:
+    """What stands while the active performer plays the clip, by id."""
+    return shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
 
 
 class DragContact(EditGesture):
@@ -53,15 +56,8 @@ class DragContact(EditGesture):
         self.part = part
         name = self.original.point.words
         self.text = f"Move {name} contact" if part == Part.BODY else f"Trim {name} contact"
-        subject = shown.subject
-        self._room = free_stretch(
-            shown.project,
-            subject.motion_id,
-            self.original.point,
-            self.original.first,
-            subject.last_frame,
-            without=entity_id,
-        ) or (self.original.first, self.original.last)
+        room = free_stretch(shown, self.original.point, self.original.first, without=entity_id)
+        self._room = room or (self.original.first, self.original.last)
 
     def update(self, position: QPointF, free: bool) -> None:
         """Whole frames always; ``free`` only keeps it from catching on what lies near."""

@@ -91,10 +91,15 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constrai
     top = QRect(area.left(), area.top() + (1 if folded else ABOVE - 2), area.width(), 20)
     name_colour = colours.TEXT if constraint.enabled else colours.TEXT_THIRD
     paint_fold(painter, top, folded)
+    if constraint.scope.is_narrow:  # the dot of whom alone it is asked
+        performer = shown.project.performers[shown.subject.performer_id]
+        body = shown.project.characters[performer.character_id].colour
+        paint_dot(painter, QPointF(area.right() - 12.0, top.center().y() + 0.5), 3.5, body)
+        top = top.adjusted(0, 0, -14, 0)
     paint_label(painter, top, f"{order}  {constraint.name}", name_colour)
     if not folded:
         text, colour = verdict(shown, constraint_id)
-        paint_label(painter, top.translated(0, 18), text, colour, 11)
+        paint_label(painter, QRect(area.left(), top.top() + 18, area.width(), 20), text, colour, 11)
 
 
 def constraint_hit(shown: Shown, row: QRect, constraint_id: str, point: QPointF) -> Hit:

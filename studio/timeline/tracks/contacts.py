@@ -2,7 +2,7 @@
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF
-from PySide6.QtGui import QPainter
+from PySide6.QtGui import QColor, QPainter
 
 from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
@@ -68,10 +68,19 @@ def paint_contacts(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> 
             bar = QRectF(left, line.top(), right - left, line.height())
             paint_bar(painter, bar, translucent(fill, 1.0), 2, None)
     for key, contact in contacts:
+        if contact.scope.is_narrow:
+            _paint_own(painter, contact_bar(shown, row, contact), shown)
         if shown.is_selected("contacts", key):
             bar, edge = contact_bar(shown, row, contact), colours.SELECTED_HANDLE
             paint_bar(painter, bar.adjusted(0.5, 0.5, -0.5, -0.5), translucent(edge, 0.25), 2, edge)
             _paint_edge(painter, bar, shown.handle)
+
+
+def _paint_own(painter: QPainter, bar: QRectF, shown: Shown) -> None:
+    """A line in the body's colour under contacts that are its alone."""
+    performer = shown.project.performers[shown.subject.performer_id]
+    colour = shown.project.characters[performer.character_id].colour
+    painter.fillRect(QRectF(bar.left(), bar.bottom() - 2, bar.width(), 2), QColor(colour))
 
 
 def seen_bars(shown: Shown, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
@@ -134,5 +143,5 @@ def _paint_edge(painter: QPainter, bar: QRectF, handle: Part | None) -> None:
 
 
 def _contacts(shown: Shown, row_id: str) -> list[tuple[str, ContactInterval]]:
-    own = shown.project.contacts_of(shown.subject.motion_id)
+    own = shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
     return [(key, contact) for key, contact in own.items() if contact.point in LANES[row_id]]

@@ -1,0 +1,36 @@
+"""Of whom a contact is asked: a point's contacts are one body's own, or all bodies', together."""
+
+from dataclasses import replace
+
+from studio.core.scope import Scope
+from studio.document.editing import EditedProject
+
+
+def ask_contact_of(document: EditedProject, contact_id: str, scope: Scope, text: str) -> str:
+    """Ask a contact, and all of its point beside it, of somebody else; the id by which it is known then.
+
+    Who gets contacts of its own begins with those of all. Its own ones go when it has those of all again.
+    """
+    project = document.project
+    contact = project.contacts[contact_id]
+    beside = {
+        key: each
+        for key, each in project.contacts_of(contact.motion_id).items()
+        if (each.point, each.scope) == (contact.point, contact.scope)
+    }
+    of_all = [
+        key
+        for key, each in project.contacts_of(contact.motion_id).items()
+        if each.point == contact.point and not each.scope.is_narrow
+    ]
+    with document.group(text):
+        if not contact.scope.is_narrow:
+            ids = document.add_all("contacts", (replace(each, scope=scope) for each in beside.values()), text)
+            return dict(zip(beside, ids, strict=True))[contact_id]
+        if scope.is_narrow or not of_all:
+            for key, each in beside.items():
+                document.replace("contacts", key, replace(each, scope=scope), text)
+            return contact_id
+        for key in beside:
+            document.remove("contacts", key, text)
+    return min(of_all, key=lambda key: abs(project.contacts[key].first - contact.first))

@@ -1,0 +1,45 @@
+"""Of whom something is asked: the row that says it in the forms of constraints and contacts."""
+
+from collections.abc import Callable
+
+from studio.core.clip_row import players_of
+from studio.core.project import Project
+from studio.core.scope import EVERYONE, Scope
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, Section
+
+GONE = "A clip that nobody plays"
+
+
+class ScopeRow:
+    """All who play the motion, one performer, or one clip; ``put`` takes what the user chooses."""
+
+    def __init__(self, editor: Editor, section: Section, put: Callable[[Scope], None]) -> None:
+        self._editor = editor
+        self._choice = Choice("Asked of", ())
+        self._choice.setToolTip("All who play this motion, one of them wherever it plays it, or one clip alone.")
+        self._choice.chosen.connect(put)
+        section.add_row("Asked of", self._choice)
+
+    def refresh(self) -> None:
+        """Fetch who plays the motion, and whom it is asked of."""
+        entity = self._editor.entity
+        scopes = scopes_of(self._editor.document.project, entity.motion_id)
+        if entity.scope not in scopes:
+            scopes[entity.scope] = GONE
+        self._choice.offer(scopes.items())
+        self._choice.show_value(entity.scope)
+
+
+def scopes_of(project: Project, motion_id: str) -> dict[Scope, str]:
+    """All scopes that something asked of a motion may have now, in words."""
+    scopes = {EVERYONE: "All who play it"}
+    for key, performer in project.performers.items():
+        if any(clip.motion_id == motion_id for clip in performer.clips):
+            scopes[Scope(performer_id=key)] = f"{performer.name} alone"
+    for key, clip in project.clips.items():
+        if clip.motion_id == motion_id:
+            names = [each.name for each in players_of(project, key).values()]
+            whose = names[0] if len(names) == 1 else f"{len(names)} bodies"
+            scopes[Scope(clip_id=key)] = f"Clip at {clip.start:.2f} s of {whose}"
+    return scopes
