@@ -10,6 +10,7 @@ from studio.core.capture import Guess
 from studio.core.character import Character
 from studio.core.errors import StudioError
 from studio.core.project import Performer
+from studio.core.remarks import remarks_on_body
 from studio.document import colours
 from studio.document.document import Document
 from studio.io.character_file import actor_character
@@ -94,6 +95,7 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     elif daring:
         sentences.append(f"{path.name} was read; guessed {' '.join(daring)}")
     actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.window.strip.clear)]
+    sentences += [f"Odd: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
     if read.moves:
         sentences.append("The file holds a motion too." if sentences else f"{path.name} holds a motion too.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))

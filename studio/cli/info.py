@@ -21,7 +21,7 @@ from studio.core.normalized.drift import floor_drift
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
-from studio.core.remarks import remarks_on
+from studio.core.remarks import remarks_on, remarks_on_body
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
 from studio.io.project_file import read_project
 from studio.io.registry import format_of
@@ -149,6 +149,7 @@ def _character(path: Path, options: ImportOptions) -> Record:
         "body_map": dict(read.joints) or character_body_map(character.morphology.layout).to_json(skeleton),
         "assumptions": _sentences(read.guesses),
         "repairs": list(read.repairs),
+        "remarks": [remark.sentence for remark in remarks_on_body(character.build)],
         "name": character.name,
         "stature": character.morphology.stature,
         "vertices": len(character.skin.vertices),

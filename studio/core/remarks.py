@@ -1,4 +1,4 @@
-"""Remarks: what in a capture no body does; told in its report, for the file may be wrong, or the body map."""
+"""Remarks: what in a capture no body does, and how no body is built; the file may be wrong, or the body map."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +11,9 @@ from studio.core.capture import Capture
 from studio.core.contacts import spans_of
 from studio.core.humanoid import LIMBS, BodyMap, BodyPart
 from studio.core.kinematics import joint_positions
+from studio.core.markers.jumps import jumps
+from studio.core.markers.trial import bare_label
+from studio.core.morphology import Morphology
 
 FloatArray = NDArray[np.float64]
 
@@ -23,7 +26,9 @@ HOVERING = 0.06
 ODD_PAIR = 0.2
 """The difference of left and right bones, as a part of the longer one, from which they are no pair."""
 TALLEST, LEGS_OF_STATURE = 2.3, 0.491
-_SHOWN = 4
+MOST_THIGH, FARTHEST_HIP = 2.0, 0.75
+"""A thigh in parts of its shank, or the reverse; and how far from the pelvis a hip lies, in parts of the leg."""
+_SHOWN, _NAMED = 4, 3
 
 
 @dataclass(frozen=True)
@@ -40,21 +45,53 @@ class Remark:
             return self.words
         shown = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.spans[:_SHOWN]]
         more = f" and {len(self.spans) - _SHOWN} more" if len(self.spans) > _SHOWN else ""
-        return f"{self.words} Frames {', '.join(shown)}{more}."
+        word = "Frame" if len(self.spans) == 1 and self.spans[0][0] == self.spans[0][1] else "Frames"
+        return f"{self.words} {word} {', '.join(shown)}{more}."
 
 
 def remarks_on(capture: Capture) -> tuple[Remark, ...]:
-    """All that is odd about a mapped capture; nothing for one without a body map, for nobody knows what it is."""
+    """All that is odd about a capture; of one without a body map only its markers, for nobody knows what it is."""
     if capture.body_map is None:
-        return ()
+        return tuple(_leaps(capture))
     positions = joint_positions(capture.skeleton, capture.poses)
     found = [
+        *_leaps(capture),
         *_odd_build(capture, capture.body_map, positions),
         *_jumps(capture, positions[:, capture.body_map.spine[0]]),
         *_rushes(capture, capture.body_map, positions),
         *_hovers(capture, capture.body_map, positions),
     ]
     return tuple(found)
+
+
+def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
+    """All that is odd about a body's measures, as a character's file has it."""
+    found = []
+    if body.stature > TALLEST:
+        found.append(Remark(f"It is {body.stature:.2f} m tall. Check the unit."))
+    for name, lengths in (("legs", body.leg), ("arms", body.arm)):
+        if (np.abs(lengths[0] - lengths[1]) > ODD_PAIR * lengths.max(axis=0)).any():
+            found.append(Remark(f"Its {name} are no pair: joints may be taken for one another."))
+    shares = body.leg[:, 0] / np.maximum(body.leg[:, 1], 1e-9)
+    away = float(np.linalg.norm(body.hip_offset, axis=1).max())
+    if shares.max() > MOST_THIGH or shares.min() < 1.0 / MOST_THIGH or away > FARTHEST_HIP * body.leg_length:
+        found.append(Remark("Its legs are not in order: pelvis, hips, knees and ankles are not where a person's are."))
+    return tuple(found)
+
+
+def _leaps(capture: Capture) -> list[Remark]:
+    """Markers that jump, those that do most by name."""
+    if capture.markers is None:
+        return []
+    found = sorted(jumps(capture.markers.trial).items(), key=lambda item: -item[1][1])
+    remarks = [
+        Remark(f"The marker {bare_label(label)} jumps by up to {100.0 * worst:.0f} cm in a frame.", _frames(far, 0))
+        for label, (far, worst) in found[:_NAMED]
+    ]
+    if len(found) > _NAMED:
+        names = ", ".join(bare_label(label) for label, _ in found[_NAMED:])
+        remarks.append(Remark(f"So do {names}.", _frames(np.any([far for _, (far, _) in found[_NAMED:]], axis=0), 0)))
+    return remarks
 
 
 def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:

@@ -7,11 +7,12 @@ from PySide6.QtWidgets import QLineEdit
 
 from studio.core.character import Character
 from studio.core.morphology import Morphology, Proportions
+from studio.core.remarks import remarks_on_body
 from studio.core.skin import Blending
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, Section, press_button
+from studio.panels.fields import Choice, Section, labelled, press_button
 from studio.panels.sliders import ValueSlider
 
 LOW, HIGH = 0.5, 1.6
@@ -74,6 +75,8 @@ class BodySection(Section):
         self._grip.restored.connect(lambda: self._close_hands(0.0))
         self.add_row("Hands", self._grip)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
+        self._odd = labelled("", "hint")
+        self.add_wide(self._odd)
 
     @property
     def _character(self) -> Character:
@@ -100,6 +103,8 @@ class BodySection(Section):
         self._blending.show_value(character.blending)
         self._grip.setEnabled(character.skin.hands is not None)
         self._grip.show_value(character.grip, grip_words(character.grip))
+        self._odd.setText("\n".join(f"Odd: {remark.sentence}" for remark in remarks_on_body(character.build)))
+        self._odd.setVisible(bool(self._odd.text()))
 
     def _set(self, name: str, words: str, factor: float) -> None:
         proportions = replace(self._character.proportions, **{name: factor})

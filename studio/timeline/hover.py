@@ -11,7 +11,7 @@ from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
 from studio.timeline.strips import StripState
-from studio.timeline.tracks import clip, constraint
+from studio.timeline.tracks import clip, constraint, remarks
 from studio.timeline.tracks.plot import PlotPicture
 
 
@@ -21,6 +21,8 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     if position.x() < LABEL_WIDTH:
         return _label_text(sheet, hit)
     match hit.kind:
+        case "ruler":
+            return remarks.remark_text(sheet.shown, position.x())
         case "plot":
             return _plot_text(sheet, plot, position)
         case "constraints":
@@ -41,10 +43,10 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
 
 
 def is_value(sheet: Sheet, position: QPointF) -> bool:
-    """Whether the place shows a measured value, which is told at once and not after a rest."""
+    """Whether the place shows a measured value, or a mark, which is told at once and not after a rest."""
     hit = sheet.thing_at(position)
     return position.x() >= LABEL_WIDTH and (
-        hit.kind == "plot" or (hit.kind == "constraints" and hit.part == Part.EMPTY)
+        hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == Part.EMPTY)
     )
 
 

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
-from studio.timeline.tracks import clip, constraint, contacts, ruler
+from studio.timeline.tracks import clip, constraint, contacts, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
 
@@ -53,6 +53,7 @@ class Picture:
             _paint_ground(painter, sheet.viewport, sheet.shown)
         if self._is_stale(RULER):
             ruler.paint_ruler(painter, sheet.ruler, sheet.shown.axis, sheet.shown.document.playhead)
+            remarks.paint_remarks(painter, sheet.ruler, sheet.shown)
         for row in sheet.rows:
             if self._is_stale((row.kind, row.id)):
                 self._paint_row(painter, sheet, row)

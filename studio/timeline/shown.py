@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect
 
 from studio.core.project import Project
+from studio.core.remarks import Remark
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.engine.live import Live
@@ -82,6 +83,8 @@ class Shown:
     """Kind and id of the rows that are only a line high."""
     apart: bool = False
     """Whether every performer has its row of clips; else the active one's stands for all."""
+    remarks: tuple[Remark, ...] = ()
+    """What is odd about the capture of the motion."""
 
     @property
     def project(self) -> Project:

@@ -6,6 +6,8 @@ from PySide6.QtCore import QPointF, QRect, QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QScrollBar, QWidget
 
+from studio.core.capture import Capture
+from studio.core.remarks import Remark, remarks_on
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
@@ -35,6 +37,7 @@ class TrackView(QWidget):
         self.apart: bool | None = None
         """Whether every performer has its row of clips; None while the user leaves that to what they play."""
         self._progress = ("", 0.0)
+        self._remarked: tuple[Capture, tuple[Remark, ...]] | None = None
         self._playhead_area = QRect()
         self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
         self.scroll_bar.setAccessibleName("Scroll the timeline's rows")
@@ -92,7 +95,8 @@ class TrackView(QWidget):
             self.update()
             return
         apart = play_apart(self.document.project) if self.apart is None else self.apart
-        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded, apart)
+        remarks = self._remarks_on(self.document.project.captures[subject.motion.capture_id])
+        shown = Shown(self.document, self.live, self.axis, subject, self.handle, self.folded, apart, remarks)
         sheet = Sheet(shown, rows_of(shown), self.size())
         hidden = max(sheet.content_height - sheet.viewport.height(), 0)
         with QSignalBlocker(self.scroll_bar):
@@ -106,6 +110,12 @@ class TrackView(QWidget):
             if self.gesture is None:  # time does not move under a hand that drags in it
                 self.axis.set_extent(0.0, stage_extent(self.document.project), self.document.playhead.frame_rate)
         self._redraw_all()
+
+    def _remarks_on(self, capture: Capture) -> tuple[Remark, ...]:
+        """What is odd about it, looked for once: rows are placed anew with every edit."""
+        if self._remarked is None or self._remarked[0] is not capture:
+            self._remarked = capture, remarks_on(capture)
+        return self._remarked[1]
 
     def _redraw_all(self) -> None:
         self.picture.expire()

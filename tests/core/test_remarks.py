@@ -7,8 +7,9 @@ import pytest
 from studio.core.capture import Capture
 from studio.core.humanoid import BodyPart
 from studio.core.pose import PoseSequence
-from studio.core.remarks import Remark, remarks_on
+from studio.core.remarks import Remark, remarks_on, remarks_on_body
 from studio.core.skeleton import Skeleton
+from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from studio.resources_folder import example_captures_folder
 
@@ -62,3 +63,22 @@ def test_a_giant_and_limbs_that_are_no_pair_are_told(walk: Capture) -> None:
 
 def test_a_sentence_names_four_spans_at_most() -> None:
     assert Remark("Odd.", tuple((k, k) for k in range(6))).sentence == "Odd. Frames 0, 1, 2, 3 and 2 more."
+
+
+@pytest.mark.parametrize("name", bundled_characters())
+def test_nothing_is_odd_about_bundled_bodies(name: str) -> None:
+    assert remarks_on_body(bundled_characters()[name].build) == ()
+
+
+@pytest.mark.parametrize(
+    ("measure", "value", "words"),
+    [
+        ("head", 0.9, "m tall"),
+        ("arm", [[0.3, 0.25], [0.3, 0.15]], "arms are no pair"),
+        ("leg", [[0.6, 0.2], [0.6, 0.2]], "legs are not in order"),
+        ("hip_offset", [[0.0, 0.4, 0.9], [0.0, -0.4, 0.9]], "legs are not in order"),
+    ],
+)
+def test_how_no_body_is_built_is_told(measure: str, value: object, words: str) -> None:
+    body = replace(bundled_characters()["adult_woman"].build, **{measure: value})
+    assert any(words in remark.sentence for remark in remarks_on_body(body))

@@ -5,10 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
+from studio.core.pose import PoseSequence
 from studio.core.project import Project
 from studio.core.scope import Scope
+from studio.document import colours
 from studio.engine.empty_stage import HIDDEN
 from studio.timeline.curves import Quantity
 from studio.timeline.hover import hover_text
@@ -262,3 +265,28 @@ def test_what_is_selected_elsewhere_is_scrolled_to(document, timeline):
     assert timeline.tracks.sheet.viewport.contains(row.center())
     document.selection.set(("constraints", "kick"))
     assert timeline.tracks.sheet.viewport.contains(timeline.row_rect("constraints", "kick").center())
+
+
+def jumping(document, frame):
+    """Let the hips of the document's capture jump by half a metre into a frame."""
+    key, capture = next(iter(document.project.captures.items()))
+    translations = capture.poses.local_translations.copy()
+    translations[frame:, 0, 0] += 0.5
+    poses = PoseSequence(capture.poses.local_rotations, translations)
+    document.replace("captures", key, replace(capture, poses=poses), "Jump")
+
+
+def test_what_no_body_does_is_marked_on_the_ruler_and_told_there(qtbot, document, timeline):
+    jumping(document, 50)
+    ruler, there = timeline.tracks.sheet.ruler, round(timeline.x_of_frame(50))
+    picture = timeline.tracks.grab().toImage()
+    assert picture.pixelColor(there, ruler.bottom()) == QColor(colours.PARTLY)
+    assert picture.pixelColor(there + round(pixels(timeline, 5)), ruler.bottom()) != QColor(colours.PARTLY)
+    with qtbot.waitSignal(timeline.told) as told:
+        QTest.mouseMove(timeline.tracks, QPoint(there, ruler.center().y()))
+    assert told.args == ["The hips jump by up to 51 cm in a frame. Frame 50."]
+
+
+def test_the_ruler_of_a_sound_capture_tells_nothing(timeline):
+    place = QPointF(timeline.x_of_frame(50), timeline.tracks.sheet.ruler.center().y())
+    assert hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, place) == ""

@@ -1,0 +1,38 @@
+"""Markers that jump: that are for a frame, or from a frame on, where no body can have brought them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.markers.trial import MARKER, Trial
+
+FloatArray = NDArray[np.float64]
+
+FARTHEST, HARDEST = 0.04, 200.0
+"""Metres by which a step may lie off all between the one before and the one after it, and metres a second squared."""
+
+
+def jumps(trial: Trial) -> dict[str, tuple[NDArray[np.bool_], float]]:
+    """By label of a marker that jumps: (F,) whether it does into a frame, and by how many metres at most.
+
+    A body that speeds up or strikes takes steps between those before and after them; a jump lies off both. Where one
+    of these was not seen it is unlike the other.
+    """
+    allowed = max(FARTHEST, HARDEST / trial.frame_rate**2)
+    found = {}
+    for place in (place for place, kind in enumerate(trial.kinds) if kind == MARKER):
+        steps = trial.metres * np.diff(trial.points[:, place], axis=0)
+        far = _off_their_neighbours(steps) > allowed
+        if far.any():
+            found[trial.labels[place]] = np.append(False, far), float(np.linalg.norm(steps[far], axis=1).max())
+    return found
+
+
+def _off_their_neighbours(steps: FloatArray) -> FloatArray:
+    """(N,) distance of each step (N, 3) from the line between the one before and the one after; NaN without any."""
+    before, after = np.full((2, *steps.shape), np.nan)
+    before[1:], after[:-1] = steps[:-1], steps[1:]
+    before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
+    way = after - before
+    along = np.sum((steps - before) * way, axis=1) / np.maximum(np.sum(way**2, axis=1), 1e-18)
+    nearest = before + np.clip(along, 0.0, 1.0)[:, None] * way
+    return np.asarray(np.linalg.norm(steps - nearest, axis=1))

@@ -1,0 +1,49 @@
+"""What is odd about the capture, as marks on the ruler at its frames."""
+
+from collections.abc import Iterator
+
+from PySide6.QtCore import QPointF, QRect, Qt
+from PySide6.QtGui import QColor, QPainter, QPolygonF
+
+from studio.core.remarks import Remark
+from studio.document import colours
+from studio.timeline.shown import LABEL_WIDTH, Shown
+
+HEAD, LINE = 4.0, 2
+"""Pixels of half a mark's head, and of the line along the frames that it is about."""
+
+
+def paint_remarks(painter: QPainter, ruler: QRect, shown: Shown) -> None:
+    """A small head where something odd begins, and a line for as long as it lasts."""
+    painter.save()
+    painter.setClipRect(ruler.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(colours.PARTLY))
+    low, seen = ruler.bottom() + 1.0 - LINE, -HEAD
+    for _, left, right in _marks(shown):
+        painter.fillRect(round(left), round(low), max(round(right - left), LINE), LINE, QColor(colours.PARTLY))
+        if left - seen >= HEAD:  # of hundreds in a row not every head is drawn
+            corners = ((-HEAD, -2.0 * HEAD), (HEAD, -2.0 * HEAD), (0.0, 0.0))
+            painter.drawPolygon(QPolygonF([QPointF(left + dx, low + dy) for dx, dy in corners]))
+            seen = left
+    painter.restore()
+
+
+def remark_text(shown: Shown, x: float) -> str:
+    """The sentences of the marks at a pixel; empty where there is none."""
+    there = (remark.sentence for remark, left, right in _marks(shown) if left - HEAD <= x <= right + HEAD)
+    return "\n".join(dict.fromkeys(there))
+
+
+def _marks(shown: Shown) -> Iterator[tuple[Remark, float, float]]:
+    """Each remark with where it begins and ends, on the frames that the clip plays; what always holds lies over all."""
+    clip = shown.subject.clip
+    for remark in shown.remarks:
+        for first, last in remark.spans or ((clip.first, clip.last),):
+            if first <= clip.last and last >= clip.first:
+                yield (
+                    remark,
+                    shown.x_of_frame(max(first, clip.first) - 0.5),
+                    shown.x_of_frame(min(last, clip.last) + 0.5),
+                )
