@@ -15,6 +15,7 @@ from studio.core.errors import StudioError
 from studio.io.export_options import CARRYING, REST_POSES, ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
+from studio.io.staged_export import file_name, other_joints, safe_name
 from studio.panels.fields import Choice, Section
 
 WIDTH = 420
@@ -188,7 +189,7 @@ class ExportDialog(QDialog):
         project = self._bench.document.project
         clips = [project.performers[key].clips[0] for key in exporting.chosen_performers(self._bench)]
         captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in clips]
-        return max((exporting.other_joints(capture) for capture in captures), key=len, default=())
+        return max((other_joints(capture) for capture in captures), key=len, default=())
 
     def _show_kinds(self, what: object) -> None:
         self.kind.clear_all()
@@ -245,7 +246,7 @@ def open_export_dialog(bench: Workbench) -> ExportDialog:
 def _ask_adapted(bench: Workbench, suffix: str, options: ExportOptions) -> None:
     """One body to a file, several to a folder."""
     project, keys = bench.document.project, exporting.chosen_performers(bench)
-    names = {key: exporting.file_name(project, key, suffix) for key in keys}
+    names = {key: file_name(project, key, suffix) for key in keys}
     if len(keys) == 1:
         [(key, name)] = names.items()
         _ask_file(bench, suffix, name, lambda path: exporting.export(bench, {key: path}, options))
@@ -259,13 +260,13 @@ def _ask_adapted(bench: Workbench, suffix: str, options: ExportOptions) -> None:
 
 def _ask_motion(bench: Workbench, suffix: str) -> None:
     motion = bench.document.project.motions[str(bench.document.active_motion_id)]
-    name = exporting.safe_name(motion.name + suffix)
+    name = safe_name(motion.name + suffix)
     _ask_file(bench, suffix, name, lambda path: exporting.export_motion(bench, path))
 
 
 def _ask_film(bench: Workbench, suffix: str, size: tuple[int, int], rate: float) -> None:
     motion_id = bench.document.active_motion_id
-    name = exporting.safe_name(bench.document.project.motions[motion_id].name if motion_id else "film")
+    name = safe_name(bench.document.project.motions[motion_id].name if motion_id else "film")
     _ask_file(bench, suffix, name + suffix, lambda path: filming.film(bench, path, size, rate))
 
 

@@ -1,21 +1,15 @@
 """Motions out to files, in the background: adapted ones, and the motion itself without a body."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.cli.render import performances
 from studio.core.annotations import Annotations
-from studio.core.capture import Capture
-from studio.core.carried_joints import carried_joints
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
-from studio.core.project import Project
-from studio.core.solver.performing import Performance
-from studio.core.solver.rows import is_plain
-from studio.io.export import Take, take_of_adapted, take_of_capture, write_take
+from studio.io.export import take_of_capture, write_take
 from studio.io.export_options import ExportOptions
+from studio.io.staged_export import take_of_performer
 
 Progress = Callable[[float, str], None]
 ADAPTING_SHARE = 0.3
@@ -27,18 +21,6 @@ def chosen_performers(bench: Workbench) -> list[str]:
     ready = [key for key, each in performers.items() if each.visible and each.clips]
     selected = [key for key in bench.document.selection.of("performers") if key in ready]
     return selected or ready
-
-
-def file_name(project: Project, performer_id: str, suffix: str = ".bvh") -> str:
-    """``front_kick tall man.bvh``: the motion and who performs it."""
-    performer = project.performers[performer_id]
-    motion = project.motions[performer.clips[0].motion_id]
-    return safe_name(f"{motion.name} {performer.name.lower()}{suffix}")
-
-
-def safe_name(name: str) -> str:
-    """A name that every system allows."""
-    return re.sub(r'[\\/:*?"<>|]', "_", name)
 
 
 def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | None = None) -> int:
@@ -60,27 +42,6 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
 
     task: int = bench.runner.run("Export", work, lambda written: bench.said.emit(words_of(written)))
     return task
-
-
-def take_of_performer(project: Project, performer_id: str, performance: Performance, *, along: bool = False) -> Take:
-    """What one performer plays on its character; ``along`` has it carry the other joints of its only capture."""
-    performer, timing = project.performers[performer_id], performance.composite.timing
-    character = project.characters[performer.character_id]
-    played = performance.adapted.frames(timing.first, timing.last)
-    clips = performer.clips
-    capture = project.captures[project.motions[clips[0].motion_id].capture_id]
-    alone = len(clips) == 1 and is_plain(clips[0])
-    carried = (capture, normalize(capture)[1]) if along and alone and other_joints(capture) else None
-    return take_of_adapted(performer.name, played, character, performance.request, carried)
-
-
-def other_joints(capture: Capture) -> tuple[str, ...]:
-    """The capture's joints that a character can carry along."""
-    if capture.body_map is None:
-        return ()
-    skeleton = capture.skeleton
-    carried = carried_joints(skeleton, capture.body_map)
-    return tuple(skeleton.names[joint] for joint in carried if not skeleton.end_sites[joint])
 
 
 def export_motion(bench: Workbench, path: Path) -> int:

@@ -21,6 +21,7 @@ from studio.cli.following import with_tracks
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json, print_table
+from studio.cli.stage import run_stage
 from studio.cli.warm_up import compile_first
 from studio.core.character import Character
 from studio.core.errors import StudioError
@@ -48,7 +49,8 @@ FILE.json is told in
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Capture, characters, constraints, where to write."""
-    parser.add_argument("capture", type=Path, metavar="CAPTURE", help="a motion of a human body")
+    parser.add_argument("capture", type=Path, nargs="?", metavar="CAPTURE", help="a motion of a human body")
+    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="all performers of a .studio project instead")
     add_shared_arguments(parser)
 
 
@@ -95,6 +97,10 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Adapt, export, report."""
+    if arguments.stage is not None:
+        return run_stage(arguments)
+    if arguments.capture is None:
+        raise StudioError("Name a capture to adapt, or a project with --stage.")
     asked = asked_by(arguments)
     told = [arguments.out / name for name in ("report.json", "report.csv")]
     motions = [arguments.out / file_name(arguments.capture, key, asked) for key in asked.characters]

@@ -40,6 +40,12 @@ def character_report(
     start = time.perf_counter()
     adapted = adapt(request, first_frame)
     seconds = time.perf_counter() - start
+    record = figures(request, adapted, source, by_frame)
+    return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}
+
+
+def figures(request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool) -> Record:
+    """What is reported of an adapted motion beside its ``source``."""
     report = report_of(request, adapted)
     quality = worst_of(report.slides, report.heights)
     record: Record = {
@@ -48,7 +54,6 @@ def character_report(
         "penetration_mm": 1000.0 * max(quality.penetration, 0.0),
         "acceleration_ratio": acceleration_ratio(adapted, source),
         "speed_ratio": speed_ratio(adapted, source),
-        "microseconds_per_frame": 1e6 * seconds / adapted.frame_count,
         "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
         "knee_speed_ratio": knee_speed_ratio(adapted, source),
         "mass_margin_mm": _least(1000.0 * report.mass_margins),
@@ -56,7 +61,7 @@ def character_report(
     }
     if by_frame:
         record["by_frame"] = frame_records(report)
-    return adapted, record
+    return record
 
 
 @lru_cache(maxsize=16)

@@ -2,7 +2,7 @@
 
 import re
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import entry_points
 from math import isfinite
 from pathlib import Path
@@ -95,7 +95,11 @@ def run(arguments: Namespace) -> int:
     check_libraries()
     compile_first()
     project = staged_project(arguments)
-    results = adapted_performers(project)
+    made = performances(project)
+    results = {key: each.adapted for key, each in made.performances.items()}
+    failed = [f"{project.performers[key].name}: {reason}" for key, reason in made.failures.items()]
+    if failed and not results:
+        raise StudioError(f"Nobody could be adapted. {failed[0]}")
     if not results:
         raise StudioError(f"{arguments.source.name} has no visible character with a motion: there is nothing to draw.")
     duration = max(stage_duration(project, key) for key in results)
@@ -113,7 +117,7 @@ def run(arguments: Namespace) -> int:
         frames = renderer("film")(project, results, times, arguments.size)
         told = told_of(frames, len(times), progress_line(), arguments.out.name)
         write_moving(arguments.out, told, arguments.size, arguments.film_rate)
-    return _say(arguments, len(times), len(results))
+    return _say(arguments, len(times), len(results), failed)
 
 
 def staged_project(arguments: Namespace) -> Project:
@@ -169,11 +173,13 @@ def told_of(frames: Iterator[Pixels], count: int, progress: Progress, name: str)
         progress(done / count, name)
 
 
-def _say(arguments: Namespace, frames: int, characters: int) -> int:
+def _say(arguments: Namespace, frames: int, characters: int, failed: Sequence[str]) -> int:
     record = {"ok": True, "source": str(arguments.source), "file": str(arguments.out), "size": list(arguments.size)}
     if arguments.json:
-        print_json({**record, "frames": frames, "characters": characters})
+        print_json({**record, "frames": frames, "characters": characters, "failed": failed})
     else:
         size = f"{arguments.size[0]}x{arguments.size[1]}"
         print(f"{arguments.out}: {counted(frames, 'picture')} of {size}, {counted(characters, 'character')}.")
+        for sentence in failed:
+            print(f"Not adapted: {sentence}")
     return 0

@@ -28,5 +28,8 @@ class Live(Protocol):
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest adapted motion."""
 
+    def failure(self, performer_id: str) -> str:
+        """Why a performer cannot be adapted, in a sentence; empty for who is, or is on the way."""
+
     def source(self, motion_id: str) -> AdaptedMotion | None:
         """The capture on its actor's own body."""

@@ -129,6 +129,7 @@ class LiveAdaptation(QObject):
         self._results: dict[str, AdaptedMotion] = {}
         self._answered: dict[str, Wanted] = {}
         self._told: dict[str, AdaptedMotion] = {}
+        self._failures: dict[str, str] = {}
         self._sources: dict[str, tuple[Capture, AdaptedMotion | None]] = {}
         self._busy = False
         self._leaders: set[str] = set()
@@ -155,6 +156,10 @@ class LiveAdaptation(QObject):
     def asked_at(self, performer_id: str) -> float | None:
         """As ``Live.asked_at``."""
         return self._asked_at.get(performer_id)
+
+    def failure(self, performer_id: str) -> str:
+        """As ``Live.failure``."""
+        return self._failures.get(performer_id, "")
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest whole-clip result; while dragging, with the newest window in its place."""
@@ -244,7 +249,9 @@ class LiveAdaptation(QObject):
         together = (_TOGETHER.join(circle) for circle in self._circles)
         for key in (*together, *(_SOURCE + motion_id for motion_id in self._sources)):
             self._scheduler.forget(key)
-        for held in (self._wanted, self._results, self._answered, self._told, self._sources, self._asked_at):
+        for held in (
+            self._wanted, self._results, self._answered, self._told, self._sources, self._asked_at, self._failures,
+        ):  # fmt: skip
             held.clear()
         self._refresh()
 
@@ -260,7 +267,7 @@ class LiveAdaptation(QObject):
             leader for circle in circles for key in circle for leader in leaders_of(project, key) - {*circle}
         }
         for key in self._wanted.keys() - {key for circle in circles for key in circle}:
-            for held in (self._wanted, self._results, self._answered, self._asked_at):
+            for held in (self._wanted, self._results, self._answered, self._asked_at, self._failures):
                 held.pop(key, None)
         for circle in self._circles - {*circles}:
             self._scheduler.forget(_TOGETHER.join(circle))
@@ -371,6 +378,7 @@ class LiveAdaptation(QObject):
                 self._telling.start()
             for performer_id, adapted in answer.adapted.items():
                 self._results[performer_id], self._asked_at[performer_id] = adapted, answer.asked_at
+                self._failures.pop(performer_id, None)
                 if answer.whole:
                     self._answered[performer_id] = answer.wanted[performer_id]
                 self.adapted.emit(performer_id)
@@ -388,7 +396,12 @@ class LiveAdaptation(QObject):
             return  # it comes again when the capture is shown
         if not isinstance(error, StudioError):
             raise error
+        for performer_id in key.split(_TOGETHER) if not key.startswith(_SOURCE) else ():
+            self._failures[performer_id] = str(error)
+            self._results.pop(performer_id, None)  # what it played before is not what is asked
+            self.adapted.emit(performer_id)
         self._document.problem.emit(str(error))
+        self._telling.start()
 
     def _tell_busy(self) -> None:
         busy = self._scheduler.busy

@@ -79,6 +79,9 @@ def _label_text(sheet: Sheet, hit: Hit) -> str:
 
 def _clip_text(sheet: Sheet, hit: Hit) -> str:
     shown, entity = sheet.shown, sheet.shown.project.clips[hit.id]
+    failure = shown.live.failure(hit.performer_id)
+    if failure:
+        return f"{shown.project.performers[hit.performer_id].name} is not adapted: {failure}"
     length = entity.length(shown.project.frame_rate_of(entity))
     players = len(players_of(shown.project, hit.id))
     shared = f", shared by {players} bodies" if players > 1 else ""

@@ -168,7 +168,7 @@ class TrackView(QWidget):
 
     def _show_results(self) -> None:
         rows = self.sheet.rows if self.sheet else ()
-        self._redraw(PLOT, *((row.kind, row.id) for row in rows if row.kind == "constraints"))
+        self._redraw(PLOT, *((row.kind, row.id) for row in rows if row.kind in ("constraints", "clip")))
 
     def _move_playhead(self) -> None:
         """Only the pixels the playhead leaves and takes."""

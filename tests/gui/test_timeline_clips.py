@@ -16,6 +16,7 @@ from studio.document.document import Document
 from studio.document.dragging import carried_capture
 from studio.panels.inspector import Inspector
 from studio.panels.library import Library
+from studio.timeline.hover import hover_text
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import LEFT, NONE, RATE, pixels
 
@@ -261,3 +262,15 @@ def test_a_selected_constraint_brings_the_clip_of_which_it_is_asked(document, ti
     document.selection.set(("performers", SECOND), ("constraints", constraint_id))
     assert document.active_clip.id == "kick"
     assert not timeline.row_rect("constraints", constraint_id).isEmpty()
+
+
+def test_who_cannot_be_adapted_is_shown_as_such_and_the_others_as_ever(document, timeline, live):
+    before = timeline.grab().toImage()
+    live.failures[SECOND] = "It follows 'Nobody', who could not be adapted."
+    live.told_changed.emit()
+    after = timeline.grab().toImage()
+    points = {key: timeline.tracks.mapTo(timeline, place(timeline, key, 120)) for key in (FIRST, SECOND)}
+    assert after.pixelColor(points[FIRST]) == before.pixelColor(points[FIRST])
+    assert after.pixelColor(points[SECOND]) != before.pixelColor(points[SECOND])
+    said = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place(timeline, SECOND, 120)))
+    assert "who could not be adapted" in said

@@ -35,6 +35,7 @@ class FakeLive(QObject):
         self.document = document
         self.errors = {}
         self.unsolved = set()
+        self.failures = {}
         self.interactive_history = [False]
 
     @property
@@ -44,6 +45,9 @@ class FakeLive(QObject):
     @interactive.setter
     def interactive(self, value):
         self.interactive_history.append(value)
+
+    def failure(self, performer_id):
+        return self.failures.get(performer_id, "")
 
     def told(self, performer_id):
         return None if performer_id in self.unsolved else self.result(performer_id)

@@ -31,6 +31,12 @@ class Performance:
     sweeps: int = 0
     """How often all were solved who follow each other in a circle with it; 0 outside of one."""
 
+    @property
+    def played(self) -> AdaptedMotion:
+        """The frames of it that play on the stage."""
+        timing = self.composite.timing
+        return self.adapted.frames(timing.first, timing.last)
+
 
 @dataclass(frozen=True, eq=False)
 class Staged:

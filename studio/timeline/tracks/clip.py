@@ -55,6 +55,10 @@ def row_text(shown: Shown, clip: Clip) -> str:
 def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) -> None:
     """Quiet bars that say what plays; what fades in rises over what fades out."""
     bars = bars_of(shown, row, performer_id)
+    failure = shown.live.failure(performer_id)
+    if failure:
+        _paint_failure(painter, row, shown, bars, failure)
+        return
     end = -1e9
     for place, (clip, bar) in enumerate(bars):
         fade = min(max(end - bar.left(), 0.0), bar.width())
@@ -62,8 +66,20 @@ def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) 
         _paint_fade(painter, bar, fade)
         _paint_repeats(painter, clip, bar)
         nearest = min((other.left() for _, other in bars[place + 1 :]), default=bar.right())
-        _paint_text(painter, shown, clip, bar.adjusted(fade, 0, min(nearest - bar.right(), 0.0), 0))
+        room = bar.adjusted(fade, 0, min(nearest - bar.right(), 0.0), 0)
+        _paint_text(painter, row_text(shown, clip), _seen(shown, room))
         end = max(end, bar.right())
+
+
+def _paint_failure(painter: QPainter, row: QRect, shown: Shown, bars: list[tuple[Clip, QRectF]], failure: str) -> None:
+    """Outlines of what would play, and why it does not."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    for _, bar in bars:
+        painter.setBrush(translucent(colours.NOT_REACHED, 0.12))
+        painter.setPen(hairline(colours.NOT_REACHED))
+        painter.drawRoundedRect(bar, 3, 3)
+    room = QRectF(shown.axis.left, row.top(), shown.axis.width, row.height())
+    _paint_text(painter, failure, room, colours.TEXT)
 
 
 def _outline(bar: QRectF, fade: float) -> QPainterPath:
@@ -115,12 +131,15 @@ def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
         painter.drawLine(QPointF(x, bar.bottom() - 5), QPointF(x, bar.bottom()))
 
 
-def _paint_text(painter: QPainter, shown: Shown, clip: Clip, room: QRectF) -> None:
+def _seen(shown: Shown, room: QRectF) -> QRectF:
+    return room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
+
+
+def _paint_text(painter: QPainter, words: str, room: QRectF, colour: str = colours.TEXT) -> None:
     painter.setFont(font())
-    painter.setPen(QColor(colours.TEXT))
-    visible = room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
-    area = visible.adjusted(10, 0, -4, 0)
-    text = painter.fontMetrics().elidedText(row_text(shown, clip), Qt.TextElideMode.ElideRight, round(area.width()))
+    painter.setPen(QColor(colour))
+    area = room.adjusted(10, 0, -4, 0)
+    text = painter.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, round(area.width()))
     painter.drawText(area, Qt.AlignmentFlag.AlignVCenter, text)
 
 

@@ -1,0 +1,131 @@
+"""``adapt --stage``: all performers of a project as the window plays them, each as a file with its report."""
+
+from argparse import Namespace
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from studio.cli.adapt_report import Record, figures
+from studio.cli.adaptation import make_folder
+from studio.cli.export_options import export_options
+from studio.cli.outputs import refuse_replacing
+from studio.cli.printing import print_json, print_table
+from studio.cli.render import performances
+from studio.cli.warm_up import compile_first
+from studio.core.errors import StudioError
+from studio.core.project import Project
+from studio.core.solver.performing import Performance
+from studio.core.solver.source import played_on
+from studio.io.export import write_take
+from studio.io.export_options import ExportOptions
+from studio.io.project_file import read_project
+from studio.io.registry import known_formats
+from studio.io.report_file import write_json
+from studio.io.staged_export import safe_name, take_of_performer
+
+OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
+"""Arguments that a project answers itself."""
+COLUMNS = ("slide_mm", "float_mm", "penetration_mm", "acceleration_ratio", "speed_ratio")
+
+
+def run_stage(arguments: Namespace) -> int:
+    """Adapt, export and report; 1 where somebody failed, which keeps nobody else from being written."""
+    given = [name for name in OF_CAPTURES if getattr(arguments, name)]
+    if given:
+        what = "another motion" if given[0] == "capture" else f"--{given[0]}"
+        raise StudioError(f"--stage adapts a project, which has all of its own: leave out {what}.")
+    suffix = f".{arguments.format.lower().lstrip('.')}"
+    known = known_formats().suffixes("motion_writer")
+    if suffix not in known:
+        raise StudioError(f"'{arguments.format}' is no kind of file for motions: choose {', '.join(known)}.")
+    options = replace(export_options(arguments), body_only=arguments.body_only)
+    options.check(Path(f"motion{suffix}"))
+    project = told(read_project(arguments.stage).project, arguments)
+    paths = {key: arguments.out / name for key, name in file_names(project, suffix).items()}
+    if not paths:
+        raise StudioError(f"Nobody who is shown in {arguments.stage.name} plays anything: there is nothing to adapt.")
+    written = arguments.out / "report.json"
+    refuse_replacing([*paths.values(), written], arguments.stage, arguments.overwrite)
+    compile_first()
+    made = performances(project)
+    make_folder(arguments.out)
+    records = [
+        performer_record(project, key, performance, paths[key], options, by_frame=arguments.by_frame)
+        for key, performance in made.performances.items()
+    ]
+    failed = [{"name": project.performers[key].name, "error": reason} for key, reason in made.failures.items()]
+    report = {"ok": not failed, "source": str(arguments.stage), "performers": records, "failed": failed}
+    write_json(written, report)
+    if arguments.json:
+        print_json(report)
+    else:
+        print_stage(report)
+        print("\nWritten:", *(paths[key] for key in made.performances), written, sep="\n  ")
+    return 1 if failed else 0
+
+
+def told(project: Project, arguments: Namespace) -> Project:
+    """The project with joints freed or jolts left as the command line says, else as each performer has it."""
+    performers = [
+        (
+            key,
+            replace(each, limited=each.limited and not arguments.free_joints, eased=each.eased and not arguments.exact),
+            None,
+        )
+        for key, each in project.performers.items()
+    ]
+    return project.with_entities("performers", performers)
+
+
+def file_names(project: Project, suffix: str) -> dict[str, str]:
+    """A name for every performer who is shown and plays something; numbered where several have one."""
+    names: dict[str, str] = {}
+    for key, performer in project.performers.items():
+        if performer.visible and performer.clips:
+            stem = safe_name(performer.name.lower())
+            names[key] = f"{_free(stem, names.values(), suffix)}{suffix}"
+    return names
+
+
+def _free(stem: str, taken: Iterable[str], suffix: str) -> str:
+    names, number, name = {*taken}, 1, stem
+    while f"{name}{suffix}" in names:
+        number += 1
+        name = f"{stem} {number}"
+    return name
+
+
+def performer_record(
+    project: Project, key: str, performance: Performance, path: Path, options: ExportOptions, *, by_frame: bool
+) -> Record:
+    """A performer's file, and its part of the report."""
+    take = take_of_performer(project, key, performance, along=options.carries(path))
+    write_take(options.applied_to(take, path), path)
+    request, composite = performance.request, performance.composite
+    source = played_on(composite.motion, request.actor or request.morphology.still)
+    performer = project.performers[key]
+    return {
+        "name": performer.name,
+        "file": str(path),
+        "clips": [project.motions[clip.motion_id].name for clip in performer.clips],
+        "begin": composite.timing.start,
+        "frame_rate": composite.timing.frame_rate,
+        "sweeps": performance.sweeps,
+        **figures(request, performance.played, source, by_frame),
+    }
+
+
+def print_stage(report: Record) -> None:
+    """A line a performer, a line a constraint, and who failed."""
+    rows = [[each["name"], *(f"{each[key]:.2f}" for key in COLUMNS)] for each in report["performers"]]
+    print_table(("performer", "slide mm", "float mm", "below ground mm", "acceleration ratio", "speed ratio"), rows)
+    lines = [
+        [asked["name"], each["name"], f"{asked['frames_held']} of {asked['frames_asked']}"]
+        for each in report["performers"]
+        for asked in each["constraints"]
+    ]
+    if lines:
+        print()
+        print_table(("constraint", "performer", "frames held"), lines)
+    for each in report["failed"]:
+        print(f"\n{each['name']} failed: {each['error']}")

@@ -1,0 +1,59 @@
+"""``adapt --stage``: every performer of a project as the window plays it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.cli.main import main
+from studio.cli.render import performances
+from studio.core.project import Clip, Performer
+from studio.io.importing import load_capture
+from studio.io.project_file import new_document_id, read_project, write_project
+from tests.builders import make_capture, make_project
+
+
+@pytest.fixture
+def play(tmp_path):
+    """Two performers, one with a row of two clips; a third plays a capture whose body is not known."""
+    project = make_project(characters=2)
+    first = project.performers["performer 0"]
+    row = (*first.clips, Clip("motion", 5, 25, 0.6, "again", mirrored=True))
+    project = project.with_entity("performers", "performer 0", replace(first, clips=row))
+    project = project.with_entity("captures", "bare", make_capture("bare", body_map=None))
+    project = project.with_entity("motions", "bare", replace(project.motions["motion"], capture_id="bare"))
+    bare = Performer("Lost", first.character_id, (Clip("bare", 0, 10, id="bare clip"),))
+    write_project(tmp_path / "play.studio", project.with_entity("performers", "lost", bare), new_document_id())
+    return tmp_path / "play.studio"
+
+
+def test_every_performer_is_a_file_and_a_report_and_one_that_fails_keeps_nobody_back(play, capsys, tmp_path):
+    out = tmp_path / "out"
+    assert main(["adapt", "--stage", str(play), "--out", str(out), "--json"]) == 1
+    report = json.loads(capsys.readouterr().out)
+    assert [each["name"] for each in report["performers"]] == ["Body 0", "Body 1"]
+    assert [each["name"] for each in report["failed"]] == ["Lost"]
+    assert len(report["performers"][0]["clips"]) == 2
+    assert all(np.isfinite(each["slide_mm"]) for each in report["performers"])
+    made = performances(read_project(play).project)
+    for key, record in zip(made.performances, report["performers"], strict=True):
+        assert load_capture(record["file"]).frame_count == made.performances[key].played.frame_count
+    assert json.loads((out / "report.json").read_text()) == report
+    assert main(["adapt", "--stage", str(play), "--out", str(out)]) == 1
+    assert "is there already" in capsys.readouterr().err
+
+
+def test_what_a_project_has_itself_is_refused_in_a_sentence(play, capsys, tmp_path):
+    for more in (["walk.bvh"], ["--character", "child"], ["--place", "child", "0", "0", "0"]):
+        assert main(["adapt", *more, "--stage", str(play), "--out", str(tmp_path / "out")]) == 1
+        assert "leave out" in capsys.readouterr().err
+    assert main(["adapt", "--out", str(tmp_path / "out")]) == 1
+    assert "--stage" in capsys.readouterr().err
+
+
+def test_a_picture_of_a_stage_tells_who_is_not_on_it(play, capsys, tmp_path):
+    assert main(["render", str(play), "--out", str(tmp_path / "p.png"), "--size", "160x90"]) == 0
+    said = capsys.readouterr().out
+    assert "2 characters" in said
+    assert "Not adapted: Lost" in said
