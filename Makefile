@@ -28,6 +28,7 @@ bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.bench
 	.venv/bin/python benchmarks/long_capture.py
 	.venv/bin/python -m benchmarks.retrieval
+	.venv/bin/python -m benchmarks.window
 
 quality: .venv/.ready-to-run
 	.venv/bin/python benchmarks/motion_tables.py $(FOLDER)

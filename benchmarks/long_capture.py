@@ -24,8 +24,7 @@ from studio.cli.process import prepare_process  # noqa: E402
 
 prepare_process()
 
-from PySide6.QtCore import QEventLoop, QTimer  # noqa: E402
-
+from benchmarks.listening import TICK, Silences, run_window  # noqa: E402
 from benchmarks.machine import machine  # noqa: E402
 from benchmarks.report import table  # noqa: E402
 from studio.app import exporting, importing  # noqa: E402
@@ -33,11 +32,11 @@ from studio.app.application import import_views, make_application, make_window, 
 from studio.app.main_window import MainWindow  # noqa: E402
 from studio.app.sample import empty_project  # noqa: E402
 from studio.app.settings import Settings  # noqa: E402
+from studio.cli import first_run  # noqa: E402
 from studio.core.annotations import Annotations  # noqa: E402
 from studio.core.capture import Capture  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.document.document import Document  # noqa: E402
-from studio.engine import first_run  # noqa: E402
 from studio.engine.live_adaptation import StandingSolver, normalised  # noqa: E402
 from studio.engine.saving import save_in_background  # noqa: E402
 from studio.io.bvh import read_bvh  # noqa: E402
@@ -46,7 +45,6 @@ from studio.io.importing import load_annotations, load_capture  # noqa: E402
 from studio.timeline.curves import Quantity  # noqa: E402
 
 BYTES = 60_000_000
-TICK = 2
 PATIENCE = 120.0
 LISTENED = 1500
 """Milliseconds after each deed in which the window is still listened to."""
@@ -63,50 +61,6 @@ def long_file(source: Path, target: Path) -> int:
     text = "\n".join(turns[frame % len(turns)] for frame in range(count))
     target.write_text(f"{head}MOTION\nFrames: {count}\n{re.sub('^ +', '', step)}\n{text}\n")
     return count
-
-
-class Silences:
-    """The longest time for which the window did not answer, beyond what only a busy machine made of it.
-
-    Not counted is the time in which the window's thread was ready and waited for a processor, nor more than all threads
-    of the program computed meanwhile: who held Python's lock may have waited for a processor, too.
-    """
-
-    def __init__(self) -> None:
-        self._timer = QTimer(interval=TICK)
-        self._timer.timeout.connect(self._tick)
-        self.begun = time.perf_counter()
-        self._last = self._now()
-        self.longest = (0.0, 0.0)
-        """Seconds, and when, from the beginning."""
-        self._timer.start()
-
-    def _now(self) -> tuple[float, float]:
-        """Clock without the wait for a processor, and what was computed, seconds."""
-        return time.perf_counter() - queued(), time.process_time()
-
-    def _tick(self) -> None:
-        now = self._now()
-        silence = min(now[0] - self._last[0], now[1] - self._last[1])
-        self.longest = max(self.longest, (silence, time.perf_counter() - self.begun))
-        self._last = now
-
-    def stop(self) -> None:
-        """Listen no more."""
-        self._timer.stop()
-
-
-def run_window(milliseconds: int) -> None:
-    """The window's own loop; waiting as tests do keeps Python's lock from those who compute."""
-    loop = QEventLoop()
-    QTimer.singleShot(milliseconds, loop.quit)
-    loop.exec()
-
-
-def queued() -> float:
-    """Seconds for which this thread was ready and had no processor; 0 where the system does not tell."""
-    told = Path("/proc/thread-self/schedstat")
-    return int(told.read_text().split()[1]) / 1e9 if told.exists() else 0.0
 
 
 def stages(path: Path) -> str:

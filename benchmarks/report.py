@@ -14,6 +14,7 @@ AIMS = "aims: 0.2 mm, 0.2 mm, 1 mm, 15 mm, 3"
 HEADER = """# Measured speed and quality
 
 Written by `make bench`; nothing here is written by hand. [method.md](method.md) explains what is measured.
+[window.md](window.md) has the window under a hand: how far the bodies are behind it, and what pictures cost.
 
 """
 HOW = """Whole clips on one character, conversion included, in microseconds a frame; {captures}:

@@ -32,10 +32,13 @@ class ActionSet(QObject):
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self.refresh)
         document.entity_changed.connect(lambda *_: self._soon.start())
+        bench.live.interactive_changed.connect(self.refresh)
         self.refresh()
 
     def refresh(self, *_: object) -> None:
-        """Fetch what can be done now, what is switched on, and what undo would take back."""
+        """Fetch what can be done now, what is switched on, and what undo would take back; after a drag, not in it."""
+        if self._bench.live.interactive:
+            return
         for row in ACTIONS:
             action = self.by_id[row.id]
             action.setEnabled(row.enabled(self._bench))

@@ -56,6 +56,11 @@ class WarmUp:
         """Whether there is something left to do."""
         return self._thread.is_alive()
 
+    @property
+    def ready(self) -> bool:
+        """Whether every scene's kernels are there."""
+        return self._ready.is_set()
+
     def join(self) -> None:
         """Wait until every scene's kernels are there. Raises CancelledError when they are not to be any more."""
         self._ready.wait()

@@ -213,6 +213,11 @@ class Project:
     def ground(self) -> Ground:
         return self.grounds[GROUND_ID]
 
+    @cached_property
+    def known(self) -> dict[Any, Any]:
+        """What others have found out about this very value and would ask it again, under keys of theirs."""
+        return {}
+
     @property
     def motions_played(self) -> dict[str, str]:
         """By performer the motion that it plays first."""

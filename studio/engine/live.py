@@ -11,7 +11,9 @@ class Live(Protocol):
     adapted: Any
     """Signal(str): a newer result of that performer is there."""
     interactive: bool
-    """Whether something is being dragged: then the frames round the playhead are solved first."""
+    """Whether something is being dragged: then whole clips are solved only when the hand rests."""
+    interactive_changed: Any
+    """Signal(bool): a drag has begun or ended."""
 
     told_changed: Any
     """Signal(): what ``told`` gives is to be read anew."""
@@ -23,13 +25,25 @@ class Live(Protocol):
         """
 
     def asked_at(self, performer_id: str) -> float | None:
-        """When (``time.monotonic``) that was asked which the newest result answers; None while there is none."""
+        """When (``time.monotonic``) that was asked last which ``shown`` answers; None while there is none."""
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest adapted motion."""
 
     def failure(self, performer_id: str) -> str:
         """Why a performer cannot be adapted, in a sentence; empty for who is, or is on the way."""
+
+    def bring(self, seconds: float) -> bool:
+        """Solve the frame at ``seconds`` of the stage of all whose newest motion answers an older question.
+
+        False where a picture has no time for all; the next call goes on.
+        """
+
+    def shown(self, performer_id: str) -> AdaptedMotion | None:
+        """What a picture shows: the frame that ``bring`` has solved, else the newest adapted motion."""
+
+    def is_eased(self, performer_id: str) -> bool:
+        """Whether what ``shown`` gives is eased in time where it jolts, if that is wanted; a solved frame is not."""
 
     def source(self, motion_id: str) -> AdaptedMotion | None:
         """The capture on its actor's own body."""

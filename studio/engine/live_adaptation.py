@@ -1,8 +1,9 @@
 """LiveAdaptation: every visible performer's adapted motion, kept up to date while the document changes."""
 
+import threading
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,33 +11,30 @@ from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
 from studio.cli.warm_up import WarmUp
 from studio.core.capture import Capture
-from studio.core.constraints.clear import ClearConstraint
-from studio.core.contacts import ContactInterval, Touch
 from studio.core.errors import StudioError
-from studio.core.ground import Ground
 from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.placement import Placement
-from studio.core.project import Clip, Performer, Project
-from studio.core.solver.circles import Player, solve_circle
+from studio.core.project import Performer, Project
+from studio.core.solver.circles import solve_circle
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.rows import Asked, composite_of, constraints_in, frame_count_of, is_plain, timing_of
-from studio.core.solver.stage import Followed, asked_of, followed_by, in_order, leaders_of, tracks_of
-from studio.core.volume import BodyVolume
+from studio.core.solver.rows import frame_count_of, timing_of
+from studio.core.solver.stage import in_order, leaders_of
 from studio.document.document import Document
+from studio.engine.frames import Frames, Solve
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
+from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 
 if TYPE_CHECKING:
     from studio.core.solver.adapt import Standing
 
 WINDOW_SECONDS = 0.75
+WINDOW_MILLISECONDS, REST_MILLISECONDS = 100, 150
+"""How often windows are solved while a hand moves, and after which rest whole motions are."""
 KEPT_STANDING = 16
 TELL_MILLISECONDS = 100
 _SOURCE, _EXPECTED, _TOGETHER = "source ", "expected ", "\n"
 
-Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
-Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
 Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
 
 
@@ -49,10 +47,14 @@ def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
 
 
 class StandingSolver:
-    """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest."""
+    """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest.
+
+    Any thread may call it.
+    """
 
     def __init__(self) -> None:
         self._kept: dict[tuple[NormalizedMotion, AnyMorphology], tuple[object, Standing]] = {}
+        self._lock = threading.Lock()
 
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
         from studio.core.solver.adapt import hold, stand
@@ -61,9 +63,11 @@ class StandingSolver:
         ground = (request.contacts, request.ground, request.volume, request.actor, request.limited)
         kept = self._kept.get(key)
         if kept is None or kept[0] != ground:
-            while len(self._kept) >= KEPT_STANDING:
-                self._kept.pop(next(iter(self._kept)), None)
-            kept = self._kept[key] = (ground, stand(request.motion, request.morphology, *ground))
+            kept = ground, stand(request.motion, request.morphology, *ground)
+            with self._lock:
+                while len(self._kept) >= KEPT_STANDING:
+                    self._kept.pop(next(iter(self._kept)))
+                self._kept[key] = kept
         return hold(kept[1], request.constraints, first, last, request.tracks, eased=request.eased)
 
 
@@ -73,23 +77,6 @@ def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
 
     positions, rotations = realize(motion, actor, play=True)
     return AdaptedMotion(actor, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """All that one performer's result depends on; equal ones need no new solve."""
-
-    performer: Performer = field(compare=False)
-    motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
-    """Identity of the capture, clip and contacts of each clip."""
-    morphology: Morphology
-    asked: tuple[Asked, ...]
-    ground: Ground
-    followed: tuple[Followed, ...]
-    placement: Placement
-    volume: BodyVolume | None = None
-    limited: bool = True
-    eased: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +95,7 @@ class LiveAdaptation(QObject):
     adapted = Signal(str)
     told_changed = Signal()
     busy_changed = Signal(bool)
+    interactive_changed = Signal(bool)
 
     def __init__(
         self,
@@ -134,7 +122,10 @@ class LiveAdaptation(QObject):
         self._busy = False
         self._leaders: set[str] = set()
         self._circles: set[tuple[str, ...]] = set()
-        self.interactive = False
+        self._unfinished: set[tuple[str, ...]] = set()
+        """Circles of which no more than a window has been asked."""
+        self._frames = Frames(self._prepare, self._solve, self._answered)
+        self._interactive = False
         self._asked_at: dict[str, float] = {}
         self._changed_at = time.monotonic()
         self._scheduler = SolveScheduler(self, workers)
@@ -142,20 +133,33 @@ class LiveAdaptation(QObject):
         self._scheduler.failed.connect(self._tell)
         self._scheduler.settled.connect(self._tell_busy)
         # Several changes of one event-loop turn (a group, a cascade) ask for one solve.
-        self._turn = QTimer(self)
-        self._turn.setSingleShot(True)
-        self._turn.timeout.connect(self._refresh)
-        self._telling = QTimer(self)
-        self._telling.setSingleShot(True)
-        self._telling.setInterval(TELL_MILLISECONDS)
+        self._turn = QTimer(self, singleShot=True, interval=0)
+        self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))
+        self._rest = QTimer(self, singleShot=True, interval=REST_MILLISECONDS)
+        self._rest.timeout.connect(lambda: self._refresh(whole=True))
+        self._telling = QTimer(self, singleShot=True, interval=TELL_MILLISECONDS)
         self._telling.timeout.connect(self._tell_results)
         document.entity_changed.connect(self._schedule)
         document.project_opened.connect(self._begin_anew)
-        self._refresh()
+        self._refresh(whole=True)
+
+    @property
+    def interactive(self) -> bool:
+        """As ``Live.interactive``."""
+        return self._interactive
+
+    @interactive.setter
+    def interactive(self, value: bool) -> None:
+        if value != self._interactive:
+            self._interactive = value
+            if not value:
+                self._rest.stop()
+                self._turn.start(0)
+            self.interactive_changed.emit(value)
 
     def asked_at(self, performer_id: str) -> float | None:
         """As ``Live.asked_at``."""
-        return self._asked_at.get(performer_id)
+        return self._frames.asked_at(performer_id) or self._asked_at.get(performer_id)
 
     def failure(self, performer_id: str) -> str:
         """As ``Live.failure``."""
@@ -164,6 +168,36 @@ class LiveAdaptation(QObject):
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest whole-clip result; while dragging, with the newest window in its place."""
         return self._results.get(performer_id)
+
+    def bring(self, seconds: float) -> bool:
+        """As ``Live.bring``; first those who are worked on, then who is furthest behind."""
+        if self._warm_up is not None and not self._warm_up.ready:
+            return True
+        project = self._document.project
+        return self._frames.bring(project, seconds, self._changed_at, self._by_need(project), self._results)
+
+    def _by_need(self, project: Project) -> list[str]:
+        """Who is worked on, with all whom these follow, then who is furthest behind; leaders before who follows."""
+        alone = [circle[0] for circle in _circles_of(project) if len(circle) == 1]
+        first = {key for circle in in_order(project, self._selected(alone)) for key in circle}
+        rest = [key for key in alone if key not in first]
+        if not any(leaders_of(project, key) for key in rest):
+            rest.sort(key=self._frames.asked_at)
+        return [key for key in alone if key in first] + rest
+
+    def _selected(self, performer_ids: Iterable[str]) -> list[str]:
+        selected = {*self._document.selection.of("performers")}
+        return [key for key in performer_ids if key in selected]
+
+    def shown(self, performer_id: str) -> AdaptedMotion | None:
+        """As ``Live.shown``."""
+        frame = self._frames.get(performer_id)
+        return self._results.get(performer_id) if frame is None else frame.motion
+
+    def is_eased(self, performer_id: str) -> bool:
+        """As ``Live.is_eased``."""
+        frame = self._frames.get(performer_id)
+        return frame is None or not (frame.wanted.eased and frame.wanted.asked)
 
     def told(self, performer_id: str) -> AdaptedMotion | None:
         """As ``Live.told``: read anew a tenth of a second after results have come, or have become out of date."""
@@ -184,7 +218,7 @@ class LiveAdaptation(QObject):
         if performer is None or not performer.clips or project.missing_references(performer):
             return False
         circle = next((each for each in self._circles if performer_id in each), (performer_id,))
-        return self._wanted_of(project, performer_id, circle) == wanted
+        return wanted_of(project, performer_id, circle, self._results.get) == wanted
 
     def _tell_results(self) -> None:
         self._told = dict(self._results)
@@ -219,7 +253,7 @@ class LiveAdaptation(QObject):
     def wait(self, timeout: float = 10.0) -> bool:
         """Run the event loop until all is solved and told; False when ``timeout`` seconds are not enough."""
         end = time.monotonic() + timeout
-        while self._turn.isActive() or self._scheduler.busy:
+        while self._turn.isActive() or self._rest.isActive() or self._scheduler.busy:
             if time.monotonic() > end:
                 return False
             QCoreApplication.processEvents()
@@ -231,8 +265,8 @@ class LiveAdaptation(QObject):
 
     def close(self) -> None:
         """Stop the timers, drop requests, join the workers."""
-        self._turn.stop()
-        self._telling.stop()
+        for timer in (self._turn, self._rest, self._telling):
+            timer.stop()
         self._document.entity_changed.disconnect(self._schedule)
         self._document.project_opened.disconnect(self._begin_anew)
         if self._warm_up is not None:
@@ -241,9 +275,11 @@ class LiveAdaptation(QObject):
         self._scheduler.close()
 
     def _schedule(self, _collection: str, _entity_id: str) -> None:
+        self._changed_at = time.monotonic()
+        if self._interactive:
+            self._rest.start()
         if not self._turn.isActive():
-            self._changed_at = time.monotonic()
-            self._turn.start(0)
+            self._turn.start(WINDOW_MILLISECONDS if self._interactive else 0)
 
     def _begin_anew(self) -> None:
         together = (_TOGETHER.join(circle) for circle in self._circles)
@@ -253,80 +289,65 @@ class LiveAdaptation(QObject):
             self._wanted, self._results, self._answered, self._told, self._sources, self._asked_at, self._failures,
         ):  # fmt: skip
             held.clear()
-        self._refresh()
+        self._frames.clear()
+        self._unfinished.clear()
+        self._refresh(whole=True)
 
-    def _refresh(self) -> None:
+    def _refresh(self, whole: bool) -> None:
+        """Ask for all that has changed: ``whole`` motions, or windows as long as a hand moves."""
         project = self._document.project
-        playing = [
-            key
-            for key, item in project.performers.items()
-            if item.visible and item.clips and not project.missing_references(item)
-        ]
-        circles = in_order(project, playing)
+        circles = _circles_of(project)
         self._leaders = {
             leader for circle in circles for key in circle for leader in leaders_of(project, key) - {*circle}
         }
         for key in self._wanted.keys() - {key for circle in circles for key in circle}:
             for held in (self._wanted, self._results, self._answered, self._asked_at, self._failures):
                 held.pop(key, None)
+            self._frames.drop(key)
         for circle in self._circles - {*circles}:
             self._scheduler.forget(_TOGETHER.join(circle))
-        self._circles = {*circles}
-        selected = {*self._document.selection.of("performers")}
-        for circle in sorted(circles, key=lambda circle: selected.isdisjoint(circle)):  # first who is worked on
-            self._request(circle)
+        for key in (key for circle in circles if len(circle) > 1 for key in circle):
+            self._frames.drop(key)  # they are solved together
+        self._circles, self._unfinished = {*circles}, self._unfinished & {*circles}
+        for circle in sorted(circles, key=lambda circle: not self._selected(circle)):  # first who is worked on
+            self._request(circle, whole)
         self._tell_busy()
 
-    def _request(self, circle: tuple[str, ...]) -> None:
+    def _request(self, circle: tuple[str, ...], whole: bool) -> None:
         project = self._document.project
-        wanted = {key: self._wanted_of(project, key, circle) for key in circle}
+        wanted = {key: wanted_of(project, key, circle, self._results.get) for key in circle}
         known = {key: each for key, each in wanted.items() if each is not None}
-        if len(known) < len(circle) or all(self._wanted.get(key) == each for key, each in known.items()):
+        same = all(self._wanted.get(key) == each for key, each in known.items())
+        if len(known) < len(circle) or (same and not (whole and circle in self._unfinished)):
             return
-        self._wanted |= known
-        if not self._telling.isActive():
-            self._telling.start()
-        previous = {key: self._results.get(key) for key in circle}
-        asked_at = self._changed_at
+        if not same:
+            self._wanted |= known
+        known = {key: self._wanted[key] for key in circle}
+        stages = self._stages(project, circle, known, whole)
+        if stages:
+            if not self._telling.isActive():
+                self._telling.start()
+            self._scheduler.request(_TOGETHER.join(circle), self._document.revision, *stages)
 
-        def whole() -> Solved:
-            return self._solved(project, known, asked_at, 0, None)
+    def _stages(
+        self, project: Project, circle: tuple[str, ...], wanted: Mapping[str, Wanted], whole: bool
+    ) -> tuple[Callable[[], Solved], ...]:
+        """What is to be solved: all, or the frames round the playhead, not eased, where the rest is as before."""
+        asked_at, base = self._changed_at, self._results.get(circle[0])
+        if whole or len(circle) > 1 or base is None or not _fits(base, wanted[circle[0]], project):
+            self._unfinished.discard(circle)
+            return (lambda: self._solved(project, wanted, asked_at, 0, None),)
+        self._unfinished.add(circle)
+        if not wanted[circle[0]].stands_as(self._answered.get(circle[0])):
+            return ()  # what costs most is to be done anew with every move: it waits for the hand to rest
+        first, last = self._window(project, wanted[circle[0]].performer)
+        exact = {key: replace(each, eased=False) for key, each in wanted.items()}
 
-        stages: tuple[Callable[[], Solved], ...] = (whole,)
-        base = previous[circle[0]]
-        if self.interactive and len(circle) == 1 and base is not None and _fits(base, known[circle[0]], project):
-            first, last = self._window(project, known[circle[0]].performer)
+        def window() -> Solved:
+            solved = self._solved(project, exact, asked_at, first, last)
+            return replace(solved, adapted={circle[0]: merged(base, solved.adapted[circle[0]])})
 
-            def window() -> Solved:
-                solved = self._solved(project, known, asked_at, first, last)
-                return replace(solved, adapted={circle[0]: merged(base, solved.adapted[circle[0]])})
-
-            stages = (window, whole)
-        self._scheduler.request(_TOGETHER.join(circle), self._document.revision, *stages)
-
-    def _wanted_of(self, project: Project, key: str, circle: tuple[str, ...]) -> Wanted | None:
-        """What a performer's result depends on; None while who it follows is not there yet."""
-        performer = project.performers[key]
-        character = project.characters[performer.character_id]
-        followed = followed_by(project, key, self._results.get, circle)
-        if followed is None:
-            return None
-        asked = asked_of(project, key)
-        captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips]
-        alone = len(captures) == 1 and is_plain(performer.clips[0])  # then it is all the same when it begins
-        clips = [replace(clip, start=0.0, first=0) if alone else clip for clip in performer.clips]
-        stand = [tuple(project.contacts_for(key, clip).values()) for clip in performer.clips]
-        motions = tuple(zip(map(id, captures), clips, stand, strict=True))
-        # The skin is measured only for who asks: a moved slider would pay for it every time.
-        clears = any(isinstance(each.constraint, ClearConstraint) for each in asked) or any(
-            isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts
-        )
-        ground = project.ground.seen_from(performer.position, performer.heading)
-        volume = character.volume if clears else None
-        return Wanted(
-            performer, motions, character.morphology, asked, ground, followed, Placement.of(performer), volume,
-            performer.limited, performer.eased,
-        )  # fmt: skip
+        return (window,)
 
     def _wait_for_kernels(self) -> None:
         if self._warm_up is not None:
@@ -340,7 +361,7 @@ class LiveAdaptation(QObject):
         self, project: Project, wanted: Mapping[str, Wanted], asked_at: float, first: int, last: int | None
     ) -> Solved:
         self._wait_for_kernels()
-        players = {key: self._player(project, key, each) for key, each in wanted.items()}
+        players = {key: player_of(project, key, each, self._prepare) for key, each in wanted.items()}
         if len(players) == 1:
             [(key, player)] = players.items()
             answers: Mapping[str, AdaptedMotion] = {key: self._solve(player.request, first, last)}
@@ -348,20 +369,6 @@ class LiveAdaptation(QObject):
             answers = solve_circle(players, lambda request: self._solve(request, 0, None)).results
         adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
         return Solved(adapted, wanted, asked_at, last is None)
-
-    def _player(self, project: Project, key: str, wanted: Wanted) -> Player:
-        def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
-            return self._prepare(project.captures[project.motions[motion_id].capture_id])
-
-        composite = composite_of(project, key, lambda motion_id: prepared(motion_id)[0])
-        actor = prepared(wanted.performer.clips[0].motion_id)[1]
-        constraints = constraints_in(wanted.asked, composite, wanted.morphology.leg_length)
-        tracks = tracks_of(wanted.followed, composite)
-        request = AdaptRequest(
-            composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, wanted.volume,
-            actor, wanted.limited, wanted.eased,
-        )  # fmt: skip
-        return Player(request, composite, wanted.placement)
 
     def _window(self, project: Project, performer: Performer) -> tuple[int, int]:
         """First and last frame of a performer's motion within ``WINDOW_SECONDS`` of the playhead."""
@@ -381,6 +388,7 @@ class LiveAdaptation(QObject):
                 self._failures.pop(performer_id, None)
                 if answer.whole:
                     self._answered[performer_id] = answer.wanted[performer_id]
+                    self._frames.drop_answered(performer_id)
                 self.adapted.emit(performer_id)
                 if performer_id in self._leaders:
                     self._schedule("performers", performer_id)
@@ -405,9 +413,21 @@ class LiveAdaptation(QObject):
 
     def _tell_busy(self) -> None:
         busy = self._scheduler.busy
+        if not busy and self._telling.isActive() and not self._turn.isActive() and not self._rest.isActive():
+            self._telling.start(0)  # there is no more to come
         if busy != self._busy:
             self._busy = busy
             self.busy_changed.emit(busy)
+
+
+def _circles_of(project: Project) -> tuple[tuple[str, ...], ...]:
+    """All who play on the stage, leaders first; those who follow each other together."""
+    playing = [
+        key
+        for key, item in project.performers.items()
+        if item.visible and item.clips and not project.missing_references(item)
+    ]
+    return in_order(project, playing)
 
 
 def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:

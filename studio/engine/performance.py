@@ -1,7 +1,7 @@
 """What a performer does at a moment of the stage: its clip's frame, its pose, its place."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -47,6 +47,18 @@ class Posed:
     placement: Placement
     resting: bool = False
     """Whether it only stands and waits for its motion."""
+    around: AdaptedMotion | None = None
+    """The newest motion over time, where ``motion`` is only the frame that is shown."""
+
+    @property
+    def frame(self) -> int:
+        """The frame of the whole motion."""
+        return self.row + self.motion.first_frame
+
+    @property
+    def over_time(self) -> AdaptedMotion:
+        """The newest motion that has more than the frame that is shown, if there is one."""
+        return self.around or self.motion
 
     @cached_property
     def points(self) -> FloatArray:
@@ -55,20 +67,19 @@ class Posed:
 
     def is_as_in(self, newer: AdaptedMotion) -> bool:
         """Whether a newer result of the same performer has the same pose at this moment."""
-        if newer.frame_count != self.motion.frame_count:
-            return False
-        return np.array_equal(newer.positions[self.row], self.motion.positions[self.row])
+        row = self.frame - newer.first_frame
+        return 0 <= row < newer.frame_count and np.array_equal(newer.positions[row], self.motion.positions[self.row])
 
     @property
     def played(self) -> Played | None:
         """What of its row plays; None for a motion of no stage."""
         composite = self.motion.composite
-        return composite.playing(self.row + self.motion.first_frame) if composite else None
+        return composite.playing(self.frame) if composite else None
 
     @property
     def seconds(self) -> float:
         """The time that it shows of the motion that plays."""
-        frame, composite = self.row + self.motion.first_frame, self.motion.composite
+        frame, composite = self.frame, self.motion.composite
         if composite is None or composite.is_plain:
             return frame / self.motion.frame_rate
         played = composite.playing(frame)
@@ -102,15 +113,17 @@ def pose_of(project: Project, performer: Performer, motion: AdaptedMotion, time:
     return Posed(performer, motion, row_at(motion, timing, time), Placement.of(performer))
 
 
-def posed_performers(project: Project, result_of: Results, time: float) -> dict[str, Posed]:
-    """Every visible performer that has an adapted motion, at stage ``time``."""
+def posed_performers(
+    project: Project, result_of: Results, time: float, around: Results = lambda _: None
+) -> dict[str, Posed]:
+    """Every visible performer that has an adapted motion, at stage ``time``; ``around`` as ``Posed`` has it."""
     posed = {}
     for performer_id, performer in project.performers.items():
         character = project.characters.get(performer.character_id) if performer.visible else None
         motion = result_of(performer_id) if character is not None else None
         # A result may still be of the body that the performer had before.
         if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
-            posed[performer_id] = pose_of(project, performer, motion, time)
+            posed[performer_id] = replace(pose_of(project, performer, motion, time), around=around(performer_id))
     return posed
 
 
@@ -124,3 +137,8 @@ def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str
             motion = AdaptedMotion(character.morphology, 1.0, 0, positions, rotations, np.empty((0, 1)))
             resting[performer_id] = Posed(performer, motion, 0, Placement.of(performer), resting=True)
     return resting
+
+
+def has_moved_on(project: Project, posed: Mapping[str, Posed], time: float) -> bool:
+    """Whether anybody does another frame at stage ``time`` than the one that it is posed in."""
+    return any(pose_of(project, one.performer, one.over_time, time).frame != one.frame for one in posed.values())

@@ -26,6 +26,11 @@ class SolveCache(Generic[Result]):
         self._slots: OrderedDict[int, _Slot[Result]] = OrderedDict()
         self._lock = threading.Lock()
 
+    def holds(self, key: Any) -> bool:
+        """Whether the result for ``key`` is there already."""
+        slot = self._slots.get(id(key))
+        return slot is not None and bool(slot.results)
+
     def __call__(self, key: Any) -> Result:
         """The result for ``key``; raises what ``compute`` raises."""
         with self._lock:

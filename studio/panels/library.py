@@ -159,6 +159,11 @@ class Library(QWidget):
             self.model.show(rows_of(self.document.project, self.document.active_motion_id))
         self._show_selection()
 
+    def _show_change(self) -> None:
+        """Fetch them where they have changed: most of what is dragged, no row tells."""
+        if rows_of(self.document.project, self.document.active_motion_id) != self.model.rows:
+            self.refresh()
+
     def row_rect(self, item: tuple[str, str]) -> QRect:
         """Where an entity's row stands in the list's viewport."""
         return self.view.visualRect(self._index(item))
@@ -169,7 +174,7 @@ class Library(QWidget):
 
     def _entity_changed(self, collection: str, _: str) -> None:
         if collection != "contacts":
-            self.refresh()
+            self._show_change()
 
     def _selection_changed(self) -> None:
         # Another performer may play another motion, which has other constraints.

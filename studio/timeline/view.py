@@ -19,6 +19,10 @@ from studio.timeline.picture import PLOT, Picture
 from studio.timeline.sheet import RIGHT_MARGIN, Sheet, rows_of
 from studio.timeline.shown import LABEL_WIDTH, Part, Shown
 from studio.timeline.subject import play_apart, stage_extent, subject_of
+from studio.timeline.tracks.constraint import looks_of
+
+UNSEEN = ("characters", "grounds", "props")
+"""What the rows show nothing of but names and colours, which are not dragged, until it is solved."""
 
 
 class TrackView(QWidget):
@@ -36,6 +40,7 @@ class TrackView(QWidget):
         self.folded: frozenset[tuple[str, str]] = frozenset()
         self.apart: bool | None = None
         """Whether every performer has its row of clips; None while the user leaves that to what they play."""
+        self._looks: dict[str, object] = {}
         self._progress = ("", 0.0)
         self._remarked: tuple[Capture, tuple[Remark, ...]] | None = None
         self._playhead_area = QRect()
@@ -122,8 +127,14 @@ class TrackView(QWidget):
         self.update()
 
     def _redraw(self, *rows: tuple[str, str]) -> None:
+        """Draw these rows again, and no more of the widget than they take."""
         self.picture.expire(*rows)
-        self.update()
+        sheet = self.sheet
+        for row in rows if sheet is not None else ():
+            assert sheet is not None
+            found = sheet.find(*row)
+            if row == PLOT or found is not None:
+                self.update(sheet.rect(found) if found is not None else sheet.plot)
 
     def _show_project(self) -> None:
         self.handle = self.apart = None
@@ -155,6 +166,8 @@ class TrackView(QWidget):
 
     def _show_change(self, collection: str, entity_id: str) -> None:
         """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
+        if self.live.interactive and collection in UNSEEN:
+            return
         if (
             self.sheet is None
             or collection not in ("constraints", "contacts")
@@ -163,12 +176,20 @@ class TrackView(QWidget):
             self.lay_out()
         elif collection == "contacts":
             self._redraw(*((row.kind, row.id) for row in self.sheet.rows if row.kind == "lane"))
-        else:
+        elif self._looks.get(entity_id) != (look := looks_of(self.document.project.constraints.get(entity_id))):
+            self._looks[entity_id] = look  # a target that is dragged changes nothing here until it is solved
             self._redraw(("constraints", entity_id))
 
     def _show_results(self) -> None:
-        rows = self.sheet.rows if self.sheet else ()
-        self._redraw(PLOT, *((row.kind, row.id) for row in rows if row.kind in ("constraints", "clip")))
+        """Draw what tells of results again: while something is dragged, only the strips of what is worked on."""
+        all_rows = self.sheet.rows if self.sheet else ()
+        rows = [(row.kind, row.id) for row in all_rows if row.kind in ("constraints", "clip")]
+        if self.live.interactive:
+            rows = [row for row in rows if row in self.document.selection]
+        else:
+            rows.append(PLOT)
+        if rows:
+            self._redraw(*rows)
 
     def _move_playhead(self) -> None:
         """Only the pixels the playhead leaves and takes."""

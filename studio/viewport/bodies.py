@@ -10,6 +10,7 @@ from studio.core.character import Character
 from studio.core.placement import Placement
 from studio.core.skin import skin_vertices
 from studio.engine.performance import Posed
+from studio.viewport.coarse import coarse_triangles
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
@@ -43,6 +44,21 @@ class BodyVisual:
         else:
             self.skin_actors = material_actors(self._skin, character.skin.triangles, look)
         self.bones_actor: Any = None
+        self._coarse: pv.PolyData | None = None
+        self._is_coarse = False
+
+    @property
+    def can_be_coarse(self) -> bool:
+        """Whether ``coarsen`` takes no more than a moment; a skin with materials is always drawn whole."""
+        return self._coarse is not None or self._character.skin.appearance is not None
+
+    def coarsen(self, coarse: bool) -> None:
+        """Draw the skin with fewer triangles, or with all."""
+        if coarse != self._is_coarse and self._character.skin.appearance is None:
+            self._is_coarse = coarse
+            if self._coarse is None:
+                self._coarse = self._skin.part(coarse_triangles(self._character.skin))
+            self.skin_actors[0].mapper.SetInputData(self._coarse if coarse else self._skin.polydata)
 
     def belongs_to(self, character: Character) -> bool:
         """Whether this mesh can show ``character``: proportions and colour may differ, the skin may not."""

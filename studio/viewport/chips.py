@@ -115,11 +115,11 @@ class Chips:
             self._recorded = recorded
             self.fit(self._view.width())
 
-    def tell_work(self, bodies: int, pace: str) -> None:
-        """Show how many bodies are seen and, while something moves, how fast that is shown."""
+    def tell_work(self, bodies: int, pace: str, eased: bool) -> None:
+        """Show how many bodies are seen and, while something moves, how fast, and whether they are ``eased``."""
         text = f"{bodies} {'body' if bodies == 1 else 'bodies'}"
         if pace:
-            text += f" · {pace}"
+            text += f" · {pace}" + ("" if eased else " · eased at rest")
         if text != self.work.text():
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)

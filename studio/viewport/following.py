@@ -31,6 +31,7 @@ class Follower:
 
 def way_place(pose: Posed) -> FloatArray:
     """(2,) where the smoothed way of a performer's root is on the stage."""
-    reach = round(SECONDS * pose.motion.frame_rate)
-    rows = np.clip(np.arange(pose.row - reach, pose.row + reach + 1), 0, pose.motion.frame_count - 1)
-    return np.asarray(pose.placement.to_stage(pose.motion.positions[rows, 0]).mean(axis=0)[:2])
+    motion, reach = pose.over_time, round(SECONDS * pose.motion.frame_rate)
+    here = pose.frame - motion.first_frame
+    rows = np.clip(np.arange(here - reach, here + reach + 1), 0, motion.frame_count - 1)
+    return np.asarray(pose.placement.to_stage(motion.positions[rows, 0]).mean(axis=0)[:2])

@@ -1,6 +1,6 @@
 """Constraint handles: where the targets are for each performer, and which of them are missed."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,12 +40,16 @@ class Handle:
         return np.concatenate([*own, *links, *self.figure.lines])
 
 
-def constraint_handles(project: Project, posed: Mapping[str, Posed], active: str | None) -> list[Handle]:
-    """The handles of every posed performer, the active one's last, so that they are drawn on top."""
+def constraint_handles(
+    project: Project, posed: Mapping[str, Posed], active: str | None, only: Container[str] | None = None
+) -> list[Handle]:
+    """The handles of every posed performer, the active one's last, so that they are drawn on top; or ``only`` some."""
     handles = []
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
         asked = project.constraints_for(performer_id, pose.clip) if pose.clip else {}
         for constraint_id, constraint in asked.items():
+            if only is not None and constraint_id not in only:
+                continue
             moment = Moment(project, posed, pose)
             now = moment.fixed(constraint) if constraint.enabled else None
             if now is None:

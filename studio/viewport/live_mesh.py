@@ -1,6 +1,7 @@
 """A mesh whose points and normals are numpy arrays that VTK reads in place."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,11 @@ def flat_actor(polydata: pv.PolyData) -> Any:
     return actor
 
 
+@lru_cache
+def _bytes_of(hue: str) -> tuple[int, int, int]:
+    return pv.Color(hue).int_rgb
+
+
 def _faded(path: StagePath) -> NDArray[np.uint8]:
-    full, away = (np.array(pv.Color(hue).int_rgb, dtype=np.float64) for hue in (path.colour, colours.BAR))
+    full, away = (np.array(_bytes_of(hue), dtype=np.float64) for hue in (path.colour, colours.BAR))
     return np.round(away + np.clip(path.strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)

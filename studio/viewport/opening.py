@@ -20,14 +20,16 @@ LOOKED_AT = 500
 """Frames, spread over a motion, that tell where its body faces."""
 CLEARLY = 0.3
 """Length of a mean direction that is a direction still."""
+ANOTHER = 0.2
+"""Part of its width or height by which a view becomes another."""
 
 
 def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
     """(N, 3) stage points that the performers reach over their whole motions, thinned out."""
     paths = []
     for pose in posed.values():
-        rows = np.linspace(0, pose.motion.frame_count - 1, ROWS).round().astype(int)
-        paths.append(pose.placement.to_stage(pose.motion.positions[rows]).reshape(-1, 3))
+        rows = np.linspace(0, pose.over_time.frame_count - 1, ROWS).round().astype(int)
+        paths.append(pose.placement.to_stage(pose.over_time.positions[rows]).reshape(-1, 3))
     return np.concatenate(paths) if paths else np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.8]])
 
 
@@ -42,7 +44,7 @@ def opening_camera(posed: Mapping[str, Posed], size: tuple[float, float], parall
 
 def below_chips(camera: OrbitCamera, posed: Mapping[str, Posed], size: tuple[float, float]) -> OrbitCamera:
     """Farther away and looking higher, until no head stands behind the chips along the upper edge."""
-    heads = np.array([pose.points[pose.motion.morphology.layout.head_end] for pose in posed.values()]).reshape(-1, 3)
+    heads = np.array([pose.points[pose.over_time.morphology.layout.head_end] for pose in posed.values()]).reshape(-1, 3)
     for _ in range(STEPS_BACK):
         pixels, depth = camera.project(heads, size)
         short = CHIPS - float(pixels[:, 1].min(initial=CHIPS))
@@ -59,8 +61,8 @@ def _facing(posed: Mapping[str, Posed]) -> float:
     """Azimuth towards which the pelves face most of the time; 0 where they turn all round."""
     ways = []
     for pose in posed.values():
-        rows = np.unique(np.linspace(0, pose.motion.frame_count - 1, LOOKED_AT).astype(int))
-        ways.append((pose.placement.rotation @ pose.motion.rotations[rows, 0, :, 0].mean(axis=0))[:2])
+        rows = np.unique(np.linspace(0, pose.over_time.frame_count - 1, LOOKED_AT).astype(int))
+        ways.append((pose.placement.rotation @ pose.over_time.rotations[rows, 0, :, 0].mean(axis=0))[:2])
     way = np.mean(ways, axis=0) if ways else np.zeros(2)
     return float(np.arctan2(way[1], way[0])) if np.hypot(*way) > CLEARLY else 0.0
 
@@ -74,6 +76,11 @@ def _apart(camera: OrbitCamera, places: FloatArray) -> float:
 
 def _tall_in_front(camera: OrbitCamera, posed: Mapping[str, Posed]) -> bool:
     """Whether taller bodies stand nearer, and so hide the smaller ones."""
-    statures = np.array([pose.motion.morphology.stature for pose in posed.values()])
+    statures = np.array([pose.over_time.morphology.stature for pose in posed.values()])
     nearness = np.array([pose.points[0] @ camera.axes[2] for pose in posed.values()])
     return bool((statures - statures.mean()) @ (nearness - nearness.mean()) > 0) if len(posed) > 1 else False
+
+
+def is_another_size(now: tuple[float, float], before: tuple[float, float]) -> bool:
+    """Whether a view is quite another than it was; a line of words below it makes no difference."""
+    return any(abs(one / other - 1) > ANOTHER for one, other in zip(now, before, strict=True))

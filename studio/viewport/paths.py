@@ -30,23 +30,31 @@ class StagePath:
     strength: NDArray[np.float64]
 
 
-def stage_paths(project: Project, posed: Mapping[str, Posed], trail: BodyPoint | None) -> list[StagePath]:
+def stage_paths(
+    project: Project, posed: Mapping[str, Posed], trail: BodyPoint | None, smooth: bool = True
+) -> list[StagePath]:
     """What is drawn on the stage whoever is selected: the trails of a point, the marks of contacts."""
-    return [*trails(project, posed, trail), *contact_marks(project, posed)]
+    return [*trails(project, posed, trail, smooth), *contact_marks(project, posed)]
 
 
-def trails(project: Project, posed: Mapping[str, Posed], point: BodyPoint | None) -> list[StagePath]:
-    """The way of ``point`` on every body in the moments round this one, in the body's colour."""
+def trails(
+    project: Project, posed: Mapping[str, Posed], point: BodyPoint | None, smooth: bool = True
+) -> list[StagePath]:
+    """The way of ``point`` on every body in the moments round this one, in the body's colour.
+
+    ``smooth``, by a curve through its frames; else from frame to frame.
+    """
     found = []
     for pose in posed.values() if point is not None else ():
         assert point is not None
-        reach = round(TRAIL_SECONDS * pose.motion.frame_rate)
-        rows = slice(max(pose.row - reach, 0), pose.row + reach + 1)
-        path = pose.placement.to_stage(point_path(pose.motion, point, rows))
+        motion = pose.over_time
+        here, reach = pose.frame - motion.first_frame, round(TRAIL_SECONDS * motion.frame_rate)
+        rows = slice(max(here - reach, 0), here + reach + 1)
+        path = pose.placement.to_stage(point_path(motion, point, rows))
         frames: FloatArray = np.arange(rows.start, rows.start + len(path), dtype=np.float64)
-        if len(path) > 2:
+        if smooth and len(path) > 2:
             path, frames = _smooth(path, frames, pose.motion.frame_rate)
-        away = np.abs(frames - pose.row) / (reach + 1)
+        away = np.abs(frames - here) / (reach + 1)
         found.append(StagePath(path, project.characters[pose.performer.character_id].colour, 1 - away))
     return found
 
@@ -66,7 +74,7 @@ def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePat
     """A small ring on the ground where a heel, toe, hand, knee or seat is in contact now."""
     found, standing = [], {}
     for pose in posed.values():
-        moment = pose.motion_id or "", pose.row + pose.motion.first_frame
+        moment = pose.motion_id or "", pose.frame
         if moment not in standing:  # once for all bodies: a long motion has thousands of contacts
             contacts = project.contacts_of(moment[0]).values()
             now = [each for each in contacts if each.first <= moment[1] <= each.last]

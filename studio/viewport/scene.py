@@ -54,14 +54,16 @@ class StageScene:
         posed: Mapping[str, Posed],
         bones: bool = False,
         paths: Sequence[StagePath] = (),
+        moving: bool = False,
     ) -> None:
-        """Show performers as skins or bones, their shadows, lines on the stage, props."""
+        """Show performers as skins or bones, their shadows, lines on the stage, props; coarser while all is moving."""
         self._drop_bodies(project, posed)
         for performer_id, pose in posed.items():
             body = self._body(performer_id, project.characters[pose.performer.character_id])
             if bones and body.bones_actor is None:
                 self._add_shaded(body.make_bones(pose.motion.morphology.layout))
             body.pose(pose, bones)
+        self._coarsen(moving)
         self._lines.show_paths(paths)
         self._shadows.cast([(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground)
         self._sync_ground(project.ground)
@@ -135,6 +137,12 @@ class StageScene:
                 self._add_shaded(actor)
         body.take(character)
         return body
+
+    def _coarsen(self, moving: bool) -> None:
+        """A coarser mesh takes as long as some pictures to make: one in each, so that none waits for all."""
+        late = next((body for body in self._bodies.values() if not body.can_be_coarse), None)
+        for body in self._bodies.values():
+            body.coarsen(moving and (body.can_be_coarse or body is late))
 
     def _sync_ground(self, ground: Ground) -> None:
         self._ground.show(ground)

@@ -1,6 +1,6 @@
 """The 3D viewport: the document's performers as the engine adapts them, to be picked and dragged."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
 from studio.engine.moments import Moment
-from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
+from studio.engine.performance import Posed, has_moved_on, pose_of, posed_performers, resting_performers
 from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
@@ -30,7 +30,7 @@ from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles, floor_under
 from studio.viewport.movables import Movable, selected_movable
-from studio.viewport.opening import opening_camera
+from studio.viewport.opening import is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
 from studio.viewport.paths import StagePath, selection_rings, stage_paths
@@ -43,9 +43,6 @@ if TYPE_CHECKING:
     from studio.viewport.scene import StageScene
 
 WHEEL_ZOOM = 1.15
-ADAPTED_FIRST = ("constraints", "contacts")
-"""What changes only handles until the engine has adapted the bodies to it."""
-ANOTHER = 0.2
 
 
 class Viewport(Canvas):
@@ -259,21 +256,24 @@ class Viewport(Canvas):
     def _moment(self, pose: Posed) -> Moment:
         return Moment(self._document.project, self.posed, pose)
 
-    def handles(self) -> list[Handle]:
-        """The constraint handles on show."""
-        return constraint_handles(self._document.project, self.posed, self._document.active_performer_id)
+    def handles(self, only: Container[str] | None = None) -> list[Handle]:
+        """The constraint handles, of all constraints or ``only`` some."""
+        return constraint_handles(self._document.project, self.posed, self._document.active_performer_id, only)
 
     # Drawing
 
     @property
     def moving(self) -> bool:
         """While something moves, pictures are not smoothed."""
-        return self._document.playhead.playing or self.gesture is not None or self._glide.moving
+        gesture = self.gesture is not None or self._live.interactive
+        return self._document.playhead.playing or gesture or self._glide.moving
 
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
         project, time = self._document.project, self._document.playhead.time
-        self.posed = posed_performers(project, self._live.result, time)
+        if not self._live.bring(time):
+            self.show_soon()
+        self.posed = posed_performers(project, self._live.shown, time, self._live.result)
         self.resting = resting_performers(project, self.posed)
         if self.posed and not self._framed:
             # Results come one by one: the view is settled when every body is there.
@@ -287,15 +287,17 @@ class Viewport(Canvas):
         pose = self.posed.get(active)
         self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
-        scene.sync(project, self.posed | self.resting, self._bones, self._paths())
+        coarse = self.moving and not self._glide.moving
+        scene.sync(project, self.posed | self.resting, self._bones, self._paths(), coarse)
         if self.moving:
             self._pace.picture(self._live.asked_at(active) if self._live.interactive else None)
         else:
             self._pace.rest()
-        self._chips.tell_work(len(self.posed), self._pace.words)
+        self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
 
     def _told_changed(self) -> None:
-        self._tell_problem()
+        if not self._live.interactive:
+            self._tell_problem()
         if not self._framed:
             self.show_soon()
 
@@ -309,10 +311,6 @@ class Viewport(Canvas):
         self._opening_size = self.view_size
         self.camera = self._opening = opening_camera(shown, self.view_size, self.camera.parallel)
 
-    def _is_another_size(self) -> bool:
-        """Whether the view is quite another than at the opening; a line of words below it makes no difference."""
-        return any(abs(now / then - 1) > ANOTHER for now, then in zip(self.view_size, self._opening_size, strict=True))
-
     def paint_over(self, painter: QPainter) -> None:
         """Handles, joints and gizmo."""
         overlay = Overlay(painter, self.camera, self.view_size)
@@ -321,7 +319,8 @@ class Viewport(Canvas):
             overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
         if self._recorded is not None:
             overlay.markers(self._recorded, self.recording.marked, self.recording.named)
-        overlay.handles(self.handles(), set(self._document.selection.of("constraints")))
+        chosen = set(self._document.selection.of("constraints"))
+        overlay.handles(self.handles(chosen if self.moving else None), chosen)  # more cost pictures and hide bodies
         for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
             pose = self.posed.get(picked.performer_id) if picked else None
             if picked is not None and pose is not None:
@@ -353,7 +352,7 @@ class Viewport(Canvas):
         project, selected = self._document.project, self._document.selection.of("performers")
         rings = selection_rings(project, self.posed, selected)
         recorded = self._recorded.paths if self._recorded else ()
-        return [*stage_paths(project, self.posed, self._trail_point()), *rings, *recorded]
+        return [*stage_paths(project, self.posed, self._trail_point(), smooth=not self.moving), *rings, *recorded]
 
     @property
     def view(self) -> View:
@@ -386,6 +385,7 @@ class Viewport(Canvas):
             (document.playhead.playing_changed, self.show_again),
             (self._live.adapted, self._adapted),
             (self._live.told_changed, self._told_changed),
+            (self._live.interactive_changed, self.show_again),
         )
         for signal, slot in links:
             signal.connect(slot)
@@ -400,10 +400,7 @@ class Viewport(Canvas):
             self._framed = False  # what plays now may be elsewhere
         if not self._live.interactive:
             self._tell_problem()  # what was told before this edit is not known any more
-        if collection in ADAPTED_FIRST:
-            self.update()
-        else:
-            self.show_again()
+        self.show_again()
 
     def _project_opened(self) -> None:
         self._played, self._framed = self._document.project.motions_played, False
@@ -421,23 +418,20 @@ class Viewport(Canvas):
 
     def _playhead_moved(self, time: float) -> None:
         """Playback ticks faster than captures were recorded: only another frame is another picture."""
-        poses = self.posed.values()
-        if not poses or any(
-            pose_of(self._document.project, one.performer, one.motion, time).row != one.row for one in poses
-        ):
+        if not self.posed or has_moved_on(self._document.project, self.posed, time):
             self.show_again()
 
     def _adapted(self, performer_id: str) -> None:
-        shown, newer = self.posed.get(performer_id), self._live.result(performer_id)
+        shown, newer = self.posed.get(performer_id), self._live.shown(performer_id)
         # While dragging, the rest of the clip comes after the frame on show.
-        if self.gesture is None or shown is None or newer is None or not shown.is_as_in(newer):
+        if not self._live.interactive or shown is None or newer is None or not shown.is_as_in(newer):
             self.show_soon()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """The chips follow the room there is."""
         super().resizeEvent(event)
         self._chips.fit(event.size().width())
-        if self.camera == self._opening and self.posed and self._is_another_size():
+        if self.camera == self._opening and self.posed and is_another_size(self.view_size, self._opening_size):
             self._open()
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 

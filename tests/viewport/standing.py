@@ -40,6 +40,7 @@ class StandingLive(QObject):
 
     adapted = Signal(str)
     told_changed = Signal()
+    interactive_changed = Signal(bool)
 
     def __init__(self, document: Any) -> None:
         super().__init__()
@@ -52,6 +53,15 @@ class StandingLive(QObject):
 
     def asked_at(self, performer_id: str) -> float:
         return 0.0
+
+    def bring(self, seconds: float) -> bool:
+        return True
+
+    def shown(self, performer_id: str) -> AdaptedMotion | None:
+        return self.result(performer_id)
+
+    def is_eased(self, performer_id: str) -> bool:
+        return True
 
     def told(self, performer_id: str) -> AdaptedMotion | None:
         return self.result(performer_id)

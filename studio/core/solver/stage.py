@@ -1,8 +1,8 @@
 """Performers on one stage: what each is asked, whom it follows, and where that is at each of its frames."""
 
 from collections.abc import Callable, Collection, Iterable
-from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
 
 import numpy as np
 
@@ -34,6 +34,13 @@ def asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
     Nobody is asked to follow itself, but where that is asked of it alone: then it follows a point of the same body.
     Who follows somebody who plays nothing is asked nothing. A place that is each body's own has this one's offset.
     """
+    known = project.known.get((asked_of, performer_id))
+    if known is None:
+        known = project.known[asked_of, performer_id] = _asked_of(project, performer_id)
+    return cast(tuple[Asked, ...], known)
+
+
+def _asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
     clips = project.performers[performer_id].clips
     playing = {key for key, performer in project.performers.items() if performer.clips}
     asked = [
@@ -48,8 +55,12 @@ def asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
 
 def leaders_of(project: Project, performer_id: str) -> set[str]:
     """The other performers that a performer follows."""
-    follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
-    return {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
+    known = project.known.get((leaders_of, performer_id))
+    if known is None:
+        follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
+        known = {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
+        project.known[leaders_of, performer_id] = known
+    return cast(set[str], known)
 
 
 def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
@@ -182,9 +193,8 @@ def concerning(constraint: Constraint, performer_id: str, playing: Collection[st
     See ``asked_of``.
     """
     changes: dict[str, Any] = {}
-    for name in (each.name for each in fields(constraint)):
-        value = getattr(constraint, name)
-        if isinstance(value, OwnPlace):
+    for name, value in vars(constraint).items():
+        if isinstance(value, OwnPlace) and value.own:
             changes[name] = value.of(performer_id)
         if not isinstance(value, FollowPerformer):
             continue

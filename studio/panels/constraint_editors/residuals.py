@@ -149,9 +149,13 @@ class ResidualSection(Section):
 
     def _told_changed(self) -> None:
         if self._editor.entity is not None:
-            self.refresh()
+            self._show()
 
     def refresh(self) -> None:
-        """Fetch the engine's newest residuals."""
+        """Fetch the engine's newest residuals; those of a drag come when the engine tells of them."""
+        if not self._editor.live.interactive:
+            self._show()
+
+    def _show(self) -> None:
         editor = self._editor
         self._table.show_residuals(residuals_of(editor.document.project, editor.live, editor.entity_id))

@@ -52,6 +52,13 @@ def handle_points(shown: Shown, row: QRect, constraint: Constraint) -> dict[Part
     return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, heights, strict=True)}
 
 
+def looks_of(constraint: Constraint | None) -> object:
+    """All of a constraint that its row shows: equal ones look the same but for how well they hold."""
+    if constraint is None:
+        return None
+    return (constraint.name, constraint.enabled, constraint.priority, constraint.activation, *key_times(constraint))
+
+
 def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
     """The curve filled at 40 per cent in the kind's colour; light and with larger handles when selected."""
     constraint = shown.project.constraints[constraint_id]

@@ -1,0 +1,24 @@
+"""The real window under a hand: ``python -m benchmarks.window [--seconds N] [--film FOLDER]``.
+
+A target, a slider, a curve's handle and the ground's height are dragged for some seconds each by a mouse at 60 Hz, then
+eight bodies play and rest. Told are how old the pose of every picture is, how many pictures there are, and what they
+cost. Writes ``docs/window.md``; a film is every picture of the drags as a file.
+"""
+
+import os
+import sys
+
+
+def main() -> int:
+    """Set the process up before anything else is imported."""
+    from studio.cli.process import prepare_process
+
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    prepare_process()
+    from benchmarks import window_figures
+
+    return window_figures.main(sys.argv[1:])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

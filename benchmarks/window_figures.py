@@ -1,0 +1,306 @@
+"""What is measured in the window, and the tables of it."""
+
+import argparse
+import os
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QPointF
+from PySide6.QtGui import QPainter
+from PySide6.QtWidgets import QStyle, QStyleOptionSlider, QWidget
+
+from benchmarks.clips import ROOT
+from benchmarks.listening import Silences, run_window
+from benchmarks.machine import machine
+from benchmarks.report import table
+from benchmarks.window_hand import Hand, Move
+from benchmarks.window_parts import Parts
+from benchmarks.window_scene import DRAGGED, long_clip, open_window
+from studio.app.main_window import MainWindow
+from studio.core.project import GROUND_ID, Project
+from studio.core.solver.adapt import adapt
+from studio.core.solver.performing import perform
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.engine.live_adaptation import normalised
+
+WORDS = """# The window under a hand
+
+Written by `make bench`. The real window, 1400 x 900, drawn by software; five skinned bodies (eight in playback), six
+constraints of their own priority; a mouse at 60 Hz drags what is named for some seconds. The age of a picture is the
+time from the move of the mouse that its pose answers until it is painted, by the clock, whatever else the machine does;
+what it costs is processor time. Off is how far the body under the mouse is from what is solved without a window.
+
+"""
+BODIES, CROWD = 5, 8
+REST = 1500
+"""Milliseconds after a drag in which the window comes to rest."""
+CHECKED = 4
+"""Pictures of a drag that are solved again beside the window."""
+AIMS = "aims: median under 33 ms, 95 % under 100 ms, strips within 250 ms of release; 24 pictures/s; 0 % at rest"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """When one was painted, when that was asked which each body answers, and where the points of bodies are."""
+
+    at: float
+    asked_at: dict[str, float | None]
+    points: dict[str, tuple[int, np.ndarray]]
+    """Frame of the motion, and (P, 3) where that is."""
+
+
+class Watch:
+    """Hears of every new picture of the view and of every painting of the timeline."""
+
+    def __init__(self, window: MainWindow, film: Path | None) -> None:
+        self._window, self._film = window, film
+        self.pictures: list[Picture] = []
+        self.rows_current_at: float | None = None
+        self._last: object = None
+        self._asked_at: dict[str, float | None] = {}
+        viewport, tracks = window.bench.viewport, window.bench.timeline.tracks
+        self._bring, self._paint_over, self._paint_rows = (
+            viewport.bring_up_to_date, viewport.paint_over, tracks._paint,
+        )  # fmt: skip
+        viewport.bring_up_to_date, viewport.paint_over, tracks._paint = self._posed, self._painted, self._rows_painted
+
+    def begin(self) -> None:
+        """Forget what was seen."""
+        self.pictures, self.rows_current_at = [], None
+
+    def _posed(self, scene: Any) -> None:
+        self._bring(scene)
+        live = self._window.bench.live
+        self._asked_at = {key: live.asked_at(key) for key in self._window.bench.viewport.posed}
+
+    def _painted(self, painter: QPainter) -> None:
+        viewport = self._window.bench.viewport
+        self._paint_over(painter)
+        if viewport._pixels is not self._last:
+            self._last = viewport._pixels
+            points = {key: (pose.frame, pose.motion.positions[pose.row]) for key, pose in viewport.posed.items()}
+            self.pictures.append(Picture(time.monotonic(), self._asked_at, points))
+
+    def _rows_painted(self, *arguments: Any) -> None:
+        self._paint_rows(*arguments)
+        live = self._window.bench.live
+        performers = self._window.bench.document.project.performers
+        if self.rows_current_at is None and not live.interactive and all(map(live.told, performers)):
+            self.rows_current_at = time.monotonic()
+
+
+@dataclass(frozen=True)
+class Result:
+    """Of one drag: milliseconds, pictures, and processor milliseconds a picture by part."""
+
+    name: str
+    ages: list[float]
+    oldest: list[float]
+    """Of the body that is furthest behind, in every picture."""
+    pictures_a_second: float
+    silence: float
+    rows_after: float
+    parts: dict[str, float]
+    off: list[float]
+    """Millimetres between bodies of pictures and what is solved beside: of that frame alone, and of the whole clip."""
+
+
+def drag(window: MainWindow, watch: Watch, parts: Parts, name: str, seconds: float) -> Result:
+    """One drag of ``DRAGS``."""
+    widget, start, reach = DRAGS[name](window)
+    document, moves, projects = window.bench.document, [], []
+
+    def moved(move: Move) -> None:
+        moves.append(move)
+        projects.append(document.project)
+
+    hand = Hand(widget, start, reach, moved)
+    watch.begin()
+    workers = [each for each in threading.enumerate() if each.name.startswith("solve-")]
+    silences = Silences()
+    hand.press()
+    parts.begin(workers)
+    begun = time.monotonic()
+    run_window(round(1000 * seconds))
+    shown, spent, lasted = list(watch.pictures), parts.end(), time.monotonic() - begun
+    silences.stop()
+    released = time.monotonic()
+    hand.release()
+    watch.rows_current_at = None
+    run_window(REST)
+    while watch.rows_current_at is None and time.monotonic() < released + 60.0:
+        run_window(20)
+    active = document.active_performer_id or ""
+    seen = [(picture, _move_of(picture.asked_at.get(active), moves)) for picture in shown]
+    ages = [1000 * (picture.at - moves[place].at) for picture, place in seen if place is not None]
+    oldest = [
+        1000 * (picture.at - min(moves[place].at for place in places))
+        for picture in shown
+        if picture.asked_at
+        if None not in (places := [_move_of(each, moves) for each in picture.asked_at.values()])
+    ]
+    # The project after a move is what the hand of the next one found.
+    checked = [
+        (picture, projects[place + 1]) for picture, place in seen if place is not None and place + 1 < len(moves)
+    ]
+    off = [_off(window, *each) for each in checked[:: max(len(checked) // CHECKED, 1)]]
+    rows_after = 1000 * ((watch.rows_current_at or np.inf) - released)
+    each = {part: 1000 * value / max(len(shown), 1) for part, value in spent.items()}
+    return Result(
+        name, ages, oldest, len(shown) / lasted, 1000 * silences.longest[0], rows_after, each,
+        np.max(off, axis=0).tolist() if off else [],
+    )  # fmt: skip
+
+
+def _move_of(asked_at: float | None, moves: Sequence[Move]) -> int | None:
+    """The last move that was taken before something was asked."""
+    taken = np.array([move.taken for move in moves])
+    return None if asked_at is None or asked_at < taken[0] else int(np.searchsorted(taken, asked_at)) - 1
+
+
+def _off(window: MainWindow, picture: Picture, project: Project) -> tuple[float, float]:
+    """Millimetres between the active body in a picture and what is solved without a window: frame by frame, eased."""
+    active = window.bench.document.active_performer_id or ""
+    row, points = picture.points[active]
+
+    def solved(eased: bool) -> AdaptedMotion:
+        def solve(request: AdaptRequest) -> AdaptedMotion:
+            return adapt(replace(request, eased=eased))
+
+        return perform(project, [active], normalised, solve).performances[active].adapted
+
+    def distance(motion: AdaptedMotion) -> float:
+        return float(1000 * np.abs(motion.positions[row] - points).max())
+
+    return distance(solved(False)), distance(solved(True))
+
+
+def _target(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
+    _select(window, ("constraints", DRAGGED))
+    viewport = window.bench.viewport
+    return viewport, QPointF(*viewport.gizmo().centre), QPointF(45.0, 30.0)
+
+
+def _slider(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
+    _select(window)
+    [slider] = [each for each in _fields(window, "Upper arms") if hasattr(each, "sliderPosition")]
+    window.inspector.ensureWidgetVisible(slider)
+    run_window(200)
+    option = QStyleOptionSlider()
+    slider.initStyleOption(option)
+    control, handle = QStyle.ComplexControl.CC_Slider, QStyle.SubControl.SC_SliderHandle
+    return slider, QPointF(slider.style().subControlRect(control, option, handle, slider).center()), QPointF(25.0, 0.0)
+
+
+def _curve(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
+    _select(window, ("constraints", DRAGGED))
+    timeline = window.bench.timeline
+    return timeline.tracks, QPointF(timeline.handle_point(DRAGGED, "full")), QPointF(60.0, 0.0)
+
+
+def _ground(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
+    _select(window, ("grounds", GROUND_ID))
+    [field] = [each for each in _fields(window, "Height") if hasattr(each, "lineEdit")]
+    line = field.lineEdit()
+    return line, QPointF(line.rect().center()), QPointF(25.0, 0.0)
+
+
+def _select(window: MainWindow, *items: tuple[str, str]) -> None:
+    document = window.bench.document
+    document.selection.set(("performers", next(iter(document.project.performers))), *items)
+    run_window(300)
+
+
+def _fields(window: MainWindow, name: str) -> list[Any]:
+    return [each for each in window.inspector.findChildren(QWidget) if each.accessibleName() == name]
+
+
+DRAGS: dict[str, Callable[[MainWindow], tuple[QWidget, QPointF, QPointF]]] = {
+    "target": _target, "slider of a measure": _slider, "curve's handle": _curve, "ground's height": _ground,
+}  # fmt: skip
+"""What is dragged: on which widget, from where, how far."""
+
+
+def playback(window: MainWindow, watch: Watch, parts: Parts, seconds: float) -> str:
+    """Pictures a second while all play, how steady they are, and what a window at rest computes."""
+    playhead = window.bench.document.playhead
+    playhead.play()
+    run_window(500)
+    watch.begin()
+    parts.begin([])
+    begun = time.monotonic()
+    run_window(round(1000 * seconds))
+    lasted, spent, times = time.monotonic() - begun, parts.end(), [each.at for each in watch.pictures]
+    playhead.pause()
+    run_window(2000)
+    rested, begun = time.process_time(), time.monotonic()
+    run_window(3000)
+    rest = 100 * (time.process_time() - rested) / (time.monotonic() - begun)
+    steps = [1000 * (after - before) for before, after in pairwise(times)]
+    each = {part: 1000 * value / len(times) for part, value in spent.items()}
+    rows = [[name, f"{value:.1f}"] for name, value in each.items() if value > 0.05]
+    return (
+        f"{CROWD} bodies play: {len(times) / lasted:.1f} pictures/s; from one to the next {np.median(steps):.0f} ms "
+        f"(95 %: {np.percentile(steps, 95):.0f}). At rest the window computes {rest:.1f} % of a core.\n\n"
+        + table(("part", "processor ms a picture"), rows)
+    )
+
+
+def tables(results: Sequence[Result]) -> str:
+    """Ages and processor times."""
+    ages = [
+        [each.name, f"{np.median(each.ages):.0f}", f"{np.percentile(each.ages, 95):.0f}",
+         f"{np.median(each.oldest):.0f}", f"{each.pictures_a_second:.1f}", f"{each.silence:.0f}",
+         f"{each.rows_after:.0f}", " / ".join(f"{value:.2f}" for value in each.off)]
+        for each in results if each.ages
+    ]  # fmt: skip
+    titles = (
+        "dragged", "age, ms, median", "95 %", "body furthest behind, median", "pictures/s", "longest silence, ms",
+        "strips after release, ms", "off, mm: frame / eased clip",
+    )  # fmt: skip
+    names = dict.fromkeys(part for each in results for part in each.parts)
+    parts = [[name, *(f"{each.parts.get(name, 0.0):.1f}" for each in results)] for name in names]
+    spent = table(("processor ms a picture", *(each.name for each in results)), parts)
+    return table(titles, ages) + f"\n({AIMS}.)\n\n" + spent
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(prog="benchmarks.window")
+    parser.add_argument("--seconds", type=float, default=5.0)
+    parser.add_argument("--only", choices=[*DRAGS, "playback"])
+    parser.add_argument("--film", type=Path)
+    options = parser.parse_args(arguments)
+    parts, clip, told = Parts(), long_clip(), []
+    with tempfile.TemporaryDirectory() as folder:
+        if options.only != "playback":
+            window = open_window(clip, BODIES, Path(folder))
+            watch = Watch(window, options.film)
+            chosen = [options.only] if options.only else DRAGS
+            told.append(tables([drag(window, watch, parts, name, options.seconds) for name in chosen]))
+            _close(window)
+        if options.only in (None, "playback"):
+            window = open_window(clip, CROWD, Path(folder))
+            told.append(playback(window, Watch(window, None), parts, options.seconds))
+            _close(window)
+    words = (
+        WORDS + f"{clip.capture.name}, {clip.motion.frame_count} frames; {machine()}; load {os.getloadavg()[0]:.1f}.\n"
+    )
+    text = "\n".join([words, *told])
+    print(text)
+    if options.only is None:
+        (ROOT / "docs" / "window.md").write_text(text, encoding="utf-8")
+    return 0
+
+
+def _close(window: MainWindow) -> None:
+    window.leave()
+    window.deleteLater()
+    run_window(100)

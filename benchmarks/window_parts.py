@@ -1,0 +1,77 @@
+"""Which part of the window computes for how long: processor time of its thread, of its workers, and of the rest."""
+
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from functools import wraps
+from typing import Any
+
+from studio.engine.live_adaptation import LiveAdaptation
+from studio.panels.inspector import Inspector
+from studio.timeline.view import TrackView
+from studio.viewport.bodies import BodyVisual
+from studio.viewport.canvas import Canvas
+from studio.viewport.floor import SoftShadows
+from studio.viewport.scene import StageScene
+from studio.viewport.widget import Viewport
+
+MEASURED: tuple[tuple[str, type, str], ...] = (
+    ("engine", LiveAdaptation, "_refresh"), ("engine", LiveAdaptation, "_take"),
+    ("drawing: bodies", BodyVisual, "pose"), ("drawing: shadows", SoftShadows, "cast"),
+    ("drawing: VTK and its copy", StageScene, "render"), ("drawing: other", Canvas, "_draw"),
+    ("painting the view", Canvas, "paintEvent"), ("problem's chip", Viewport, "_tell_problem"),
+    ("timeline", TrackView, "paintEvent"), ("timeline", TrackView, "lay_out"),
+    ("inspector", Inspector, "_entity_changed"),
+)  # fmt: skip
+"""Part, class and method; what one calls that is measured by itself is not counted with it."""
+
+
+class Parts:
+    """Processor seconds by part while it is ``on``."""
+
+    def __init__(self) -> None:
+        """Before there is a window, whose signals know its methods."""
+        self.seconds: dict[str, float] = defaultdict(float)
+        self.on = False
+        self._inner = [0.0]
+        for name, owner, method in MEASURED:
+            setattr(owner, method, self._measured(name, getattr(owner, method)))
+
+    def begin(self, workers: Sequence[threading.Thread]) -> None:
+        """Count from now on."""
+        self.seconds.clear()
+        self._workers = workers
+        self._begun = self._threads()
+        self.on = True
+
+    def end(self) -> dict[str, float]:
+        """Processor seconds by part since ``begin``, with all that is left over of each thread."""
+        self.on = False
+        now = self._threads()
+        total, window, workers = (now[place] - self._begun[place] for place in range(3))
+        parts = dict(self.seconds)
+        parts["window's thread, other"] = window - sum(parts.values())
+        parts["solving beside"] = workers
+        parts["drawing threads of software GL"] = total - window - workers
+        return parts | {"all": total}
+
+    def _threads(self) -> tuple[float, float, float]:
+        clocks = [time.pthread_getcpuclockid(each.ident or 0) for each in self._workers]
+        return time.process_time(), time.thread_time(), sum(time.clock_gettime(each) for each in clocks)
+
+    def _measured(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(function)
+        def run(*arguments: Any, **named: Any) -> Any:
+            if not self.on:
+                return function(*arguments, **named)
+            begun = time.thread_time()
+            self._inner.append(0.0)
+            try:
+                return function(*arguments, **named)
+            finally:
+                spent = time.thread_time() - begun
+                self.seconds[name] += spent - self._inner.pop()
+                self._inner[-1] += spent
+
+        return run

@@ -1,0 +1,86 @@
+"""What one performer's result depends on, and the request that comes of it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from studio.core.capture import Capture
+from studio.core.constraints.clear import ClearConstraint
+from studio.core.contacts import ContactInterval, Touch
+from studio.core.ground import Ground
+from studio.core.morphology import Morphology
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.placement import Placement
+from studio.core.project import Clip, Performer, Project
+from studio.core.solver.circles import Player
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.rows import Asked, composite_of, constraints_in, is_plain
+from studio.core.solver.stage import Followed, asked_of, followed_by, tracks_of
+from studio.core.volume import BodyVolume
+
+Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
+Results = Callable[[str], AdaptedMotion | None]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """All that one performer's result depends on; equal ones need no new solve."""
+
+    performer: Performer = field(compare=False)
+    motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
+    """Identity of the capture, clip and contacts of each clip."""
+    morphology: Morphology
+    asked: tuple[Asked, ...]
+    ground: Ground
+    followed: tuple[Followed, ...]
+    placement: Placement
+    volume: BodyVolume | None = None
+    limited: bool = True
+    eased: bool = True
+
+    def stands_as(self, other: "Wanted | None") -> bool:
+        """Whether a body stands on the ground as another does before anything is asked of it."""
+        return other is not None and (self.motions, self.morphology, self.ground, self.volume, self.limited) == (
+            other.motions, other.morphology, other.ground, other.volume, other.limited
+        )  # fmt: skip
+
+
+def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Results) -> Wanted | None:
+    """What a performer's result depends on; None while who it follows is not there yet."""
+    performer = project.performers[key]
+    character = project.characters[performer.character_id]
+    followed = followed_by(project, key, result_of, circle)
+    if followed is None:
+        return None
+    asked = asked_of(project, key)
+    captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips]
+    alone = len(captures) == 1 and is_plain(performer.clips[0])  # then it is all the same when it begins
+    clips = [replace(clip, start=0.0, first=0) if alone else clip for clip in performer.clips]
+    stand = [tuple(project.contacts_for(key, clip).values()) for clip in performer.clips]
+    motions = tuple(zip(map(id, captures), clips, stand, strict=True))
+    # The skin is measured only for who asks: a moved slider would pay for it every time.
+    clears = any(isinstance(each.constraint, ClearConstraint) for each in asked) or any(
+        isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts
+    )
+    ground = project.ground.seen_from(performer.position, performer.heading)
+    volume = character.volume if clears else None
+    return Wanted(
+        performer, motions, character.morphology, asked, ground, followed, Placement.of(performer), volume,
+        performer.limited, performer.eased,
+    )  # fmt: skip
+
+
+def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> Player:
+    """A performer with its request; what costs time is done here, in whatever thread asks."""
+
+    def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
+        return prepare(project.captures[project.motions[motion_id].capture_id])
+
+    composite = composite_of(project, key, lambda motion_id: prepared(motion_id)[0])
+    actor = prepared(wanted.performer.clips[0].motion_id)[1]
+    constraints = constraints_in(wanted.asked, composite, wanted.morphology.leg_length)
+    tracks = tracks_of(wanted.followed, composite)
+    request = AdaptRequest(
+        composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, wanted.volume,
+        actor, wanted.limited, wanted.eased,
+    )  # fmt: skip
+    return Player(request, composite, wanted.placement)

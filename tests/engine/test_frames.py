@@ -1,0 +1,120 @@
+"""What a picture shows of a dragged body: its frame as it is asked now, as the whole clip would have it."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.project import GROUND_ID
+from studio.core.scope import Scope
+from studio.core.solver.adapt import adapt
+from studio.core.solver.performing import perform
+from studio.document.document import Document
+from studio.engine.live_adaptation import LiveAdaptation, normalised
+from tests.builders import make_constraint, make_project
+
+FRAMES, FRAME = 60, 15
+
+
+@pytest.fixture
+def live(qapp: Any) -> Iterator[LiveAdaptation]:
+    document = Document(make_project(characters=2, frames=FRAMES))
+    document.playhead.set_frame(FRAME)
+    live = LiveAdaptation(document)
+    live.document = document  # type: ignore[attr-defined]
+    assert live.wait(100.0)
+    live.interactive = True
+    yield live
+    live.close()
+
+
+def drag(document: Document, place: tuple[float, float, float]) -> None:
+    asked = document.project.constraints["constraint 0"]
+    document.replace("constraints", "constraint 0", replace(asked, target=place), "Drag", 1)
+
+
+def exact(document: Document, performer_id: str) -> Any:
+    """(P, 3) the frame at the playhead out of the whole clip, solved without a window."""
+    solved = perform(document.project, [performer_id], normalised, lambda request: adapt(replace(request, eased=False)))
+    motion = solved.performances[performer_id].adapted
+    return motion.positions[FRAME]
+
+
+def shown(live: LiveAdaptation, performer_id: str) -> Any:
+    motion = live.shown(performer_id)
+    assert motion is not None
+    return motion.positions[FRAME - motion.first_frame]
+
+
+def test_every_move_is_shown_at_once_as_the_whole_clip_has_that_frame(live: Any) -> None:
+    for step in range(5):
+        drag(live.document, (0.4, 0.1 * step, 1.2))
+        live.bring(live.document.playhead.time)
+        for key in live.document.project.performers:
+            np.testing.assert_allclose(shown(live, key), exact(live.document, key), atol=1e-12)
+            assert not live.is_eased(key)
+
+
+def test_what_was_shown_last_is_what_is_there_after_release_but_for_the_easing(live: Any) -> None:
+    drag(live.document, (0.4, 0.2, 1.2))
+    live.bring(live.document.playhead.time)
+    last = shown(live, "performer 0")
+    live.interactive = False
+    assert live.wait(100.0)
+    live.bring(live.document.playhead.time)
+    assert live.is_eased("performer 0")
+    assert live.shown("performer 0") is live.result("performer 0")
+    np.testing.assert_allclose(shown(live, "performer 0"), last, atol=0.005)
+
+
+def test_a_body_whose_measures_are_dragged_follows_in_the_same_picture(live: Any) -> None:
+    document = live.document
+    character = document.project.characters["character 1"]
+    taller = replace(character, proportions=replace(character.proportions, stature=1.2))
+    document.replace("characters", "character 1", taller, "Grow", 1)
+    live.bring(document.playhead.time)
+    np.testing.assert_allclose(shown(live, "performer 1"), exact(document, "performer 1"), atol=1e-12)
+    assert live.shown("performer 0") is live.result("performer 0")  # whom it does not concern
+
+
+def test_the_ground_that_is_dragged_carries_every_body_after_a_few_pictures(live: Any) -> None:
+    document = live.document
+    document.replace("grounds", GROUND_ID, replace(document.project.ground, height=0.3), "Raise ground", 1)
+    pictures = 0
+    while not live.bring(document.playhead.time):
+        pictures += 1
+        assert pictures < 5
+    for key in document.project.performers:
+        np.testing.assert_allclose(shown(live, key), exact(document, key), atol=1e-12)
+
+
+def test_who_is_followed_and_who_follows_are_shown_at_one_moment(live: Any) -> None:
+    document = live.document
+    document.replace(
+        "constraints", "constraint 0",
+        replace(document.project.constraints["constraint 0"], scope=Scope(performer_id="performer 1")), "One",
+    )  # fmt: skip
+    wrist = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
+    follower = make_constraint(name="after it", target=FollowPerformer("performer 1", wrist))
+    document.add("constraints", replace(follower, scope=Scope(performer_id="performer 0")), "Follow")
+    live.interactive = False
+    assert live.wait(100.0)
+    live.interactive = True
+    document.selection.set(("performers", "performer 0"))
+    before = shown(live, "performer 0")
+    drag(document, (0.5, 0.3, 1.1))
+    live.bring(document.playhead.time)
+    assert np.abs(shown(live, "performer 0") - before).max() > 0.001
+    np.testing.assert_allclose(shown(live, "performer 0"), exact(document, "performer 0"), atol=1e-9)
+
+
+def test_another_moment_is_solved_for_itself(live: Any) -> None:
+    drag(live.document, (0.4, 0.2, 1.2))
+    for frame in (FRAME, 0, FRAMES - 1, 10 * FRAMES):
+        live.bring(frame / 60.0)
+        assert live.shown("performer 0").first_frame == min(frame, FRAMES - 1)
