@@ -11,6 +11,8 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels import clearance as kernel
+from studio.core.kernels.clearing import make_clearing
+from studio.core.kernels.records import ActorRooms, Pose, Volume
 from studio.core.morphology import Morphology
 from studio.core.rest_pose import rest_pose
 from studio.core.skin import fit_skin
@@ -51,8 +53,8 @@ def test_the_capsules_lie_close_under_the_skin(name: str) -> None:
     body, mesh = character.morphology, fit_skin(character.skin, character.build, character.morphology)
     pose, capsules, way = rest_pose(body), np.empty((9, 9)), np.empty(3)
     volume = character.volume
-    packed = (volume.segments, volume.places, volume.radii, volume.girths)
-    kernel.place_capsules(packed, pose, np.array(body.layout.proximal_points()), capsules)
+    packed = Volume(volume.segments, volume.places, volume.radii, volume.girths)
+    kernel.place_capsules(packed, Pose(*pose), np.array(body.layout.proximal_points()), capsules)
     main = mesh.segments[:, 0]
     hips, neck = pose[0][body.layout.hip(0), 2], pose[0][body.layout.neck_base, 2]
     height = (mesh.vertices[:, 2] - hips) / (neck - hips)
@@ -87,17 +89,16 @@ def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:
 
 def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float, share: float = 1.0) -> tuple:
     """One arm cleared: whether it moved, the rooms before and after."""
-    packed = (volume.segments, volume.places, volume.radii, volume.girths)
-    capsules, ways, found = np.empty((9, 9)), np.zeros((5, 3)), np.empty((3, 5))
-    kernel.place_capsules(packed, pose, np.array(body.layout.proximal_points()), capsules)
-    kernel.measure_arm(1, packed, capsules, pose[0], found[0], ways)
-    scratch = (np.empty((4, 3)), np.empty((3, 3, 3)))
-    moved = kernel.clear_arm(
-        1, False, np.full(5, wanted), np.zeros(5), np.zeros((5, 3)), (share, 1.0, 1.0), packed, capsules, scratch,
-        np.empty((3, 3)), pose, found[1],
-    )  # fmt: skip
-    kernel.measure_arm(1, packed, capsules, pose[0], found[2], ways)
-    return moved, found[0], found[2]
+    packed = Volume(volume.segments, volume.places, volume.radii, volume.girths)
+    proximal, posed, before, after = np.array(body.layout.proximal_points()), Pose(*pose), np.empty(5), np.empty(5)
+    actor = ActorRooms(packed, np.zeros((1, 2, 5)), np.zeros((1, 2, 5, 3)))
+    clearing = make_clearing(packed)
+    clearing.asks[:] = wanted
+    kernel.place_capsules(packed, posed, proximal, clearing.capsules)
+    kernel.measure_arm(1, packed, clearing.capsules, posed.positions, before, clearing.ways)
+    moved = kernel.clear_arm(1, 0.0, 0, (share, 1.0, 1.0), actor, clearing, posed)
+    kernel.measure_arm(1, packed, clearing.capsules, posed.positions, after, clearing.ways)
+    return moved, before, after
 
 
 @given(seed=seeds)

@@ -6,11 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.constraints.base import Chain
-from studio.core.kernels.adapt import make_work
+from studio.core.kernels.adapt import make_search
 from studio.core.kernels.again import step_again
 from studio.core.kernels.joints import ROOT, add_point_row, carry_arm, carry_trunk, set_brakes
 from studio.core.kernels.priorities import eliminate, find_step, move_joints
 from studio.core.kernels.pulls import ASK, HOLD
+from studio.core.kernels.records import Pose
 from studio.core.normalized.realize import realize
 from studio.core.solver.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
 from tests.builders import make_morphology
@@ -72,32 +73,30 @@ class _Search:
         directions = random.normal(size=(self.count, 3))
         self.directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
         self.goals = np.where(np.arange(self.count) < held, 0.0, random.uniform(-0.01, 0.01, self.count))
-        self.pose = POSITIONS.copy(), ROTATIONS.copy()
-        self.work = make_work(self.count, len(self.free.joints), len(POSITIONS))
+        self.pose = Pose(POSITIONS.copy(), ROTATIONS.copy())
+        self.search = make_search(self.count, len(self.free.joints), len(POSITIONS))
 
     def step(self) -> float:
         """Ask for what is left of the goals; how far anything moves."""
-        ask, solving, carried, turned = self.work[:4]
-        rows, errors, owners, roles, brakes, pulls, _ = ask
-        rows[:], errors[: self.count] = 0.0, self.goals - self.gained
+        search, chain, rows = self.search, self.free.chain, self.search.rows
+        rows.jacobian[:], rows.errors[: self.count] = 0.0, self.goals - self.gained
         for row, (segment, point) in enumerate(zip(self.segments, self.points, strict=True)):
-            owners[row], roles[row], pulls[row, 7] = row, HOLD if row < self.held else ASK, -1.0
-            add_point_row(
-                self.pose[0][point], *self.directions[row], segment, self.free.joints, self.pose[0], rows[row]
-            )
-        set_brakes(turned[0], self.free.joints, self.free.limits, carried, brakes)
-        start = POSITIONS, ROTATIONS
-        find_step(self.held, self.count, 1.0, ask, self.free.arrays, solving, self.pose[0])
-        moved = move_joints(0.0, self.free.arrays, carried, solving[5][-2] + solving[5][-1], turned[0])
-        carry_trunk(turned[0], self.free.slots, start, carried, self.pose)
+            rows.owners[row], rows.roles[row], rows.pulls[row, 7] = row, HOLD if row < self.held else ASK, -1.0
+            place, jacobian = self.pose.positions[point], rows.jacobian[row]
+            add_point_row(place, *self.directions[row], segment, chain.joints, self.pose.positions, jacobian)
+        set_brakes(search.state, chain.joints, chain.limits, search.carried, rows.brakes)
+        find_step(self.held, self.count, 1.0, rows, chain, search.equations, self.pose.positions)
+        steps, start = search.equations.steps, Pose(POSITIONS, ROTATIONS)
+        moved = move_joints(0.0, chain, search.carried, steps[-2] + steps[-1], search.state)
+        carry_trunk(search.state, chain.slots, start, search.carried, self.pose)
         for side in range(2):
-            carry_arm(side, turned[0], self.free.slots, start, carried, self.pose)
+            carry_arm(side, search.state, chain.slots, start, search.carried, self.pose)
         return float(moved)
 
     @property
     def gained(self) -> np.ndarray:
         """How far each point has gone along its direction."""
-        return np.sum((self.pose[0][self.points] - POSITIONS[self.points]) * self.directions, axis=1)
+        return np.sum((self.pose.positions[self.points] - POSITIONS[self.points]) * self.directions, axis=1)
 
 
 @given(seeds)
@@ -123,11 +122,11 @@ def test_what_is_held_stays_while_others_ask(seed: int) -> None:
 def test_a_step_by_what_was_eliminated_goes_the_same_way_and_leaves_no_more(seed: int, held: int, part: float) -> None:
     search = _Search(seed, 1, held)
     search.step()
-    ask, solving = search.work[:2]
-    found, missed = solving[7][2][-1].copy(), part * search.goals[-1]
-    ask[1][: search.count] *= part
-    step_again(search.held, search.count, ask, search.free.arrays, solving)
-    rows, way = solving[7][0][: search.count], solving[7][2][-1]
+    rows, equations = search.search.rows, search.search.equations
+    found, missed = equations.flat.steps[-1].copy(), part * search.goals[-1]
+    rows.errors[: search.count] *= part
+    step_again(search.held, search.count, rows, search.free.chain, equations)
+    rows, way = equations.flat.jacobian[: search.count], equations.flat.steps[-1]
     assert rows[:-1] @ way == pytest.approx(0.0, abs=1e-6)
     assert abs(missed - rows[-1] @ way) <= abs(missed - part * rows[-1] @ found) + 1e-9
     assert np.linalg.norm(found) * way == pytest.approx(np.linalg.norm(way) * found, abs=1e-9)
@@ -138,7 +137,7 @@ def test_a_step_by_what_was_eliminated_goes_the_same_way_and_leaves_no_more(seed
 def test_a_step_keeps_every_bone_of_the_trunk_and_the_arms(seed: int) -> None:
     search = _Search(seed)
     search.step()
-    lengths = [body_twin.bone_lengths(LAYOUT, points)[: K + 10] for points in (search.pose[0], POSITIONS)]
+    lengths = [body_twin.bone_lengths(LAYOUT, points)[: K + 10] for points in (search.pose.positions, POSITIONS)]
     assert np.allclose(*lengths, atol=1e-12)
 
 
@@ -149,7 +148,7 @@ def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
     search.goals *= 50
     for _ in range(20):
         search.step()
-    turned = 2.0 * np.arctan(np.linalg.norm(search.work[3][0], axis=1))
+    turned = 2.0 * np.arctan(np.linalg.norm(search.search.state, axis=1))
     segments = search.free.joints[:, 0]
     assert turned[(segments > 0) & (segments < K)].max() <= VERTEBRA_LIMIT + 1e-9
     assert turned[(segments == K + 2) | (segments == K + 6)].max() <= CLAVICLE_LIMIT + 1e-9
@@ -158,5 +157,5 @@ def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
 def test_only_the_root_moves_where_only_the_root_is_free() -> None:
     search = _Search(4, chain=Chain(0.0, 0.0, 0.0, 0.0, 1.0))
     assert search.step() > 0.0
-    assert np.allclose(search.pose[1][: K + 10], ROTATIONS[: K + 10], atol=1e-12)
-    assert not np.allclose(search.pose[0][: K + 3], POSITIONS[: K + 3], atol=1e-6)
+    assert np.allclose(search.pose.rotations[: K + 10], ROTATIONS[: K + 10], atol=1e-12)
+    assert not np.allclose(search.pose.positions[: K + 3], POSITIONS[: K + 3], atol=1e-6)

@@ -18,11 +18,13 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.ground import Ground
 from studio.core.joint_limits import limits_of
-from studio.core.kernels.adapt import make_work
+from studio.core.kernels.adapt import make_search
 from studio.core.kernels.balance import add_leg_answer, centre_of_mass, let_arm_reach, set_balance_rows, sum_masses
 from studio.core.kernels.joints import ROOT
 from studio.core.kernels.placing import carry_body
 from studio.core.kernels.reach import aim_at
+from studio.core.kernels.records import Body, Legs, Pose, Problem
+from studio.core.kernels.tasks import TASK
 from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
@@ -289,33 +291,34 @@ class _Posed:
         body, footing = standing.morphology, standing.footing
         chain = replace(WHOLE, segments=tuple((part, 1.0) for part in (BodyPart.PELVIS, BodyPart.NECK, BodyPart.HEAD)))
         chain = replace(chain, clavicle=1.0)
-        self.chain = free_joints((chain,), (0,), body.layout).arrays
-        self.start = standing.positions[frame], standing.rotations[frame]
+        self.chain = free_joints((chain,), (0,), body.layout).chain
+        self.start = Pose(standing.positions[frame], standing.rotations[frame])
         parts = footing.comforts, footing.ankles, footing.feet, footing.toes
-        legs = (KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
+        legs = Legs(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
         self.masses, self.shares = segment_masses(body.layout), point_masses(body.layout)
-        self.body = body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares
-        self.work = make_work(1, len(self.chain[1]), len(self.start[0]))
+        self.body = Body(body.rows[0], self.masses, np.full(2, np.inf), legs, limits_of(body)[:0], self.shares)
+        self.search = make_search(1, len(self.chain.joints), len(self.start.positions))
 
-    def pose(self, joint: int, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def pose(self, joint: int, turn: np.ndarray) -> Pose:
         """The pose with a joint turned by a rotation vector, or the root moved."""
-        state = self.work[3][0]
+        state = self.search.state
         state[:] = 0.0
-        state[joint] = turn if self.chain[1][joint, 0] == ROOT else np.tan(0.5 * turn)
-        pose = self.start[0].copy(), self.start[1].copy()
-        carry_body(self.chain, self.body, self.work, self.start, pose)
+        state[joint] = turn if self.chain.joints[joint, 0] == ROOT else np.tan(0.5 * turn)
+        pose = Pose(self.start.positions.copy(), self.start.rotations.copy())
+        nothing = np.zeros(0, dtype=TASK), np.zeros((0, 10))
+        carry_body(Problem(*nothing, self.chain, self.body, self.search, self.start, pose))
         return pose
 
     def mass(self, joint: int, turn: np.ndarray) -> np.ndarray:
         """(3,) the centre of mass then."""
         sums = np.empty((len(self.masses) + 1, 4))
-        sum_masses(self.masses, self.pose(joint, turn)[0], sums)
+        sum_masses(self.masses, self.pose(joint, turn).positions, sums)
         return sums[-1, :3]
 
     def rows(self) -> np.ndarray:
-        sums, rows = np.empty((len(self.masses) + 1, 4)), np.empty((3, len(self.chain[1]), 3))
-        sum_masses(self.masses, self.start[0], sums)
-        set_balance_rows(3, self.masses, sums, self.chain[1], self.start[0], rows)
+        sums, rows = np.empty((len(self.masses) + 1, 4)), np.empty((3, len(self.chain.joints), 3))
+        sum_masses(self.masses, self.start.positions, sums)
+        set_balance_rows(3, self.masses, sums, self.chain.joints, self.start.positions, rows)
         return rows
 
 
@@ -324,7 +327,7 @@ class _Posed:
 def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_planted(name: str, frame: int) -> None:
     posed, step = _Posed(STANDING[name], frame), 1e-5
     rows = posed.rows()
-    for joint, segment in enumerate(posed.chain[1][:, 0]):
+    for joint, segment in enumerate(posed.chain.joints[:, 0]):
         for axis in range(3):
             turn = step * np.eye(3)[axis]
             slope = (posed.mass(joint, turn) - posed.mass(joint, -turn)) / (2.0 * step)
@@ -340,11 +343,11 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
 @pytest.mark.parametrize("name", BODIES)
 def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str) -> None:
     posed, step = _Posed(STANDING[name], 30), 1e-6
-    root = int(np.flatnonzero(posed.chain[1][:, 0] == ROOT)[0])
+    root = int(np.flatnonzero(posed.chain.joints[:, 0] == ROOT)[0])
     posed.masses = posed.masses.copy()
     posed.masses[: STANDING[name].morphology.layout.segment(BodyPart.RIGHT_THIGH), 0] = 0.0
     levers = np.zeros((3, 3))
-    add_leg_answer(1, 3, 0.0, posed.masses, posed.start[0], levers)
+    add_leg_answer(1, 3, 0.0, posed.masses, posed.start.positions, levers)
     for axis, way in enumerate(np.eye(3)):
         slope = (posed.mass(root, step * way) - posed.mass(root, -step * way)) / (2.0 * step)
         assert slope == pytest.approx(levers[:, axis], abs=1e-3 * np.abs(levers).max())
@@ -354,8 +357,8 @@ def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str
 def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> None:
     posed, point = _Posed(STANDING[name], MIDDLE), np.empty(3)
     sums = np.empty((len(posed.masses) + 1, 4))
-    centre_of_mass(posed.shares, posed.start[0], point)
-    sum_masses(posed.masses, posed.start[0], sums)
+    centre_of_mass(posed.shares, posed.start.positions, point)
+    sum_masses(posed.masses, posed.start.positions, sums)
     assert sums[-1] == pytest.approx([*point, 1.0], abs=1e-3)
     assert sums[-1, :3] == pytest.approx(point, abs=1e-12)
 
@@ -363,7 +366,7 @@ def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> 
 @pytest.mark.parametrize("side", [0, 1])
 def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: int) -> None:
     posed, step, goal = _Posed(STANDING["adult_woman"], 30), 1e-6, np.array([2.0, 0.6 - 1.2 * side, 1.5])
-    layout, (joints, masses) = STANDING["adult_woman"].morphology.layout, (posed.chain[1], posed.masses)
+    layout, (joints, masses) = STANDING["adult_woman"].morphology.layout, (posed.chain.joints, posed.masses)
     upper, root = (
         layout.segment(BodyPart.LEFT_UPPER_ARM if side == 0 else BodyPart.RIGHT_UPPER_ARM),
         layout.collar(side) + 1,

@@ -9,9 +9,9 @@ from studio.core.kernels.pulls import BOUND, FURTHEST
 
 
 @kernel
-def is_kept(held, ask, solving):
+def is_kept(held, rows, equations):
     """Whether no bound that the last step did not look at is broken now."""
-    errors, roles, active = ask[1], ask[3], solving[3]
+    errors, roles, active = rows.errors, rows.roles, equations.active
     kept = True
     for i in range(held):
         kept = kept and (active[i] or roles[i] != BOUND or errors[i] <= 0.0)
@@ -19,14 +19,16 @@ def is_kept(held, ask, solving):
 
 
 @kernel
-def step_again(held, count, ask, chain, solving):
+def step_again(held, count, rows, chain, equations):
     """``find_step`` with what the last one eliminated, for what is missed now: near the goal levers hardly change.
 
     How far anything is to move, in metres.
     """
-    rows, errors, roles, brakes = solving[7][0], ask[1], ask[3], ask[4]
-    _, system, newton, active, answer, ways, levers, (_, weighted, long) = solving
-    last, kept, own = ways.shape[0] - 1, 0, count - held
+    jacobian, weighted, flat = equations.flat.jacobian, equations.flat.weighted, equations.flat.steps
+    errors, roles, brakes = rows.errors, rows.roles, rows.brakes
+    system, normal, active = equations.held, equations.normal, equations.active
+    answer, steps, levers = equations.answer, equations.steps, equations.levers
+    last, kept, own = steps.shape[0] - 1, 0, count - held
     for i in range(held):
         if active[i]:
             value = max(errors[i], 0.0) if roles[i] == BOUND else errors[i]
@@ -34,8 +36,8 @@ def step_again(held, count, ask, chain, solving):
                 value -= system[h, kept] * system[h, h] * answer[h]
             answer[kept] = value
             kept += 1
-    for number in range(long.shape[1]):
-        long[last, number] = long[last - 1, number] = 0.0
+    for number in range(flat.shape[1]):
+        flat[last, number] = flat[last - 1, number] = 0.0
     place = kept
     for i in range(held - 1, -1, -1):
         if active[i]:
@@ -44,29 +46,29 @@ def step_again(held, count, ask, chain, solving):
             for h in range(place + 1, kept):
                 value -= system[place, h] * answer[h]
             answer[place] = value * system[place, place]
-            for number in range(long.shape[1]):
-                long[last - 1, number] += answer[place] * weighted[i, number]
-    brake_way(brakes, ways[last - 1])
+            for number in range(flat.shape[1]):
+                flat[last - 1, number] += answer[place] * weighted[i, number]
+    brake_way(brakes, steps[last - 1])
     for i in range(own):
-        newton[i, own] = 0.0
+        normal[i, own] = 0.0
     for q in range(own):
-        levers[q, own] = errors[held + q] - product_of(rows[held + q], long[last - 1])
+        levers[q, own] = errors[held + q] - product_of(jacobian[held + q], flat[last - 1])
         for i in range(own):
-            levers[q, i] = product_of(rows[held + q], long[held + i])
-            newton[i, own] += levers[q, own] * levers[q, i]
+            levers[q, i] = product_of(jacobian[held + q], flat[held + i])
+            normal[i, own] += levers[q, own] * levers[q, i]
     for i in range(own):
         for j in range(i + 1, own):
-            newton[j, own] -= newton[j, i] / newton[i, i] * newton[i, own]
+            normal[j, own] -= normal[j, i] / normal[i, i] * normal[i, own]
     for i in range(own - 1, -1, -1):
-        value = newton[i, own]
+        value = normal[i, own]
         for j in range(i + 1, own):
-            value -= newton[i, j] * answer[j]
-        answer[i] = value / newton[i, i]
+            value -= normal[i, j] * answer[j]
+        answer[i] = value / normal[i, i]
     part = part_as_now(own, levers, answer)
     for i in range(own):
-        for number in range(long.shape[1]):
-            long[last, number] += part * answer[i] * long[held + i, number]
-    return max(length_of(chain[1], ways[last - 1]), length_of(chain[1], ways[last]))
+        for number in range(flat.shape[1]):
+            flat[last, number] += part * answer[i] * flat[held + i, number]
+    return max(length_of(chain.joints, steps[last - 1]), length_of(chain.joints, steps[last]))
 
 
 @kernel

@@ -51,7 +51,7 @@ def body_point(point, segment, offset, positions, rotations, out_point):
 @kernel
 def copy_pose(start, pose):
     """``pose`` becomes ``start``."""
-    for point in range(pose[0].shape[0]):
-        copy_point(start[0][point], pose[0][point])
-    for segment in range(pose[1].shape[0]):
-        copy_matrix(start[1][segment], pose[1][segment])
+    for point in range(pose.positions.shape[0]):
+        copy_point(start.positions[point], pose.positions[point])
+    for segment in range(pose.rotations.shape[0]):
+        copy_matrix(start.rotations[segment], pose.rotations[segment])

@@ -1,10 +1,9 @@
 """Arms kept clear of their own body: out of capsules, by moving the wrist and by turning the elbow about its axis.
 
 In smooth closed-form steps from the frame's own pose, so that it needs no frame before; ``kernels.clearing`` says when.
-``volume`` is the tuple (segments (N, 2), places (N, 2, 3), radii (N, 2), girths (5,)) of ``core.volume.BodyVolume``;
-``capsules`` (N, 9) are begin, axis, 1 / length^2 and both radii in the world; an arm has five spheres, its probes: at
-the elbow, half way down the forearm, at the wrist, in the palm and in the fingers. *Room* is how far a probe's surface
-is from the body's, negative inside.
+Records are those of ``kernels.records``; ``capsules`` (N, 9) are begin, axis, 1 / length^2 and both radii in the
+world; an arm has five spheres, its probes: at the elbow, half way down the forearm, at the wrist, in the palm and in
+the fingers. *Room* is how far a probe's surface is from the body's, negative inside.
 """
 
 import math
@@ -15,6 +14,7 @@ from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import reach_to, span_range
+from studio.core.kernels.records import Pose
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.turns import turn_by
 from studio.core.kernels.vectors import copy_matrix, copy_point
@@ -42,13 +42,13 @@ FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
 @kernel
 def place_capsules(volume, pose, proximal, out_capsules):
     """The capsules in the world, (N, 9); ``proximal`` (S,) is the point where each segment begins."""
-    segments, places, radii = volume[0], volume[1], volume[2]
+    segments, places, radii = volume.segments, volume.places, volume.radii
     for n in range(segments.shape[0]):
         capsule = out_capsules[n]
         for end in range(2):
             segment, place = segments[n, end], places[n, end]
-            origin, out = pose[0][proximal[segment]], capsule[3 * end : 3 * end + 3]
-            add_rotated(origin, pose[1][segment], place[0], place[1], place[2], out)
+            origin, out = pose.positions[proximal[segment]], capsule[3 * end : 3 * end + 3]
+            add_rotated(origin, pose.rotations[segment], place[0], place[1], place[2], out)
         for axis in range(3):
             capsule[3 + axis] -= capsule[axis]
         capsule[6] = 1.0 / max(capsule[3] ** 2 + capsule[4] ** 2 + capsule[5] ** 2, 1e-9)
@@ -122,16 +122,16 @@ def measure_arm(side, volume, capsules, positions, out_rooms, out_ways):
     shoulder, point = positions.shape[0] - 19 + 5 * side, np.empty(3)
     for probe in range(PROBES):
         probe_at(probe, shoulder, positions, point)
-        girth = volume[3][probe]
+        girth = volume.girths[probe]
         out_rooms[probe] = room_at(point[0], point[1], point[2], girth, capsules, out_ways[probe])
 
 
 @allocating_kernel
 def room_frames(volume, proximal, positions, rotations, out_rooms, out_ways):
     """The room of every probe at every frame, (F, 2, 5) metres, and the way out (F, 2, 5, 3)."""
-    capsules = np.empty((volume[0].shape[0], 9))
+    capsules = np.empty((volume.segments.shape[0], 9))
     for frame in range(positions.shape[0]):
-        place_capsules(volume, (positions[frame], rotations[frame]), proximal, capsules)
+        place_capsules(volume, Pose(positions[frame], rotations[frame]), proximal, capsules)
         for side in range(2):
             measure_arm(side, volume, capsules, positions[frame], out_rooms[frame, side], out_ways[frame, side])
 
@@ -150,24 +150,24 @@ def wanted_rooms(actor_rooms, margin, out_wanted):
 
 
 @allocating_kernel
-def clear_arm(side, touch, wanted, own, ways, shares, volume, capsules, saved, turn, pose, out_rooms):
-    """Bring one arm out of its body where its probes have less room than ``wanted`` (5,); True when it moved.
+def clear_arm(side, touch, frame, shares, clearance, clearing, pose):
+    """Bring one arm out of its body where its probes have less room than ``clearing.asks``; True when it moved.
 
     In sweeps, each from where the last one has brought the arm. ``shares`` (3,): how much of the answer is taken, how
-    freely the wrist and the swivel may move. ``again`` leaves a clear arm alone though it is near: for after the
-    constraints. ``saved`` the tuple (points (4, 3), rotations (3, 3, 3)) and ``turn`` (3, 3) are scratch. An arm with
-    enough room is not touched, and ``out_rooms`` (5,) is the room that it has.
+    freely the wrist and the swivel may move; ``touch`` metres within which a probe is led, 0 for as usual. An arm with
+    enough room is not touched, and ``clearing.rooms`` become the room that it has.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    saved, turn = clearing.saved, clearing.turn
     moved, shift, swivel, step = False, np.zeros(3), 0.0, np.empty(4)
     for _ in range(SWEEPS):
         near = touch if touch > 0.0 else TOUCH if moved else 0.0
-        if not sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, positions, out_rooms, step):
+        if not sweep_arm(side, near, frame, shares, clearance, clearing, positions, step):
             break
         if not moved:
-            copy_arm((positions[shoulder : shoulder + 4], rotations[upper : upper + 3]), saved)
+            copy_arm(Pose(positions[shoulder : shoulder + 4], rotations[upper : upper + 3]), saved)
             moved = True
         for axis in range(3):
             shift[axis] += step[axis]
@@ -179,13 +179,15 @@ def clear_arm(side, touch, wanted, own, ways, shares, volume, capsules, saved, t
 
 
 @allocating_kernel
-def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, positions, out_rooms, out_step):
+def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_step):
     """The step (4,) of wrist (metres) and swivel (radians) that gives every probe its room; False when none is needed.
 
     Probe after probe takes the least step for itself, wrist and swivel counted by their cost, where the steps before
-    have brought it. The actor has the room ``own`` (5,) and the ways out ``ways`` (5, 3): the narrower it is beside
-    this body, the earlier a probe begins to give way, unless it is to be kept ``near`` its place, in metres.
+    have brought it. The narrower the actor is beside this body, the earlier a probe begins to give way, unless it is to
+    be kept ``near`` its place, in metres.
     """
+    wanted, own, ways = clearing.asks, clearance.rooms[frame, side], clearance.ways[frame, side]
+    shoulder = positions.shape[0] - 19 + 5 * side
     place, arc, way = np.empty(3), np.empty(3), np.empty(3)
     out_step[0] = out_step[1] = out_step[2] = out_step[3] = 0.0
     for probe in range(PROBES):
@@ -194,8 +196,8 @@ def sweep_arm(shoulder, near, wanted, own, ways, shares, volume, capsules, posit
         arc_of(probe, shoulder, place, positions, arc)
         for axis in range(3):
             place[axis] += k * out_step[axis] + out_step[3] * arc[axis]
-        room = room_at(place[0], place[1], place[2], volume[3][probe], capsules, way)
-        out_rooms[probe] = room
+        room = room_at(place[0], place[1], place[2], clearance.volume.girths[probe], clearing.capsules, way)
+        clearing.rooms[side, probe] = room
         if near > 0.0:
             short = ramp(wanted[probe] - room, near)
         else:
@@ -249,13 +251,13 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
     positions, rotations = pose
     spine_count = positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    copy_arm(saved, (positions[shoulder : shoulder + 4], rotations[upper : upper + 3]))
+    copy_arm(saved, Pose(positions[shoulder : shoulder + 4], rotations[upper : upper + 3]))
     root, wrist, target = positions[shoulder], positions[shoulder + 2], np.empty(3)
     reach = span_range(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)[1]
     now, needed = 0.0, 0.0
     for axis in range(3):
-        target[axis] = saved[0][2, axis] + share * shift[axis]
-        now += (saved[0][2, axis] - root[axis]) ** 2
+        target[axis] = saved.positions[2, axis] + share * shift[axis]
+        now += (saved.positions[2, axis] - root[axis]) ** 2
         needed += (target[axis] - root[axis]) ** 2
     now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
     needed = soft_reach(needed, min(max(now, COMFORT), 0.9999))
@@ -264,15 +266,15 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
     scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
     turn_part(turn_by(scale * ax, scale * ay, scale * az), upper, spine_count, root, positions, rotations)
-    copy_matrix(saved[1][2], rotations[upper + 2])
+    copy_matrix(saved.rotations[2], rotations[upper + 2])
     for axis in range(3):
-        positions[shoulder + 3, axis] = wrist[axis] + saved[0][3, axis] - saved[0][2, axis]
+        positions[shoulder + 3, axis] = wrist[axis] + saved.positions[3, axis] - saved.positions[2, axis]
 
 
 @kernel
 def copy_arm(arm, out_arm):
-    """``out_arm`` becomes ``arm``, both the tuple (points (4, 3), rotations (3, 3, 3))."""
+    """``out_arm`` becomes ``arm``: points (4, 3) and rotations (3, 3, 3)."""
     for point in range(4):
-        copy_point(arm[0][point], out_arm[0][point])
+        copy_point(arm.positions[point], out_arm.positions[point])
     for segment in range(3):
-        copy_matrix(arm[1][segment], out_arm[1][segment])
+        copy_matrix(arm.rotations[segment], out_arm.rotations[segment])

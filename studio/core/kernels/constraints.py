@@ -1,19 +1,5 @@
 """The constraints of one frame, level by level: limbs in closed form, trunk and root only where limbs fall short.
 
-What goes through the functions here, for C constraints on a body of S segments and P points:
-``asked`` (C,) records of ``kernels.asked`` in order of rank; ``areas`` (C, n) as in ``kernels.areas``.
-``chain`` the tuple (mobilities (C + L, N), joints (N, 5), slots (S + 1,), limits (N,)) of ``kernels.joints``: how
-  freely each constraint moves each joint, and after the C constraints each of the L levels any down to it.
-``body`` (measures, masses (S, 2), leashes (2,), legs, limits, shares (P,)): masses and shares are those of
-  ``kernels.balance``; leashes the parts of their lengths to which the root may stretch the legs, inf where a foot is
-  free; legs are channels, comforts, ankles, feet and toes; limits those of ``kernels.joint_limits``.
-``work`` (ask, solving, carried (S + 1, 3, 3), turned (4, N, 3) state, the one before, ``edges``' and one that costs
-  those above too much, grips (12,), points (8, 3), sums (S + 1, 4), turns (54, 3, 3), full, past (5,)): scratch, the
-  first two as in ``kernels.priorities``; of each limb what holds its end, whether ``edges`` keeps it and whether it is
-  idle; full ``newton``'s; past what the last step missed, how many rows held when one was last eliminated (-1 not
-  yet) and how far all has moved since, whether the last will do, and how many rows there were in all then.
-``start`` and ``pose`` (positions (P, 3), rotations (S, 3, 3)): the motion's own, and the one that is solved.
-
 Every frame starts from its own pose, and operations are meant to be continuous in their inputs, so that neighbouring
 frames take neighbouring ways; where a level is given up, or a limb changes sides, ``kernels.easing`` does the rest.
 """
@@ -27,19 +13,19 @@ from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import (
     LIMB_COMFORT,
     limb_indices,
-    note_grips,
+    note_ends,
     note_seconds,
     range_of,
 )
+from studio.core.kernels.limb_rows import aim_limb
 from studio.core.kernels.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
 from studio.core.kernels.recruiting import frees_limbs, note_balances
 from studio.core.kernels.room import make_room
-from studio.core.kernels.rows import aim_limb
 from studio.core.kernels.stance import free_part
 from studio.core.kernels.steps import KEPT, MET, step
 from studio.core.kernels.stiffness import free_stiff, stiffen
-from studio.core.kernels.vectors import copy_matrix, copy_point, distance
+from studio.core.kernels.vectors import blend_points, clear_points, copy_matrix, copy_point, copy_points, distance
 
 TRIES, LATE = 4, 5
 """Steps that a level takes, and those that it may add where it is nearly there or still gains: a body far out of reach
@@ -72,227 +58,229 @@ GAINS = 0.7
 
 
 @kernel
-def solve_frame(level_count, asked, areas, chain, body, work, start, pose):
+def solve_frame(level_count, problem):
     """Move one posed frame until its constraints hold as well as their chains and priorities allow."""
-    spine_count = pose[0].shape[0] - 23
-    turned = work[3]
-    for joint in range(turned.shape[1]):
-        turned[0, joint, 0] = turned[0, joint, 1] = turned[0, joint, 2] = 0.0
-    idle = work[4][8:]
-    note_idle(asked, chain[2], spine_count, idle)
-    note_seconds(asked)
-    note_limits(asked, chain[2], body, start)
+    tasks, chain, body, search, pose = problem.tasks, problem.chain, problem.body, problem.search, problem.pose
+    spine_count = pose.positions.shape[0] - 23
+    clear_points(search.state)
+    idle = search.idle
+    note_idle(tasks, chain.slots, spine_count, idle)
+    note_seconds(tasks)
+    note_limits(problem)
     before = -1
     for level in range(level_count):
-        if not wants_level(level, asked):
+        if not wants_level(level, tasks):
             continue
-        changed = note_grips(level, asked, spine_count, work[4])
-        note_reaches(level, changed, asked, chain, work[4], body, work[5], start, pose)
+        changed = note_ends(level, tasks, spine_count, search.ends)
+        note_reaches(level, changed, problem)
         if before >= 0:
-            note_kept(before, level, asked, areas, body, work, pose)
-            keep_caps(body[4])
-        solve_level(level, before < 0, asked, areas, chain, body, work, start, pose)
+            note_kept(before, level, problem)
+            keep_caps(body.limits)
+        solve_level(level, before < 0, problem)
         before = level
     for limb in range(4):
         outlined = idle[limb] == OUTLINED
         idle[limb] = 0
         if outlined:
-            put_back(limb, chain, body, work, start, pose)
+            put_back(limb, problem)
 
 
 @kernel
-def note_limits(asked, slots, body, start):
+def note_limits(problem):
     """What the unsolved pose has of every limb that a constraint is about, or a search turns; of wrists and ankles only
     where hand or foot are named.
     """
-    limits = body[4]
+    tasks, slots, body, start = problem.tasks, problem.chain.slots, problem.body, problem.start
+    limits = body.limits
     for limb in range(limits.shape[0]):
-        upper = limb_indices(limb, start[0].shape[0] - 23)[1]
+        upper = limb_indices(limb, start.positions.shape[0] - 23)[1]
         found, tip = slots[upper] >= 0, limb >= 2
-        for c in range(asked.shape[0]):
+        for c in range(tasks.shape[0]):
             for end in range(2):
-                if asked[c].ends[end, 2] == limb:
-                    found = found or asked[c].wanted == 1
-                    tip = tip or asked[c].ends[end, 1] >= upper + 2
+                if tasks[c].ends[end, 2] == limb:
+                    found = found or tasks[c].wanted == 1
+                    tip = tip or tasks[c].ends[end, 1] >= upper + 2
         if found:
             note_own(limb, 2 if tip else 1, limits, start)
             limits[limb].lets_go = free_part(limb - 2, body) if limb >= 2 else 1.0
 
 
 @kernel
-def wants_level(level, asked):
+def wants_level(level, tasks):
     """Whether any constraint of this level acts now."""
     acts = False
-    for c in range(asked.shape[0]):
-        acts = acts or (asked[c].rank == level and asked[c].wanted == 1)
+    for c in range(tasks.shape[0]):
+        acts = acts or (tasks[c].rank == level and tasks[c].wanted == 1)
     return acts
 
 
 @kernel
-def solve_level(level, fresh, asked, areas, chain, body, work, start, pose):
+def solve_level(level, fresh, problem):
     """Newton's steps on one level with those above held; in the end those above get back what it cost them."""
-    stiff = free_stiff(level, asked)
-    turned = work[3]
-    for joint in range(turned.shape[1]):
-        copy_point(turned[0, joint], turned[1, joint])
-    place(level, fresh, asked, areas, chain, body, work, start, pose)
+    tasks, chain, search = problem.tasks, problem.chain, problem.search
+    stiff = free_stiff(level, tasks)
+    copy_points(search.state, search.before)
+    place(level, fresh, problem)
     if stiff:
-        stiffen(level, asked)
-        place(level, False, asked, areas, chain, body, work, start, pose)
-    if not fresh and yields(level, asked, areas, body, work, pose):
-        begin_again(level, asked, areas, chain, body, work, start, pose)
-    if chain[1].shape[0] > 0:
-        take_steps(level, fresh, asked, areas, chain, body, work, start, pose)
+        stiffen(level, tasks)
+        place(level, False, problem)
+    if not fresh and yields(level, problem):
+        begin_again(level, problem)
+    if chain.joints.shape[0] > 0:
+        take_steps(level, fresh, problem)
     if not fresh:
-        give_back(level, asked, areas, chain, body, work, start, pose)
+        give_back(level, problem)
 
 
 @kernel
-def take_steps(level, fresh, asked, areas, chain, body, work, start, pose):
+def take_steps(level, fresh, problem):
     """Steps until a level has what it wants, or as much of it as there is."""
-    past = work[9]
-    past[0], past[1] = 0.0, -1.0
-    balances = note_balances(level, asked, chain, body, work, pose)
-    if is_met(level, asked, areas, body, work, pose):
+    tasks, chain, search = problem.tasks, problem.chain, problem.search
+    past = search.last[0]
+    past.missed, past.held = 0.0, -1
+    balances = note_balances(level, problem)
+    if is_met(level, problem):
         return
-    frees = frees_limbs(min(asked.shape[0] + level, chain[0].shape[0] - 1), chain)
-    stays = fresh and not frees_root(level, asked, chain)
+    frees = frees_limbs(min(tasks.shape[0] + level, chain.mobilities.shape[0] - 1), chain)
+    stays = fresh and not frees_root(level, tasks, chain)
     whole = stays and not frees
     tries = THOROUGH if frees or whole else TRIES
-    if not frees and make_room(level, asked, areas, chain, body, work, start, pose):
+    if not frees and make_room(level, problem):
         tries = CRAMPED
     for attempt in range(tries if frees else tries + LATE):
         refines, is_late = whole and attempt >= SIMPLE, attempt >= tries
         less = 1.0 if frees or balances else LESS**attempt
-        if not step(level, False, refines, is_late, stays, less, asked, chain, body, work, start, pose) > 0.0:
+        if not step(level, False, refines, is_late, stays, less, problem) > 0.0:
             break
-        place(level, False, asked, areas, chain, body, work, start, pose)
-        if past[3] > 0.0:
+        place(level, False, problem)
+        if past.suffices:
             break
 
 
 @kernel
-def give_back(level, asked, areas, chain, body, work, start, pose):
+def give_back(level, problem):
     """Mend what a level has cost those above it, or go back; in the end it is given up, and all is as it began."""
-    if mend(level, KEPT, True, asked, areas, chain, body, work, start, pose):
+    tasks, search = problem.tasks, problem.search
+    if mend(level, KEPT, True, problem):
         return
-    disturbs = disturbance(level, True, asked, areas, body, work, pose)
+    disturbs = disturbance(level, True, problem)
     if disturbs < KEPT:
         return
-    turned, least, most, costs, cost = work[3], 0.0, 1.0, disturbs, 0.0
-    for joint in range(turned.shape[1]):
-        copy_point(turned[0, joint], turned[3, joint])
+    least, most, costs, cost = 0.0, 1.0, disturbs, 0.0
+    copy_points(search.state, search.tried)
     for attempt in range(HALVES + 2):
         share = least  # where even what lies between does not do
         if attempt < HALVES:
             share = 0.5 * (least + most)
         elif attempt == HALVES:
             share += (most - least) * (BACK * KEPT - cost) / (costs - cost)
-        go_back(share, level, asked, areas, chain, body, work, start, pose)
-        disturbs = disturbance(level, True, asked, areas, body, work, pose)
+        go_back(share, level, problem)
+        disturbs = disturbance(level, True, problem)
         if attempt >= HALVES and disturbs < KEPT:
             return
         if disturbs < BACK * KEPT:
             least, cost = share, disturbs
         else:
             most, costs = share, disturbs
-    for joint in range(turned.shape[1]):
-        copy_point(turned[1, joint], turned[0, joint])
-    give_up(level, asked)
-    begin_again(level, asked, areas, chain, body, work, start, pose)
+    copy_points(search.before, search.state)
+    give_up(level, tasks)
+    begin_again(level, problem)
 
 
 @kernel
-def go_back(share, level, asked, areas, chain, body, work, start, pose):
+def go_back(share, level, problem):
     """Leave but a ``share`` of the way that a level has gone, and mend that."""
-    turned = work[3]
-    for joint in range(turned.shape[1]):
-        for axis in range(3):
-            before = turned[1, joint, axis]
-            turned[0, joint, axis] = before + share * (turned[3, joint, axis] - before)
-    place(level, False, asked, areas, chain, body, work, start, pose)
-    work[9][1] = -1.0
-    mend(level, BACK * KEPT, True, asked, areas, chain, body, work, start, pose)
+    search = problem.search
+    blend_points(share, search.before, search.tried, search.state)
+    place(level, False, problem)
+    search.last[0].held = -1
+    mend(level, BACK * KEPT, True, problem)
 
 
 @kernel
-def begin_again(level, asked, areas, chain, body, work, start, pose):
+def begin_again(level, problem):
     """Limbs as this level is to have them once something of it is given up."""
-    restore_caps(body[4])
-    changed = note_grips(level, asked, pose[0].shape[0] - 23, work[4])
-    note_reaches(level, changed, asked, chain, work[4], body, work[5], start, pose)
-    place(level, False, asked, areas, chain, body, work, start, pose)
+    tasks, body, search, pose = problem.tasks, problem.body, problem.search, problem.pose
+    restore_caps(body.limits)
+    changed = note_ends(level, tasks, pose.positions.shape[0] - 23, search.ends)
+    note_reaches(level, changed, problem)
+    place(level, False, problem)
 
 
 @kernel
-def yields(level, asked, areas, body, work, pose):
+def yields(level, problem):
     """Give up what this level asks of limbs whose turn, wished above, their limits do not leave beside it.
 
     No joint of the trunk would give that back. Whether there is any.
     """
+    tasks = problem.tasks
     found = False
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if row.kind != ORIENTATION or row.ends[0, 2] < 0 or row.wanted != 1 or row.rank >= level:
             continue
         limb = row.ends[0, 2]
-        if miss_of(c, asked, areas, body, work, pose) - row.kept_miss < KEPT:
+        if miss_of(c, problem) - row.kept_miss < KEPT:
             continue
-        for other in range(asked.shape[0]):
-            named = asked[other].ends[0, 2] == limb or asked[other].ends[1, 2] == limb
-            if named and asked[other].rank == level and asked[other].wanted == 1:
-                asked[other].wanted, asked[other].engaged = GIVEN_UP, 0
+        for other in range(tasks.shape[0]):
+            named = tasks[other].ends[0, 2] == limb or tasks[other].ends[1, 2] == limb
+            if named and tasks[other].rank == level and tasks[other].wanted == 1:
+                tasks[other].wanted, tasks[other].engaged = GIVEN_UP, 0
                 found = True
     return found
 
 
 @kernel
-def mend(level, most, both_ways, asked, areas, chain, body, work, start, pose):
+def mend(level, most, both_ways, problem):
     """Give those above this level back what it has cost them, and, ``both_ways``, take back what it gave them; whether
     that is less than ``most`` metres now.
     """
-    least, fails, past = math.inf, 0, work[9]
+    chain, search = problem.chain, problem.search
+    least, fails, past = math.inf, 0, search.last[0]
     for _ in range(MENDS):
-        disturbs = disturbance(level, both_ways, asked, areas, body, work, pose)
+        disturbs = disturbance(level, both_ways, problem)
         if disturbs < most:
             return True
         if disturbs > GAINS * least:
-            fails, past[1] = fails + 1, -1.0
+            fails, past.held = fails + 1, -1
             if fails > 1:
                 break
-        least, joints = min(least, disturbs), chain[1].shape[0]
-        if joints == 0 or not step(level, True, False, False, False, 1.0, asked, chain, body, work, start, pose) > 0.0:
+        least, joints = min(least, disturbs), chain.joints.shape[0]
+        if joints == 0 or not step(level, True, False, False, False, 1.0, problem) > 0.0:
             break
-        place(level, False, asked, areas, chain, body, work, start, pose)
+        place(level, False, problem)
     return False
 
 
 @kernel
-def frees_root(level, asked, chain):
+def frees_root(level, tasks, chain):
     """Whether any constraint of this level may move the root: others that do must not change how it is solved."""
-    root = chain[2][-1]
+    root = chain.slots[-1]
     frees = False
-    for c in range(asked.shape[0]):
-        frees = frees or (root >= 0 and asked[c].rank == level and asked[c].wanted == 1 and chain[0][c, root] > 0.0)
+    for c in range(tasks.shape[0]):
+        frees = frees or (
+            root >= 0 and tasks[c].rank == level and tasks[c].wanted == 1 and chain.mobilities[c, root] > 0.0
+        )
     return frees
 
 
 @kernel
-def give_up(level, asked):
+def give_up(level, tasks):
     """What cannot be had beside the levels above is not asked of limbs any more at this frame."""
-    for c in range(asked.shape[0]):
-        if asked[c].rank == level and asked[c].wanted:
-            asked[c].wanted, asked[c].engaged = GIVEN_UP, 0
+    for c in range(tasks.shape[0]):
+        if tasks[c].rank == level and tasks[c].wanted:
+            tasks[c].wanted, tasks[c].engaged = GIVEN_UP, 0
 
 
 @kernel
-def place(level, fresh, asked, areas, chain, body, work, start, pose):
+def place(level, fresh, problem):
     """The body where its joints carry it, and its limbs where they are to be; a fresh pose is carried already."""
+    chain, search = problem.chain, problem.search
     if not fresh:
-        carry_body(chain, body, work, start, pose)
-    elif chain[1].shape[0] > 0:
-        note_carried(work[2])
-    place_limbs(level, asked, areas, chain, body, work, start, pose)
+        carry_body(problem)
+    elif chain.joints.shape[0] > 0:
+        note_carried(search.carried)
+    place_limbs(level, problem)
 
 
 @kernel
@@ -305,66 +293,71 @@ def note_carried(carried):
 
 
 @kernel
-def is_met(level, asked, areas, body, work, pose):
+def is_met(level, problem):
     """Whether this level has what it wants as limbs were placed, and those above it have lost nothing."""
-    for c in range(asked.shape[0]):
-        row = asked[c]
-        if row.wanted == 1 and row.rank == level and miss_of(c, asked, areas, body, work, pose) >= MET:
+    tasks = problem.tasks
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if row.wanted == 1 and row.rank == level and miss_of(c, problem) >= MET:
             return False
-    return disturbance(level, True, asked, areas, body, work, pose) < KEPT
+    return disturbance(level, True, problem) < KEPT
 
 
 @kernel
-def disturbance(level, both_ways, asked, areas, body, work, pose):
+def disturbance(level, both_ways, problem):
     """By how much more or, ``both_ways``, less than before those above this level are missed, in metres or radians."""
+    tasks = problem.tasks
     worst = 0.0
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if counts(row) and row.rank < level:
-            change = miss_of(c, asked, areas, body, work, pose) - row.kept_miss
+            change = miss_of(c, problem) - row.kept_miss
             worst = max(worst, abs(change) if both_ways else change)
     return worst
 
 
 @kernel
-def note_kept(first, level, asked, areas, body, work, pose):
+def note_kept(first, level, problem):
     """Note what the constraints above this level have got: it is theirs to keep.
 
     Those above ``first``, the level that was solved last, keep what they missed when it began: changes do not add up.
     """
-    spine_count = pose[0].shape[0] - 23
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    tasks, search, pose = problem.tasks, problem.search, problem.pose
+    spine_count = pose.positions.shape[0] - 23
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if not counts(row) or row.rank >= level:
             continue
-        miss = miss_of(c, asked, areas, body, work, pose)
+        miss = miss_of(c, problem)
         if row.rank >= first:
             row.kept_miss = miss
         if row.kind == ORIENTATION or row.kind == LOOK_AT:
-            copy_matrix(pose[1][row.ends[0, 1]], row.kept_turn)
+            copy_matrix(pose.rotations[row.ends[0, 1]], row.kept_turn)
         elif row.kind == BALANCE:
-            copy_point(work[5][0], row.kept_places[0])  # where its miss was measured
+            copy_point(search.points[0], row.kept_places[0])  # where its miss was measured
         else:
             for end in range(2):
                 if row.ends[end, 0] >= 0:
                     end_place(row, end, pose, row.kept_places[end])
                 if row.ends[end, 2] >= 0:
                     root = limb_indices(row.ends[end, 2], spine_count)[0]
-                    copy_point(pose[0][root], row.kept_roots[end])
+                    copy_point(pose.positions[root], row.kept_roots[end])
 
 
 @kernel
-def note_reaches(level, changed, asked, chain, grips, body, points, start, pose):
+def note_reaches(level, changed, problem):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 
     Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
     in time and the trunk does the rest without error (METHOD 6, "reach sharing"). Levels above have noted theirs, but
-    for limbs whose grip has ``changed`` (bits).
+    for limbs whose end is held by another task now, the ``changed`` (bits).
     """
-    spine_count = pose[0].shape[0] - 23
+    tasks, chain, body, start = problem.tasks, problem.chain, problem.body, problem.start
+    pose, points, ends = problem.pose, problem.search.points, problem.search.ends
+    spine_count = pose.positions.shape[0] - 23
     point = points[0]
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if row.wanted != 1 or row.rank > level or row.kind == ORIENTATION or row.kind == BALANCE or row.kind == LOOK_AT:
             continue
         for end in range(2):
@@ -373,22 +366,22 @@ def note_reaches(level, changed, asked, chain, grips, body, points, start, pose)
                 continue
             if end == 0 and row.kind == POSITION and (limb < 0 or row.freedoms[end, 0] == 0.0):
                 end_place(row, end, start, row.begin)
-                note_means(c, row, chain, body, start)
+                note_means(c, row, problem)
             if limb < 0:
                 continue
-            holds_end = limb >= 2 or grips[limb] >= 0
+            holds_end = limb >= 2 or ends[limb] >= 0
             end_place(row, end, start, point)
             root, upper = limb_indices(limb, spine_count)
             origin = row.origins[end]
             if row.rank == level:
-                copy_point(pose[0][root], origin)
-            fold, reach, own = range_of(limb, row.ends[end, 1], holds_end, point, body[4], start)
+                copy_point(pose.positions[root], origin)
+            fold, reach, own = range_of(limb, row.ends[end, 1], holds_end, point, body.limits, start)
             row.folds[end], row.longest[end], row.reaches[end] = fold, reach, reach
             row.easings[end] = min(fold + FOLDING * (reach - fold), own)
             row.comforts[end], row.slack[end] = 1.0, 0.0
             if reach <= 0.0 or row.ends[end, 1] == upper:
                 continue
-            shoulder = start[0][root]
+            shoulder = start.positions[root]
             comfort = COMFORT if row.helped else LIMB_COMFORT
             row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
             if row.kind == POSITION and row.helped:
@@ -401,5 +394,5 @@ def note_reaches(level, changed, asked, chain, grips, body, points, start, pose)
                 way, carrier = span - min(max(span, fold), row.reaches[end]), 0 if limb >= 2 else upper - 1
                 if way < 0.0 or (way > 0.0 and is_alone(c, carrier, chain)):
                     sign = math.copysign(1.0 / span, way)
-                    able = means_of(c, sign * x, sign * y, sign * z, shoulder, carrier, chain, body, start)
+                    able = means_of(c, sign * x, sign * y, sign * z, shoulder, carrier, problem)
                     row.slack[end] = way - math.copysign(soft_way(abs(way), able), way)

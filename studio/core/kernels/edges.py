@@ -5,10 +5,8 @@ about, or is out of reach after a moment, where elbow and trunk stop at once. So
 constraints, then without the one that acts least, and so on until what is wholly active is left, and each pose is
 blended with the one before, joint by joint. Those that both have then get back what the blend has cost them.
 
-The pose before is kept in the ``work`` of ``kernels.constraints``: the state of its search as the last of ``turned``,
-the rotations of its limbs' segments in what carries each from ``THERE`` on in ``turns``, four a limb, those of the pose
-just solved from ``HERE`` on and of the blend from ``KEPT_TURNS`` on; misses as ``blended`` in the records; and as
-the second four of ``grips`` which limbs are to stay as blended.
+The pose before is the ``kept`` state and turns of a ``Search``, that just solved its ``before`` and ``solved_turns``,
+and the blend its ``state`` and ``hung_turns``; misses are ``blended`` in the records of the tasks.
 """
 
 import math
@@ -18,11 +16,12 @@ from studio.core.kernels.constraints import disturbance, mend, note_kept
 from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG
-from studio.core.kernels.placing import KEPT_TURNS, carry_body, miss_of, place_limbs, turn_error
+from studio.core.kernels.limb_rows import MISSED, aim_limb
+from studio.core.kernels.placing import carry_body, miss_of, place_limbs, turn_error
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
-from studio.core.kernels.rows import MISSED, TURN_ARM, aim_limb
+from studio.core.kernels.rows import TURN_ARM
 from studio.core.kernels.steps import KEPT
-from studio.core.kernels.vectors import copy_matrix, copy_point, distance
+from studio.core.kernels.vectors import blend_points, copy_matrix, copy_point, copy_points, distance
 
 IN_PART = 3
 """What ``wanted`` becomes where a constraint is on its edge, or was out of reach in what is blended."""
@@ -31,96 +30,81 @@ LOST = 2e-4
 GIVEN_UP_THERE = 2
 """What a limb is whose constraint was given up in what is kept, while the next is solved."""
 
-THERE, HERE = KEPT_TURNS + 16, KEPT_TURNS + 32
-"""Where in the scratch ``turns`` the limbs of what is kept and of what was just solved begin."""
 STRAIGHT = 0.01
 """Part of its length that a limb has to spare from which on it bends as its place wants, rather than the trunk."""
 
 
 @kernel
-def next_edge(least, frame, asked, activations):
+def next_edge(least, frame, tasks, activations):
     """The smallest activation above ``least`` of what is on its edge; 1 where there is none."""
     found = 1.0
-    for c in range(asked.shape[0]):
-        if least < activations[c, frame] < found and asked[c].blends:
+    for c in range(tasks.shape[0]):
+        if least < activations[c, frame] < found and tasks[c].blends:
             found = activations[c, frame]
     return found
 
 
 @kernel
-def clear_state(work):
-    """Nothing has turned yet."""
-    turned = work[3][0]
-    for joint in range(turned.shape[0]):
-        turned[joint, 0] = turned[joint, 1] = turned[joint, 2] = 0.0
-
-
-@kernel
-def keep_solution(first, asked, areas, body, work, pose):
+def keep_solution(first, problem):
     """Note a pose, to be blended with the next; what is missed by the ``first``."""
-    turned, hung = work[3], work[4]
-    for joint in range(turned.shape[1]):
-        copy_point(turned[0, joint], turned[2, joint])
-    note_turns(THERE, work[7], pose)
+    tasks, search, pose = problem.tasks, problem.search, problem.pose
+    copy_points(search.state, search.kept)
+    note_turns(search.kept_turns, pose)
     for limb in range(4):
-        hung[4 + limb] = 0
-    for c in range(asked.shape[0]):
-        row = asked[c]
+        search.hung[limb] = 0
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if first:
-            row.blended = miss_of(c, asked, areas, body, work, pose) if row.wanted else 0.0
-        note_hung(row, GIVEN_UP_THERE, hung)
+            row.blended = miss_of(c, problem) if row.wanted else 0.0
+        note_hung(row, GIVEN_UP_THERE, search.hung)
 
 
 @kernel
-def note_turns(first, turns, pose):
-    """Note the rotations of all limbs' segments in what carries each, as ``turns`` from the ``first`` on."""
+def note_turns(out_turns, pose):
+    """Note the rotations of all limbs' segments in what carries each, (16, 3, 3), four a limb."""
     for limb in range(4):
-        before, upper, _ = limb_parts(limb, pose[0].shape[0] - 23)
+        before, upper, _ = limb_parts(limb, pose.positions.shape[0] - 23)
         for bone in range(3 if limb < 2 else 4):
-            turn_between(pose[1][before], pose[1][upper + bone], turns[first + 4 * limb + bone])
+            turn_between(pose.rotations[before], pose.rotations[upper + bone], out_turns[4 * limb + bone])
             before = upper + bone
 
 
 @kernel
-def note_hung(row, how, hung):
+def note_hung(row, how, out_hung):
     """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
     if row.wanted > 1 and row.kind != BALANCE:
         for end in range(2):
             if row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0:
-                hung[4 + row.ends[end, 2]] = how
+                out_hung[row.ends[end, 2]] = how
 
 
 @kernel
-def note_blended(part, asked, areas, body, work, pose):
+def note_blended(part, problem):
     """Note the pose just solved, and what is missed where that which is kept counts ``part``."""
-    turned = work[3]
-    for joint in range(turned.shape[1]):
-        copy_point(turned[0, joint], turned[1, joint])
-    note_turns(HERE, work[7], pose)
-    for c in range(asked.shape[0]):
-        now = miss_of(c, asked, areas, body, work, pose) if asked[c].wanted else 0.0
-        asked[c].blended = part * asked[c].blended + (1.0 - part) * now
+    tasks, search, pose = problem.tasks, problem.search, problem.pose
+    copy_points(search.state, search.before)
+    note_turns(search.solved_turns, pose)
+    for c in range(tasks.shape[0]):
+        now = miss_of(c, problem) if tasks[c].wanted else 0.0
+        tasks[c].blended = part * tasks[c].blended + (1.0 - part) * now
 
 
 @kernel
-def blend_kept(part, work):
+def blend_kept(part, search):
     """Blend state and limbs of what is kept, which counts ``part``, into those of what was just solved."""
-    turned = work[3]
-    for joint in range(turned.shape[1]):
-        for axis in range(3):
-            turned[0, joint, axis] = turned[1, joint, axis] + part * (turned[2, joint, axis] - turned[1, joint, axis])
+    blend_points(part, search.before, search.kept, search.state)
     for limb in range(4):
-        blend_limb(part, limb, work)
+        blend_limb(part, limb, search)
 
 
 @kernel
-def blend_limb(part, limb, work):
+def blend_limb(part, limb, search):
     """``blend_kept`` of one limb alone."""
-    turns, turn, vector = work[7], work[7][0], work[5][7]
+    turn, vector = search.turns[0], search.points[7]
     for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
-        turn_error(turns[THERE + bone], turns[HERE + bone], turn, vector)
+        turn_error(search.kept_turns[bone], search.solved_turns[bone], turn, vector)
         rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
-        multiply(turn, turns[HERE + bone], turns[KEPT_TURNS + bone])
+        multiply(turn, search.solved_turns[bone], search.hung_turns[bone])
 
 
 @kernel
@@ -136,112 +120,115 @@ def turn_between(carrier, segment, out_turn):
 
 
 @kernel
-def pose_between(part, frame, asked, areas, activations, chain, body, work, start, pose):
+def pose_between(part, frame, activations, problem):
     """Pose the body ``part`` of the way from what was just solved to what was kept; what both have is held.
 
     Where that cannot be held in between, the body is as the nearer of both has it.
     """
-    note_blended(part, asked, areas, body, work, pose)
-    blend_kept(part, work)
-    pose_kept(frame, asked, areas, activations, chain, body, work, start, pose)
-    if loses(asked, areas, body, work, pose):
-        blend_kept(1.0 if part >= 0.5 else 0.0, work)
+    search = problem.search
+    note_blended(part, problem)
+    blend_kept(part, search)
+    pose_kept(frame, activations, problem)
+    if loses(problem):
+        blend_kept(1.0 if part >= 0.5 else 0.0, search)
         for limb in range(4):
-            work[4][4 + limb] = HUNG
-        carry_body(chain, body, work, start, pose)
+            search.hung[limb] = HUNG
+        carry_body(problem)
         for limb in range(4):
-            work[4][4 + limb] = 0
+            search.hung[limb] = 0
 
 
 @kernel
-def loses(asked, areas, body, work, pose):
+def loses(problem):
     """Whether anything that was to be held is missed by more than what is blended."""
+    tasks = problem.tasks
     lost = False
-    for c in range(asked.shape[0]):
-        row = asked[c]
-        lost = lost or (row.wanted == 1 and miss_of(c, asked, areas, body, work, pose) > row.blended + LOST)
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        lost = lost or (row.wanted == 1 and miss_of(c, problem) > row.blended + LOST)
     return lost
 
 
 @kernel
-def note_misses(frame, asked, areas, body, work, pose, out_residuals):
+def note_misses(frame, problem, out_residuals):
     """By how much each constraint is missed at one frame."""
-    for c in range(asked.shape[0]):
+    tasks = problem.tasks
+    for c in range(tasks.shape[0]):
         out_residuals[c, frame] = math.nan
-        if asked[c].wanted == IN_PART:
-            out_residuals[c, frame] = asked[c].blended
-        elif asked[c].wanted:
-            out_residuals[c, frame] = miss_of(c, asked, areas, body, work, pose)
+        if tasks[c].wanted == IN_PART:
+            out_residuals[c, frame] = tasks[c].blended
+        elif tasks[c].wanted:
+            out_residuals[c, frame] = miss_of(c, problem)
 
 
 @kernel
-def pose_kept(frame, asked, areas, activations, chain, body, work, start, pose):
+def pose_kept(frame, activations, problem):
     """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks."""
-    level = chain[0].shape[0] - asked.shape[0]
-    hung = work[4]
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    tasks, chain, search = problem.tasks, problem.chain, problem.search
+    level = chain.mobilities.shape[0] - tasks.shape[0]
+    hung = search.hung
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         on_edge = not row.wanted and 0.0 < activations[c, frame] < 1.0
         turns = row.kind == ORIENTATION or row.kind == LOOK_AT
         if on_edge or (row.wanted == 1 and not row.pinned and row.blended * (TURN_ARM if turns else 1.0) > MISSED):
             row.wanted = IN_PART
         note_hung(row, HUNG, hung)
     for limb in range(4):
-        hung[4 + limb] = HUNG if hung[4 + limb] else 0
-    carry_body(chain, body, work, start, pose)
-    note_kept(0, level, asked, areas, body, work, pose)
-    for c in range(asked.shape[0]):
-        if asked[c].wanted == 1:
-            note_held(asked[c], hung, work, pose)
-    place_limbs(level, asked, areas, chain, body, work, start, pose)
-    mend_kept(level, asked, areas, chain, body, work, start, pose)
-    for c in range(asked.shape[0]):
-        row = asked[c]
-        if row.wanted == 1 and row.blended > KEPT and row.ends[0, 2] >= 0 and hung[4 + row.ends[0, 2]]:
+        hung[limb] = HUNG if hung[limb] else 0
+    carry_body(problem)
+    note_kept(0, level, problem)
+    for c in range(tasks.shape[0]):
+        if tasks[c].wanted == 1:
+            note_held(tasks[c], problem)
+    place_limbs(level, problem)
+    mend_kept(level, problem)
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if row.wanted == 1 and row.blended > KEPT and row.ends[0, 2] >= 0 and hung[row.ends[0, 2]]:
             row.wanted = IN_PART  # its place was where the blend has it, and not where it wants to be
     for limb in range(4):
-        hung[4 + limb] = 0
+        hung[limb] = 0
 
 
 @kernel
-def mend_kept(level, asked, areas, chain, body, work, start, pose):
+def mend_kept(level, problem):
     """Give what was blended with little missing what it asks; where steps lead away from that, none is taken."""
-    turned = work[3]
-    for joint in range(turned.shape[1]):
-        copy_point(turned[0, joint], turned[3, joint])
-    missed, work[9][1] = disturbance(level, False, asked, areas, body, work, pose), -1.0
-    if mend(level, CLOSE_ENOUGH, False, asked, areas, chain, body, work, start, pose):
+    search = problem.search
+    copy_points(search.state, search.tried)
+    missed, search.last[0].held = disturbance(level, False, problem), -1
+    if mend(level, CLOSE_ENOUGH, False, problem):
         return
-    if disturbance(level, False, asked, areas, body, work, pose) > missed:
-        for joint in range(turned.shape[1]):
-            copy_point(turned[3, joint], turned[0, joint])
-        carry_body(chain, body, work, start, pose)
-        place_limbs(level, asked, areas, chain, body, work, start, pose)
+    if disturbance(level, False, problem) > missed:
+        copy_points(search.tried, search.state)
+        carry_body(problem)
+        place_limbs(level, problem)
 
 
 @kernel
-def note_held(row, hung, work, pose):
+def note_held(row, problem):
     """What both poses have keeps what it asks, or as much of it as they brought."""
-    turn, vector = work[7][0], work[5][7]
+    search, pose = problem.search, problem.pose
+    turn, vector, hung = search.turns[0], search.points[7], search.hung
     missed = row.blended * (TURN_ARM if row.kind == ORIENTATION or row.kind == LOOK_AT else 1.0)
     part = min(max(1.1 * (1.0 - missed / MISSED), 0.0), 1.0)
     row.kept_miss = row.blended
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
-        turn_error(row.turn, pose[1][row.ends[0, 1]], turn, vector)
+        turn_error(row.turn, pose.rotations[row.ends[0, 1]], turn, vector)
         rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
-        multiply(turn, pose[1][row.ends[0, 1]], row.kept_turn)
-        if row.ends[0, 2] >= 0 and hung[4 + row.ends[0, 2]]:
+        multiply(turn, pose.rotations[row.ends[0, 1]], row.kept_turn)
+        if row.ends[0, 2] >= 0 and hung[row.ends[0, 2]]:
             copy_matrix(row.kept_turn, row.turn)
         return
     for end in range(2):
         wish = row.places[1 if row.kind == BALANCE else end]
         for axis in range(3):
             row.kept_places[end, axis] += part * (wish[axis] - row.kept_places[end, axis])
-        if row.kind == POSITION and row.ends[end, 2] >= 0 and hung[4 + row.ends[end, 2]]:
+        if row.kind == POSITION and row.ends[end, 2] >= 0 and hung[row.ends[end, 2]]:
             copy_point(row.kept_places[end], row.places[end])
             row.comforts[end], row.easings[end] = 1.0, 0.0
             if row.longest[end] > 0.0:  # a shoulder has no limb before it
-                note_stretch(row, end, row.ends[end, 2] >= 2 or hung[row.ends[end, 2]] >= 0, work[5], pose)
+                note_stretch(row, end, row.ends[end, 2] >= 2 or search.ends[row.ends[end, 2]] >= 0, search.points, pose)
 
 
 @kernel
@@ -251,9 +238,9 @@ def note_stretch(row, end, holds_end, points, pose):
     With d of its length to spare as it was blended, and w for its place, it keeps d s(w) / s(d) (``softly``); what that
     is beside w is for the trunk (METHOD (31)).
     """
-    root, longest = limb_parts(row.ends[end, 2], pose[0].shape[0] - 23)[2], row.longest[end]
+    root, longest = limb_parts(row.ends[end, 2], pose.positions.shape[0] - 23)[2], row.longest[end]
     x, y, z = aim_limb(row, end, False, holds_end, points, pose)
-    shoulder, edge = pose[0][root], STRAIGHT * longest
+    shoulder, edge = pose.positions[root], STRAIGHT * longest
     span = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
     spare = max(longest - distance(points[0], shoulder), 0.0)
     row.reaches[end] = longest - spare * softly(longest - span, edge) / softly(spare, edge)

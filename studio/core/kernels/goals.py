@@ -25,8 +25,8 @@ def counts(row):
 
 @small_kernel
 def end_place(row, end, pose, out_point):
-    """Where one end of a constraint (a record of ``kernels.asked``) is now, (3,)."""
-    body_point(row.ends[end, 0], row.ends[end, 1], row.offsets[end], pose[0], pose[1], out_point)
+    """Where one end of a constraint (a record of ``kernels.tasks``) is now, (3,)."""
+    body_point(row.ends[end, 0], row.ends[end, 1], row.offsets[end], pose.positions, pose.rotations, out_point)
 
 
 @small_kernel

@@ -3,7 +3,9 @@
 import numpy as np
 
 from studio.core.kernels.clearance import clear_arm, copy_arm, move_arm, place_capsules, probe_at
+from studio.core.kernels.clearing import make_clearing
 from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.records import Pose
 from studio.core.kernels.rotation import add_rotated
 
 PALM = 3
@@ -19,14 +21,14 @@ def join_hands(gaps, shares, positions, rotations):
 
     ``shares`` (F, 2) are the parts of the way that each goes, together how much of it; hands keep their turns.
     """
-    saved, turn = (np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
+    saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
     goal, shift = np.empty(3), np.empty(3)
     for frame in range(positions.shape[0]):
         whole = shares[frame, 0] + shares[frame, 1]
         if whole == 0.0:
             continue
-        pose = (positions[frame], rotations[frame])
-        left, right = pose[0][pose[0].shape[0] - 17], pose[0][pose[0].shape[0] - 12]
+        pose = Pose(positions[frame], rotations[frame])
+        left, right = pose.positions[pose.positions.shape[0] - 17], pose.positions[pose.positions.shape[0] - 12]
         for axis in range(3):
             now = right[axis] - left[axis]
             goal[axis] = now + whole * (gaps[frame, axis] - now)
@@ -50,9 +52,9 @@ def bring(side, shift, saved, turn, pose):
     """Move the wrist of an arm by ``shift`` (3,), as far as it reaches; no shift leaves it alone."""
     if shift[0] == 0.0 and shift[1] == 0.0 and shift[2] == 0.0:
         return
-    spine_count = pose[0].shape[0] - 23
+    spine_count = pose.positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
-    copy_arm((pose[0][shoulder : shoulder + 4], pose[1][upper : upper + 3]), saved)
+    copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
     move_arm(side, 1.0, shift, 0.0, saved, turn, pose)
 
 
@@ -63,22 +65,22 @@ def rest_hands(side, members, spots, firm, volume, proximal, positions, rotation
     Those are, for M capsules ``members`` (M,) of ``volume``: how much it counts, part of its length, the way out in the
     axes of the segment of its begin (3,) and metres of room. ``firm`` (F,) is the part of the way that is gone.
     """
-    saved, turn = (np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
-    capsules, place, shift = np.empty((volume[0].shape[0], 9)), np.empty(3), np.empty(3)
+    saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
+    capsules, place, shift = np.empty((volume.segments.shape[0], 9)), np.empty(3), np.empty(3)
     for frame in range(positions.shape[0]):
         if firm[frame] == 0.0:
             continue
-        pose = (positions[frame], rotations[frame])
+        pose = Pose(positions[frame], rotations[frame])
         place_capsules(volume, pose, proximal, capsules)
-        probe_at(PALM, pose[0].shape[0] - 19 + 5 * side, pose[0], place)
+        probe_at(PALM, pose.positions.shape[0] - 19 + 5 * side, pose.positions, place)
         for axis in range(3):
             shift[axis] = -firm[frame] * place[axis]
         for m in range(members.shape[0]):
             capsule, spot = capsules[members[m]], spots[frame, m]
             for axis in range(3):
                 place[axis] = capsule[axis] + spot[1] * capsule[3 + axis]
-            far = capsule[7] + spot[1] * capsule[8] + volume[3][PALM] + spot[5]
-            axes = pose[1][volume[0][members[m], 0]]
+            far = capsule[7] + spot[1] * capsule[8] + volume.girths[PALM] + spot[5]
+            axes = pose.rotations[volume.segments[members[m], 0]]
             add_rotated(place, axes, far * spot[2], far * spot[3], far * spot[4], place)
             for axis in range(3):
                 shift[axis] += firm[frame] * spot[0] * place[axis]
@@ -86,34 +88,22 @@ def rest_hands(side, members, spots, firm, volume, proximal, positions, rotation
 
 
 @allocating_kernel
-def clear_arms(wanted, own, ways, free, volume, proximal, positions, rotations):
+def clear_arms(wanted, actor, free, proximal, positions, rotations):
     """Bring arms of all frames, in place, out of their body where they have less room than ``wanted`` (F, 2, 5).
 
-    ``own`` and ``ways`` as in ``clearance.clear_arm``; ``free`` (F, 2, 2) how freely wrist and swivel move.
+    ``actor`` the record ``ActorRooms``; ``free`` (F, 2, 2) how freely wrist and swivel move.
     """
-    saved, turn = (np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
-    capsules, rooms = np.empty((volume[0].shape[0], 9)), np.empty(wanted.shape[2])
+    clearing = make_clearing(actor.volume)
     for frame in range(positions.shape[0]):
-        pose = (positions[frame], rotations[frame])
+        pose = Pose(positions[frame], rotations[frame])
         placed = False
         for side in range(2):
             if free[frame, side, 0] == 0.0 and free[frame, side, 1] == 0.0:
                 continue
             if not placed:
-                place_capsules(volume, pose, proximal, capsules)
+                place_capsules(actor.volume, pose, proximal, clearing.capsules)
                 placed = True
+            for probe in range(wanted.shape[2]):
+                clearing.asks[probe] = wanted[frame, side, probe]
             shares = (1.0, free[frame, side, 0], free[frame, side, 1])
-            clear_arm(
-                side,
-                0.0,
-                wanted[frame, side],
-                own[frame, side],
-                ways[frame, side],
-                shares,
-                volume,
-                capsules,
-                saved,
-                turn,
-                pose,
-                rooms,
-            )
+            clear_arm(side, 0.0, frame, shares, actor, clearing, pose)

@@ -158,7 +158,7 @@ def bend_of(upper, lower):
 @kernel
 def note_own(limb, joints, limits, pose):
     """Note what the unsolved ``pose`` has of one limb: of its root, and if ``joints`` is 2 of wrist or ankle."""
-    row, rotations = limits[limb], pose[1]
+    row, rotations = limits[limb], pose.rotations
     carrier, upper, _ = limb_parts(limb, rotations.shape[0] - 18)
     for joint in range(joints):
         parent = rotations[carrier if joint == 0 else upper + 1]
@@ -355,25 +355,25 @@ def keep_root(limb, anew, noting, limits, pose):
 
     ``anew``: from where a wish has put it; ``noting`` how far it goes for that.
     """
-    carrier, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
-    return keep_joint(limits[limb], 0, carrier, upper, pose[0][root], 1.0, anew, noting, pose)
+    carrier, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    return keep_joint(limits[limb], 0, carrier, upper, pose.positions[root], 1.0, anew, noting, pose)
 
 
 @kernel
 def keep_tip(limb, anew, noting, limits, pose):
     """The same of wrist or ankle, as far as its end does not stand."""
-    _, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
     lets_go = limits[limb].lets_go
     if lets_go == 0.0:
         return False
-    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose[0][root + 2], lets_go, anew, noting, pose)
+    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose.positions[root + 2], lets_go, anew, noting, pose)
 
 
 @kernel
 def keep_middle(limb, limits, pose):
     """Draw a forearm or shank that was turned for itself back to what elbow or knee can do."""
-    _, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
-    return keep_bend(limits[limb], upper, pose[0][root + 1], pose)
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    return keep_bend(limits[limb], upper, pose.positions[root + 1], pose)
 
 
 @kernel

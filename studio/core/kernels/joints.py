@@ -27,8 +27,8 @@ FREE_PART = 0.7
 @kernel
 def may_turn(row, segment, chain):
     """Whether ``row`` of the mobilities in ``chain`` (mobilities, joints, slots, limits) frees a segment's joint."""
-    joint = chain[2][segment]
-    return joint >= 0 and chain[0][row, joint] > 0.0
+    joint = chain.slots[segment]
+    return joint >= 0 and chain.mobilities[row, joint] > 0.0
 
 
 @kernel
@@ -127,14 +127,14 @@ def carry(segment, parent, turned, slots, start, carried, pose):
         if x != 0.0 or y != 0.0 or z != 0.0:
             turn = product(turn, turn_of_gibbs(x, y, z))
     put_turn(turn, carried[segment])
-    put_turn(product(turn, turn_in(start[1][segment])), pose[1][segment])
+    put_turn(product(turn, turn_in(start.rotations[segment])), pose.rotations[segment])
     return turn
 
 
 @kernel
 def carry_point(point, origin, turn, start, positions):
     """Put ``point`` where a segment that has made a ``turn`` carries it from ``origin``, another point of it."""
-    before, past, here = start[0][origin], start[0][point], positions[origin]
+    before, past, here = start.positions[origin], start.positions[point], positions[origin]
     x, y, z = past[0] - before[0], past[1] - before[1], past[2] - before[2]
     put_beside((here[0], here[1], here[2]), turn, x, y, z, positions[point])
 
@@ -142,13 +142,13 @@ def carry_point(point, origin, turn, start, positions):
 @kernel
 def carry_arm(side, turned, slots, start, carried, pose):
     """Put an arm back as the motion has it in its clavicle, turned about its shoulder if that is free."""
-    spine_count = pose[0].shape[0] - 23
+    spine_count = pose.positions.shape[0] - 23
     shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
     turn = carry(upper, upper - 1, turned, slots, start, carried, pose)
-    carry_point(shoulder + 1, shoulder, turn, start, pose[0])
+    carry_point(shoulder + 1, shoulder, turn, start, pose.positions)
     for bone in range(1, 3):
-        put_turn(product(turn, turn_in(start[1][upper + bone])), pose[1][upper + bone])
-        carry_point(shoulder + bone + 1, shoulder, turn, start, pose[0])
+        put_turn(product(turn, turn_in(start.rotations[upper + bone])), pose.rotations[upper + bone])
+        carry_point(shoulder + bone + 1, shoulder, turn, start, pose.positions)
 
 
 @kernel
@@ -157,18 +157,18 @@ def hang_limb(carrier, upper, root, first, turns, start, pose):
     before = carrier
     for bone in range(3 if carrier > 0 else 4):
         segment, point = upper + bone, root + bone
-        put_turn(product(turn_in(pose[1][before]), turn_in(turns[first + bone])), pose[1][segment])
-        x = start[0][point + 1, 0] - start[0][point, 0]
-        y = start[0][point + 1, 1] - start[0][point, 1]
-        z = start[0][point + 1, 2] - start[0][point, 2]
-        turn = start[1][segment]
+        put_turn(product(turn_in(pose.rotations[before]), turn_in(turns[first + bone])), pose.rotations[segment])
+        x = start.positions[point + 1, 0] - start.positions[point, 0]
+        y = start.positions[point + 1, 1] - start.positions[point, 1]
+        z = start.positions[point + 1, 2] - start.positions[point, 2]
+        turn = start.rotations[segment]
         add_rotated(
-            pose[0][point],
-            pose[1][segment],
+            pose.positions[point],
+            pose.rotations[segment],
             turn[0, 0] * x + turn[1, 0] * y + turn[2, 0] * z,
             turn[0, 1] * x + turn[1, 1] * y + turn[2, 1] * z,
             turn[0, 2] * x + turn[1, 2] * y + turn[2, 2] * z,
-            pose[0][point + 1],
+            pose.positions[point + 1],
         )
         before = segment
 
@@ -179,11 +179,11 @@ def carry_trunk(turned, slots, start, carried, pose):
 
     ``start`` is the motion's own pose, ``pose`` the one being written, both (positions (P, 3), rotations (S, 3, 3)).
     """
-    positions = pose[0]
+    positions = pose.positions
     spine_count = positions.shape[0] - 23
     root = slots[slots.shape[0] - 1]
     for axis in range(3):
-        positions[0, axis] = start[0][0, axis] + (turned[root, axis] if root >= 0 else 0.0)
+        positions[0, axis] = start.positions[0, axis] + (turned[root, axis] if root >= 0 else 0.0)
     for segment in range(spine_count + 2):
         parent = segment - 1 if segment > 0 else spine_count + 18
         turn = carry(segment, parent, turned, slots, start, carried, pose)

@@ -39,26 +39,23 @@ def small_vector(turn):
 
 
 @kernel
-def note_jolts(frame, joints, motion, easing):
-    """Note the frame before ``frame``, whose state and pose are there as are those of the two before.
-
-    Of ``kernels.easing``: ``states`` (F, N, 3); ``limbs`` (4,) which of them constraints are about; ``carriers`` (n,)
-    the segments that carry those which count as source, -1 none; ``source``; ``rate`` (1,) frames a second; ``jolts``,
-    written here.
+def note_jolts(frame, clip):
+    """Note the frame before ``frame``, whose state and pose are there as are those of the two before. Joints of
+    the source are looked at as far as anybody needs to know.
     """
     if frame < 2:
         return
-    _, states, _, _, _, _, limbs, carriers, source, rate, out_jolts = easing
-    middle, per_second, turned = frame - 1, rate[0] * rate[0], 0.0
-    note_searched(middle, joints, states, per_second, out_jolts)
+    easing, motion, source, out_jolts = clip.easing, clip.motion, clip.easing.source, clip.easing.jolts
+    middle, per_second, turned = frame - 1, easing.rate[0] * easing.rate[0], 0.0
+    note_searched(middle, clip.asked.chain.joints, easing.states, per_second, out_jolts)
     calm = CALM * source[0] / per_second
     for limb in range(4):
-        if limbs[limb] and not is_calm(limb, middle, calm * calm, motion[2], motion[3]):
-            turned = max(turned, limb_jolt(limb, middle, motion[3]))
+        if easing.limbs[limb] and not is_calm(limb, middle, calm * calm, motion.positions, motion.rotations):
+            turned = max(turned, limb_jolt(limb, middle, motion.rotations))
     jolt = out_jolts[middle]
     jolt[2] = per_second * turned
     if max(jolt[0], jolt[1]) > ADDED * source[0] or jolt[2] > WHOLE * source[0]:
-        source[0] = max(source[0], per_second * peak_at(middle, carriers, motion[1]))
+        source[0] = max(source[0], per_second * peak_at(middle, easing.carriers, motion.start_rotations))
 
 
 @kernel

@@ -1,7 +1,6 @@
 """The constraints of one limb: the first exactly, the second by what freedom it leaves (K05 figure 11).
 
-``asked`` holds the records of ``kernels.asked``; ``grips`` (4,) is the constraint that holds the orientation of each
-limb's end segment, -1 for none; ``turns`` (4, 3, 3) and ``points`` (8, 3) are scratch.
+Records are those of ``kernels.records``.
 """
 
 import math
@@ -38,7 +37,7 @@ FAR_WITHIN = 0.008
 STILL_WITHIN = 1e-4
 """Radians of such a step after which no other follows."""
 HUNG = 1
-"""What a limb is in the second four of ``grips`` that stays as ``kernels.edges`` keeps it."""
+"""What ``hung`` of a search is where a limb stays as ``kernels.edges`` keeps it."""
 LIMB_COMFORT = 0.985
 """Part of its reach from which on a limb that nothing helps stretches ever less (``soft_reach``)."""
 
@@ -51,7 +50,7 @@ def limb_indices(limb, spine_count):
 
 
 @kernel
-def note_grips(level, asked, spine_count, out_grips):
+def note_ends(level, tasks, spine_count, out_ends):
     """Which constraint down to ``level`` holds the orientation of each limb's end segment, (4,), -1 for none.
 
     The limbs, as bits, of which another does than before.
@@ -59,27 +58,27 @@ def note_grips(level, asked, spine_count, out_grips):
     changed = 0
     for limb in range(4):
         grip, end = -1, limb_indices(limb, spine_count)[1] + 2
-        for c in range(asked.shape[0]):
-            row = asked[c]
+        for c in range(tasks.shape[0]):
+            row = tasks[c]
             holds = row.kind == ORIENTATION and row.wanted == 1 and row.rank <= level and row.ends[0, 1] == end
             if holds and grip < 0:
                 grip = c
-        changed |= (grip != out_grips[limb]) << limb
-        out_grips[limb] = grip
+        changed |= (grip != out_ends[limb]) << limb
+        out_ends[limb] = grip
     return changed
 
 
 @kernel
-def note_seconds(asked):
+def note_seconds(tasks):
     """Which places are wanted of a limb that has to bring another point to its place first.
 
     They take what swivel that leaves (K05 figures 11 and 13); nothing else moves for them.
     """
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         row.second = 0
         for before in range(c):
-            other = asked[before]
+            other = tasks[before]
             if row.kind == POSITION and other.kind == POSITION and other.wanted == 1 and row.ends[0, 2] >= 0:
                 row.second |= other.ends[0, 2] == row.ends[0, 2] and other.freedoms[0, 0] > 0.0
 
@@ -115,24 +114,26 @@ def range_of(limb, segment, holds_end, point, limits, pose):
 
 
 @kernel
-def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
+def solve_limb(limb, level, problem):
     """All constraints of one limb down to ``level``, in order, within its ``limits``.
 
     One that ``kernels.edges`` keeps has come within them already, and only bends and aims from where it is.
     """
-    positions, rotations = pose
-    bound = limits.shape[0] > 0 and grips[4 + limb] != HUNG
+    tasks, search, pose = problem.tasks, problem.search, problem.pose
+    positions, rotations = pose.positions, pose.rotations
+    limits, ends, turns, points = problem.body.limits, search.ends, search.turns, search.points
+    bound = limits.shape[0] > 0 and search.hung[limb] != HUNG
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
-    turning = grips[limb] >= 0 and asked[grips[limb]].wanted == 1
+    turning = ends[limb] >= 0 and tasks[ends[limb]].wanted == 1
     if limits.shape[0] > 0:
         limits[limb].acts, limits[limb].tip_turns = 0, 1 if limb >= 2 or turning else 0
     if turning:
-        turn_segment(asked[grips[limb]].turn, upper + 2, root + 2, pose)
+        turn_segment(tasks[ends[limb]].turn, upper + 2, root + 2, pose)
     first, point, holds_end = points[2], points[3], limb >= 2 or turning
     solved, held_upper, swivels, turns_lower, reached, ending = 0, False, False, False, 0, 0
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if row.wanted != 1 or row.rank > level or (row.kind == AREA and not row.engaged):
             continue
         if row.kind == ORIENTATION:
@@ -154,15 +155,15 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
             if free and solved == 0:
                 held_upper, swivels = segment == upper, segment != upper and not row.stiff
                 reached, ending = c, end
-                kept = grips[4 + limb] == HUNG and row.kind == POSITION
-                reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose)
+                kept = search.hung[limb] == HUNG and row.kind == POSITION
+                reach_with_limb(row, end, holds_end, kept, problem)
             elif free and solved == 1:
-                before = asked[reached]
+                before = tasks[reached]
                 if bound:
                     helped = before.helped == 1
-                    keep_within(limb, swivels, helped, False, holds_end, before, ending, limits, turns, points, pose)
+                    keep_within(limb, swivels, helped, False, holds_end, before, ending, problem)
                     end_place(before, ending, pose, first)
-                swivel_with_limb(row, end, bound, held_upper, holds_end, limits, turns, points, pose)
+                swivel_with_limb(row, end, bound, held_upper, holds_end, problem)
                 turns_lower = turns_lower or (bound and held_upper)
             end_place(row, end, pose, point)
             if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not turning:
@@ -173,8 +174,8 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
                 end_place(row, end, pose, first)
             solved += 1
     if bound:
-        helped = (swivels or held_upper) and asked[reached].helped == 1
-        keep_within(limb, swivels, helped, turns_lower, holds_end, asked[reached], ending, limits, turns, points, pose)
+        helped = (swivels or held_upper) and tasks[reached].helped == 1
+        keep_within(limb, swivels, helped, turns_lower, holds_end, tasks[reached], ending, problem)
         limits[limb].acts *= (reached + 1) * (swivels or held_upper)
         limits[limb].fresh = 0
 
@@ -182,29 +183,30 @@ def solve_limb(limb, level, asked, grips, limits, turns, points, pose):
 @kernel
 def turn_limb(row, limb, first, limits, pose):
     """Turn upper or lower segment of a limb as wanted; a lower one by both, within limits, where it comes ``first``."""
-    root, upper = limb_indices(limb, pose[0].shape[0] - 23)
+    root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
     segment = row.ends[0, 1]
     turn_segment(row.turn, segment, root + segment - upper, pose)
     if first and segment == upper + 1:
         keep_middle(limb, limits, pose)
-        turn = product(turn_in(row.turn), inverse(turn_in(pose[1][segment])))
-        turn_part(turn, upper, pose[0].shape[0] - 23, pose[0][root], pose[0], pose[1])
+        turn = product(turn_in(row.turn), inverse(turn_in(pose.rotations[segment])))
+        turn_part(turn, upper, pose.positions.shape[0] - 23, pose.positions[root], pose.positions, pose.rotations)
 
 
 @kernel
 def turn_segment(wanted, segment, pivot, pose):
     """Turn a segment of a limb about its point ``pivot`` to the rotation ``wanted`` (3, 3)."""
-    turn = product(turn_in(wanted), inverse(turn_in(pose[1][segment])))
-    turn_part(turn, segment, pose[0].shape[0] - 23, pose[0][pivot], pose[0], pose[1])
+    turn = product(turn_in(wanted), inverse(turn_in(pose.rotations[segment])))
+    turn_part(turn, segment, pose.positions.shape[0] - 23, pose.positions[pivot], pose.positions, pose.rotations)
 
 
 @kernel
-def swivel_with_limb(row, end, bound, held_upper, holds_end, limits, turns, points, pose):
+def swivel_with_limb(row, end, bound, held_upper, holds_end, problem):
     """A limb's second wish, by what its first, whose point is ``points[2]``, leaves: a swivel about that, within limits
     where it is ``bound``, and the lower segment where the first holds but the upper one.
 
     What keeps its orientation in the world keeps it here as well.
     """
+    pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
     positions, rotations = pose
     limb, segment = row.ends[end, 2], row.ends[end, 1]
     spine_count = positions.shape[0] - 23
@@ -250,7 +252,7 @@ def swivel_within_to(limb, target, point, held, limits, pose):
 
 
 @kernel
-def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits, turns, points, pose):
+def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, problem):
     """Bring a limb back within its limits where its constraints have put it beyond (METHOD 6, (28)).
 
     Where it ``swivels`` (its first wish is the place of one ``end`` of ``row``), it goes on from there along its limits
@@ -258,22 +260,23 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits,
     them. ``turns_lower``: its forearm or shank was turned for itself. ``holds_end``: hand or foot keeps its orientation
     as far as wrist or ankle allow.
     """
-    rotations, limit = pose[1], limits[limb]
+    pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
+    rotations, limit = pose.rotations, limits[limb]
     tip_stays = not limit.tip_turns or is_well_within(limb, 1, limits, rotations)
     if not turns_lower and tip_stays and is_well_within(limb, 0, limits, rotations):
         return
-    parts = limb_parts(limb, pose[0].shape[0] - 23)
+    parts = limb_parts(limb, pose.positions.shape[0] - 23)
     upper, root, limit.sure = parts[1], parts[2], 1.0
     for joint in range(2):
         copy_point(limit.agreed[joint], limit.caps[joint])
-    drawn = draw_back(limb, True, limit.fresh or not helped, turns_lower, holds_end, limits, turns, points, pose)
+    drawn = draw_back(limb, True, limit.fresh or not helped, turns_lower, holds_end, problem)
     if helped and limit.fresh:  # whatever comes after goes by them, and so does the next placing
         for joint in range(2):
             copy_point(limit.caps[joint], limit.agreed[joint])
         limit.fresh = 0
     if not drawn or not swivels:
         return
-    point, goal, tip = points[3], row.places[end], pose[0][root + 2]
+    point, goal, tip = points[3], row.places[end], pose.positions[root + 2]
     by_tip = holds_end and row.ends[end, 1] >= upper + 2
     end_place(row, end, pose, point)
     wish = (
@@ -290,7 +293,7 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits,
         if by_tip:
             x, y, z = x + tip[0] - point[0], y + tip[1] - point[1], z + tip[2] - point[2]
             copy_point(tip, point)
-        shoulder = pose[0][root]
+        shoulder = pose.positions[root]
         far = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
         now = distance(point, shoulder)
         spans = min(row.easings[end], now), max(comfortable(row, end, far), now)
@@ -299,18 +302,19 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, limits,
         size = step_within(part, limit, parts, point, (x, y, z), spans, pose)
         if holds_end:
             put_end(limb, root + 2, upper + 2, turns, points, pose)
-        draw_back(limb, False, False, False, holds_end, limits, turns, points, pose)
+        draw_back(limb, False, False, False, holds_end, problem)
         if size < STILL_WITHIN:
             return
         end_place(row, end, pose, point)
 
 
 @kernel
-def draw_back(limb, anew, noting, turns_lower, holds_end, limits, turns, points, pose):
+def draw_back(limb, anew, noting, turns_lower, holds_end, problem):
     """Draw all joints of a limb back within their limits (``keep_root``); whether any was."""
-    root, upper = limb_indices(limb, pose[0].shape[0] - 23)
+    pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
+    root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
     drawn = False
-    if anew or not is_well_within(limb, 0, limits, pose[1]):
+    if anew or not is_well_within(limb, 0, limits, pose.rotations):
         if holds_end:
             lift_end(limb, root + 2, upper + 2, turns, points, pose)
         drawn = keep_root(limb, anew, noting, limits, pose)
@@ -318,19 +322,20 @@ def draw_back(limb, anew, noting, turns_lower, holds_end, limits, turns, points,
             drawn = keep_middle(limb, limits, pose) or drawn
         if holds_end:
             put_end(limb, root + 2, upper + 2, turns, points, pose)
-    if limits[limb].tip_turns and (anew or not is_well_within(limb, 1, limits, pose[1])):
+    if limits[limb].tip_turns and (anew or not is_well_within(limb, 1, limits, pose.rotations)):
         drawn = keep_tip(limb, anew, noting, limits, pose) or drawn
     return drawn
 
 
 @kernel
-def reach_with_limb(row, end, holds_end, kept, limits, turns, points, pose):
+def reach_with_limb(row, end, holds_end, kept, problem):
     """Bend and aim one limb so that its point meets the target, or comes as near as it can.
 
     ``kept``: as far as ``kernels.edges`` lets it stretch. A foot, or a hand whose orientation is held, keeps
     its orientation in the world; else it goes with the limb.
     ``points[3]`` is the point as it was.
     """
+    pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
     positions, rotations = pose
     limb, segment = row.ends[end, 2], row.ends[end, 1]
     spine_count = positions.shape[0] - 23

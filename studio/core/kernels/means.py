@@ -20,14 +20,15 @@ SPREAD = 0.02
 
 
 @kernel
-def means_of(c, x, y, z, point, carrier, chain, body, pose):
+def means_of(c, x, y, z, point, carrier, problem):
     """Metres by which all joints of constraint ``c`` together bring a ``point`` (3,) of segment ``carrier`` along the
     unit (x, y, z); inf where the root goes free.
 
     One that sees the point at an angle a from the way, and turns by b at most, brings it r (cos(a - b) - cos a). Where
     the way leads to the joint any axis would do; there it fades like sin^2 a, and what several do together is more.
     """
-    mobilities, joints, _, limits = chain
+    chain, body, pose = problem.chain, problem.body, problem.start
+    mobilities, joints, limits = chain.mobilities, chain.joints, chain.limits
     total = 0.0
     for k in range(joints.shape[0]):
         if mobilities[c, k] <= 0.0:
@@ -35,7 +36,7 @@ def means_of(c, x, y, z, point, carrier, chain, body, pose):
         if joints[k, 0] == ROOT:
             total += travel_of(x, y, z, body, pose)
         elif joints[k, 2] <= carrier < joints[k, 3]:
-            origin = pose[0][joints[k, 1]]
+            origin = pose.positions[joints[k, 1]]
             rx, ry, rz = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
             long = max(math.sqrt(rx * rx + ry * ry + rz * rz), 1e-9)
             cosine, most = min(max((rx * x + ry * y + rz * z) / long, -1.0), 1.0), 2.0 * math.atan(limits[k])
@@ -47,7 +48,7 @@ def means_of(c, x, y, z, point, carrier, chain, body, pose):
 @kernel
 def is_alone(c, carrier, chain):
     """Whether but one joint of constraint ``c`` moves the segment ``carrier``, and not the root."""
-    mobilities, joints, found = chain[0], chain[1], 0
+    mobilities, joints, found = chain.mobilities, chain.joints, 0
     for k in range(joints.shape[0]):
         if mobilities[c, k] > 0.0 and (joints[k, 0] == ROOT or joints[k, 2] <= carrier < joints[k, 3]):
             found += 2 if joints[k, 0] == ROOT else 1
@@ -57,12 +58,12 @@ def is_alone(c, carrier, chain):
 @kernel
 def travel_of(x, y, z, body, pose):
     """About how far, in metres, the root can go along the unit (x, y, z) before the leashes of its legs run out."""
-    ankles, total = body[3][2], 0.0
-    spine_count = pose[0].shape[0] - 23
+    ankles, total = body.legs[2], 0.0
+    spine_count = pose.positions.shape[0] - 23
     for side in range(2):
-        if body[2][side] == math.inf:
+        if body.leashes[side] == math.inf:
             continue
-        hip, ankle = pose[0][spine_count + 13 + 5 * side], ankles[side]
+        hip, ankle = pose.positions[spine_count + 13 + 5 * side], ankles[side]
         length, _ = leash_of(side, body, pose)
         hx, hy, hz = hip[0] - ankle[0], hip[1] - ankle[1], hip[2] - ankle[2]
         along = hx * x + hy * y + hz * z
@@ -83,14 +84,14 @@ def soft_way(way, able):
 
 
 @kernel
-def note_means(c, row, chain, body, pose):
+def note_means(c, row, problem):
     """Note in ``slack`` what of the way from ``begin``, its first point in the unsolved ``pose``, is not asked."""
     place, point = row.places[0], row.begin
     x, y, z = place[0] - point[0], place[1] - point[1], place[2] - point[2]
     way = math.sqrt(x * x + y * y + z * z)
     row.slack[0] = 0.0
     if way > 1e-9:
-        able = means_of(c, x / way, y / way, z / way, point, row.ends[0, 1], chain, body, pose)
+        able = means_of(c, x / way, y / way, z / way, point, row.ends[0, 1], problem)
         row.slack[0] = 1.0 - soft_way(way, able) / way
 
 

@@ -33,7 +33,7 @@ SOFTNESS = 5e-4
 
 
 @kernel
-def refine_step(count, ask, chain, carried, turned, step, full, positions):
+def refine_step(count, rows, chain, carried, turned, step, damped, positions):
     """Write Newton's step over all joints into ``step`` (N, 3), where nothing but what asks is to be looked at.
 
     The slope along it of what is brought to its least.
@@ -44,20 +44,20 @@ def refine_step(count, ask, chain, carried, turned, step, full, positions):
 
     METHOD (24).
     """
-    joints, brakes = chain[1], ask[4]
-    system, way = full[0], full[1][1]
+    joints, brakes = chain.joints, rows.brakes
+    system, way = damped.system, damped.step
     for i in range(system.shape[0]):
         for j in range(system.shape[1]):
             system[i, j] = 0.0
-    note_own(count, ask[2], chain[0], full[1][0])
-    missed = add_pulls(count, ask, chain, full, positions)
+    note_own(count, rows.owners, chain.mobilities, damped.mobilities)
+    missed = add_pulls(count, rows, chain, damped, positions)
     for k in range(joints.shape[0]):
         if brakes[k, 3] < 1.0:
             brake_system(k, brakes[k, 3], brakes[k], system)
-    add_asks(count, ask, chain[0], full)
-    draw_back(SPRING * missed, brakes, carried, turned, joints, full)
-    slope = press_on_limits(SOFTNESS * missed, brakes, turned, chain, full)
-    along = solve_damped(DAMPING * slope + LEAST_DAMPING, SPRING * missed, full)
+    add_asks(count, rows, chain.mobilities, damped)
+    draw_back(SPRING * missed, brakes, carried, turned, joints, damped)
+    slope = press_on_limits(SOFTNESS * missed, brakes, turned, chain, damped)
+    along = solve_damped(DAMPING * slope + LEAST_DAMPING, SPRING * missed, damped)
     for k in range(joints.shape[0]):
         for axis in range(3):
             step[k, axis] = way[3 * k + axis]
@@ -77,9 +77,9 @@ def note_own(count, owners, mobilities, out_own):
 
 
 @kernel
-def add_pulls(count, ask, chain, full, positions):
+def add_pulls(count, rows, chain, damped, positions):
     """Second derivatives of all that asks; the root of the sum of squared errors."""
-    _, errors, owners, _, _, pulls, _ = ask
+    errors, owners, pulls = rows.errors, rows.owners, rows.pulls
     squared = 0.0
     for q in range(count):
         squared += errors[q] * errors[q]
@@ -90,17 +90,17 @@ def add_pulls(count, ask, chain, full, positions):
         if pull[3] != 0.0:
             long = math.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
             strength = math.sqrt(pull[8]) * abs(errors[q]) / max(long, 1e-12)
-        add_pull(strength, pull, chain[0][owners[q]], chain[1], full, positions)
+        add_pull(strength, pull, chain.mobilities[owners[q]], chain.joints, damped, positions)
     return math.sqrt(squared)
 
 
 @kernel
-def add_pull(strength, pull, mobilities, joints, full, positions):
+def add_pull(strength, pull, mobilities, joints, damped, positions):
     """``strength`` times the second derivatives of one pull (``kernels.pulls``), on joints that may answer it.
 
     METHOD (24).
     """
-    system, levers = full[0], full[2]
+    system, levers = damped.system, damped.levers
     carrier = int(pull[7])
     for k in range(joints.shape[0]):
         acts = mobilities[k] > 0.0 and joints[k, 2] <= carrier < joints[k, 3]
@@ -112,7 +112,7 @@ def add_pull(strength, pull, mobilities, joints, full, positions):
         return
     long = max(math.sqrt(x * x + y * y + z * z), 1e-12)
     x, y, z = x / long, y / long, z / long
-    row = full[1][1]
+    row = damped.step
     for axis in range(3):  # a limb swings about its far end: what its root does across it makes it longer
         px, py, pz = (1.0 if axis == 0 else 0.0), (1.0 if axis == 1 else 0.0), (1.0 if axis == 2 else 0.0)
         along = x if axis == 0 else (y if axis == 1 else z)
@@ -216,25 +216,25 @@ def brake_system(k, part, axis, system):
 
 
 @kernel
-def add_asks(count, ask, mobilities, full):
+def add_asks(count, rows, mobilities, damped):
     """A^T A and A^T e of the rows that ask, on joints that may answer each."""
-    rows, errors, owners = ask[0], ask[1], ask[2]
-    system, row = full[0], full[1][1]
+    jacobian, errors, owners = rows.jacobian, rows.errors, rows.owners
+    system, row = damped.system, damped.step
     size = system.shape[0]
     for q in range(count):
-        for k in range(rows.shape[1]):
+        for k in range(jacobian.shape[1]):
             acts = mobilities[owners[q], k] > 0.0
             for axis in range(3):
-                row[3 * k + axis] = rows[q, k, axis] if acts else 0.0
+                row[3 * k + axis] = jacobian[q, k, axis] if acts else 0.0
         add_outer(1.0, row, system)
         for i in range(size):
             system[i, size] += errors[q] * row[i]
 
 
 @kernel
-def draw_back(spring, brakes, carried, turned, joints, full):
+def draw_back(spring, brakes, carried, turned, joints, damped):
     """The pull of the springs that draw joints to where the motion has them."""
-    system, own, force = full[0], full[1][0], full[2]
+    system, own, force = damped.system, damped.mobilities, damped.levers
     size = system.shape[0]
     for k in range(joints.shape[0]):
         if own[3 * k] == 0.0:
@@ -250,14 +250,14 @@ def draw_back(spring, brakes, carried, turned, joints, full):
 
 
 @kernel
-def press_on_limits(softness, brakes, turned, chain, full):
+def press_on_limits(softness, brakes, turned, chain, damped):
     """Let limits press back, and stiffen joints by what presses them on; the size of the slope that is left, in metres.
 
     A limit pushes with ``softness`` / (radians that are left to it), so that it is met softly.
 
     METHOD (24).
     """
-    limits, system, own = chain[3], full[0], full[1][0]
+    limits, system, own = chain.limits, damped.system, damped.mobilities
     size = system.shape[0]
     squared = 0.0
     for k in range(brakes.shape[0]):
@@ -283,14 +283,14 @@ def press_on_limits(softness, brakes, turned, chain, full):
 
 
 @kernel
-def solve_damped(damping, spring, full):
-    """Solve for the step of the own joints, in units of their mobility, into ``full[1][1]`` (METHOD (24)); its product
+def solve_damped(damping, spring, damped):
+    """Solve for the step of the own joints, in units of their mobility, into ``damped.step`` (METHOD (24)); its product
     with the right side.
 
     Elimination whose pivots stay positive and whose factors stay bounded, whatever the curvature (Gill, Murray and
     Wright 1981, 4.4.2.2).
     """
-    system, own, way = full[0], full[1][0], full[1][1]
+    system, own, way = damped.system, damped.mobilities, damped.step
     size = system.shape[0]
     bound = 0.0
     for i in range(size):

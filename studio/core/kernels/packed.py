@@ -2,7 +2,7 @@
 
 Numba hands a tuple of arrays on word by word: a kernel's scratch is some 250 words that every call would push and that
 were a third of the time of all kernels. A packed tuple is written into its maker's frame once and read where it is
-used; indexed and taken apart it is a tuple like any other, but it must not outlive its maker.
+used; named, indexed and taken apart it is a tuple like any other, but it must not outlive its maker.
 """
 
 # mypy: allow-untyped-calls, allow-untyped-decorators, allow-subclassing-any
@@ -14,15 +14,27 @@ from typing import Any
 from llvmlite import ir  # type: ignore[import-untyped]
 from numba.core import cgutils, config, types
 from numba.core.imputils import impl_ret_borrowed
-from numba.extending import NativeValue, intrinsic, lower_builtin, models, register_model, unbox
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    NativeValue,
+    infer_getattr,
+    intrinsic,
+    lower_builtin,
+    lower_getattr_generic,
+    models,
+    register_model,
+    unbox,
+)
 
 
 class Packed(types.BaseTuple):
-    """The type of the address of a tuple of ``types``; no tuple turns into one, nor it into a tuple."""
+    """The type of the address of a tuple of ``types``, named by ``fields`` where the tuple is; no tuple turns into one,
+    nor it into a tuple.
+    """
 
-    def __init__(self, types: tuple[Any, ...]) -> None:
-        self.types, self.count = tuple(types), len(types)
-        super().__init__(f"Packed({', '.join(map(str, types))})")
+    def __init__(self, types: tuple[Any, ...], fields: tuple[str, ...]) -> None:
+        self.types, self.fields, self.count = tuple(types), fields, len(types)
+        super().__init__(f"Packed({', '.join(fields)}: {', '.join(map(str, types))})")
 
     def __len__(self) -> int:
         return self.count
@@ -57,7 +69,7 @@ def pack_values(_typing: Any, values: Any) -> Any:
             builder.store(builder.extract_value(arguments[0], place), cgutils.gep_inbounds(builder, address, 0, place))
         return address
 
-    return Packed(values.types)(values), write
+    return Packed(values.types, tuple(getattr(values, "fields", ())))(values), write
 
 
 def read_whole(builder: Any, address: Any, kind: Any) -> Any:
@@ -73,14 +85,35 @@ def read_whole(builder: Any, address: Any, kind: Any) -> Any:
     return value
 
 
+@infer_getattr
+class PackedAttributes(AttributeTemplate):
+    """The types of the members that have names."""
+
+    key = Packed
+
+    def generic_resolve(self, packed: Packed, name: str) -> Any:  # type: ignore[override]
+        """The type of ``packed.name``, None where there is no such member."""
+        return packed.types[packed.fields.index(name)] if name in packed.fields else None
+
+
+@lower_getattr_generic(Packed)
+def named_member(context: Any, builder: Any, packed: Packed, address: Any, name: str) -> Any:
+    """Write the code of ``packed.name``."""
+    return read_member(context, builder, packed, address, packed.fields.index(name))
+
+
 @lower_builtin("static_getitem", Packed, types.IntegerLiteral)
-def member_of(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+def numbered_member(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """Write the code of ``packed[index]`` and of taking apart."""
     packed, index = signature.args[0], arguments[1]
-    index += len(packed) if index < 0 else 0
-    kind = context.get_value_type(packed.types[index])
-    value = read_whole(builder, cgutils.gep_inbounds(builder, arguments[0], 0, index), kind)
-    return impl_ret_borrowed(context, builder, signature.return_type, value)
+    return read_member(context, builder, packed, arguments[0], index + (len(packed) if index < 0 else 0))
+
+
+def read_member(context: Any, builder: Any, packed: Packed, address: Any, index: int) -> Any:
+    """Write the code that reads one member at an ``address``."""
+    kind = packed.types[index]
+    place = cgutils.gep_inbounds(builder, address, 0, index)
+    return impl_ret_borrowed(context, builder, kind, read_whole(builder, place, context.get_value_type(kind)))
 
 
 pack: Any = (lambda values: values) if vars(config)["DISABLE_JIT"] else intrinsic(pack_values)

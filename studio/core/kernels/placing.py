@@ -1,6 +1,6 @@
 """Limbs put where their constraints want them, and how well each constraint holds then (METHOD 6).
 
-``asked``, ``areas``, ``chain``, ``body``, ``work``, ``start`` and ``pose`` are what ``kernels.constraints`` describes.
+Records are those of ``kernels.records``.
 """
 
 import math
@@ -8,7 +8,7 @@ import math
 from studio.core.kernels.areas import nearest_allowed, put_area
 from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import turn_part
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.goals import (
     AREA,
     BALANCE,
@@ -27,6 +27,7 @@ from studio.core.kernels.joint_limits import is_well_within, keep_root, limb_par
 from studio.core.kernels.joints import carry_arm, carry_point, carry_trunk, hang_limb
 from studio.core.kernels.legs import place_leg, place_leg_points
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, HUNG, solve_limb
+from studio.core.kernels.records import Problem
 from studio.core.kernels.rotation import (
     add_rotated,
     matrix_to_rotation_vector,
@@ -38,8 +39,6 @@ from studio.core.kernels.stiffness import carry_leg
 from studio.core.kernels.turns import product, put_turn, shortest, turn_in, turn_of_gibbs
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
-KEPT_TURNS = 6
-"""Where in the scratch ``turns`` the limbs of ``kernels.edges`` begin."""
 ENGAGED = 1e-6
 """Metres into a forbidden area from which on a point counts as in it."""
 OUTLINED = 2
@@ -50,32 +49,40 @@ AGAIN = 3
 """Times that limbs are placed once more because a point entered an area or a distance was not shared well."""
 
 
+@small_kernel
+def posed(problem, pose):
+    """The same problem with another pose."""
+    return Problem(problem.tasks, problem.areas, problem.chain, problem.body, problem.search, problem.start, pose)
+
+
 @kernel
-def carry_body(chain, body, work, start, pose):
+def carry_body(problem):
     """The whole body where the joints' state carries it: trunk in one pass, arms in their clavicles, legs on ankles."""
-    carry_trunk(work[3][0], chain[2], start, work[2], pose)
+    chain, search, start, pose = problem.chain, problem.search, problem.start, problem.pose
+    carry_trunk(search.state, chain.slots, start, search.carried, pose)
     for limb in range(4):
-        put_back(limb, chain, body, work, start, pose)
+        put_back(limb, problem)
 
 
 @kernel
-def put_back(limb, chain, body, work, start, pose):
+def put_back(limb, problem):
     """One limb as the unsolved pose has it: arms in their clavicles, legs on their ankles. An idle one in outline."""
-    slots, turned = chain[2], work[3][0]
-    if work[4][8 + limb]:
-        work[4][8 + limb] = OUTLINED
-        put_outline(limb, body, work[2], start, pose)
+    chain, body, search, start, pose = problem.chain, problem.body, problem.search, problem.start, problem.pose
+    slots, turned = chain.slots, search.state
+    if search.idle[limb]:
+        search.idle[limb] = OUTLINED
+        put_outline(limb, problem)
         return
-    if work[4][4 + limb] == HUNG:
-        carrier, upper, root = limb_parts(limb, pose[0].shape[0] - 23)
-        hang_limb(carrier, upper, root, KEPT_TURNS + 4 * limb, work[7], start, pose)
+    if search.hung[limb] == HUNG:
+        carrier, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+        hang_limb(carrier, upper, root, 4 * limb, search.hung_turns, start, pose)
         return
     if limb < 2:
-        carry_arm(limb, turned, slots, start, work[2], pose)
-        keep_recruited(limb, turned, slots, body[4], pose)
+        carry_arm(limb, turned, slots, start, search.carried, pose)
+        keep_recruited(limb, turned, slots, body.limits, pose)
         return
     positions, rotations = pose
-    channels, comforts, ankles, feet, toes = body[3]
+    channels, comforts, ankles, feet, toes = body.legs
     side = limb - 2
     spine_count = positions.shape[0] - 23
     thigh = spine_count + 10 + 4 * side
@@ -83,32 +90,35 @@ def put_back(limb, chain, body, work, start, pose):
     if slots[slots.shape[0] - 1] < 0 and slots[0] < 0 and joint < 0:
         copy_leg(side, start, pose)
         return
-    place_leg(channels, body[0], side, comforts[side], ankles[side], feet[side], toes[side], positions, rotations)
+    place_leg(channels, body.measures, side, comforts[side], ankles[side], feet[side], toes[side], positions, rotations)
     if joint < 0:
         return
     x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
     if x != 0.0 or y != 0.0 or z != 0.0:
         hip = positions[spine_count + 13 + 5 * side]
         turn_part(turn_of_gibbs(x, y, z), thigh, spine_count, hip, positions, rotations)
-    keep_recruited(limb, turned, slots, body[4], pose)
+    keep_recruited(limb, turned, slots, body.limits, pose)
 
 
 @kernel
-def put_outline(limb, body, carried, start, pose):
+def put_outline(limb, problem):
     """The points alone of a limb that nothing but the centre of mass is asked of."""
-    spine_count = pose[0].shape[0] - 23
+    body, start, pose, carried = problem.body, problem.start, problem.pose, problem.search.carried
+    spine_count = pose.positions.shape[0] - 23
     if limb < 2:
         shoulder, turn = spine_count + 4 + 5 * limb, turn_in(carried[spine_count + 2 + 4 * limb])
         for bone in range(1, 4):
-            carry_point(shoulder + bone, shoulder, turn, start, pose[0])
+            carry_point(shoulder + bone, shoulder, turn, start, pose.positions)
         return
     side = limb - 2
-    channels, comforts, ankles, _, _ = body[3]
-    place_leg_points(channels, body[0], side, comforts[side], ankles[side], start[0], pose[0], pose[1])
+    channels, comforts, ankles, _, _ = body.legs
+    place_leg_points(
+        channels, body.measures, side, comforts[side], ankles[side], start.positions, pose.positions, pose.rotations
+    )
 
 
 @kernel
-def note_idle(asked, slots, spine_count, out_idle):
+def note_idle(tasks, slots, spine_count, out_idle):
     """Which limbs no constraint names and no search turns (4,): their rotations can wait until all is solved.
 
     Legs on a root that stays are not worth it.
@@ -117,45 +127,46 @@ def note_idle(asked, slots, spine_count, out_idle):
     for limb in range(4):
         _, upper, _ = limb_parts(limb, spine_count)
         out_idle[limb] = 1 if slots[upper] < 0 and (limb < 2 or not stays) else 0
-    for c in range(asked.shape[0]):
+    for c in range(tasks.shape[0]):
         for end in range(2):
-            segment = asked[c].ends[end, 1]
-            if asked[c].ends[end, 0] >= 0 and segment >= spine_count + 2:
+            segment = tasks[c].ends[end, 1]
+            if tasks[c].ends[end, 0] >= 0 and segment >= spine_count + 2:
                 out_idle[(segment - spine_count - 2) // 4] = 0
 
 
 @kernel
 def keep_recruited(limb, turned, slots, limits, pose):
     """A limb that a search has turned stays within its limits."""
-    joint = slots[limb_parts(limb, pose[0].shape[0] - 23)[1]]
+    joint = slots[limb_parts(limb, pose.positions.shape[0] - 23)[1]]
     if limits.shape[0] == 0 or joint < 0:
         return
     moves = turned[joint, 0] != 0.0 or turned[joint, 1] != 0.0 or turned[joint, 2] != 0.0
-    if moves and not is_well_within(limb, 0, limits, pose[1]):
+    if moves and not is_well_within(limb, 0, limits, pose.rotations):
         keep_root(limb, True, True, limits, pose)
 
 
 @kernel
 def copy_leg(side, start, pose):
     """One leg as the motion has it, where nothing moves its hip."""
-    spine_count = pose[0].shape[0] - 23
+    spine_count = pose.positions.shape[0] - 23
     for bone in range(5):
         point = spine_count + 13 + 5 * side + bone
-        copy_point(start[0][point], pose[0][point])
+        copy_point(start.positions[point], pose.positions[point])
     for bone in range(4):
         segment = spine_count + 10 + 4 * side + bone
-        copy_matrix(start[1][segment], pose[1][segment])
+        copy_matrix(start.rotations[segment], pose.rotations[segment])
 
 
 @kernel
-def place_limbs(level, asked, areas, chain, body, work, start, pose):
+def place_limbs(level, problem):
     """Every limb with a constraint down to ``level``, solved from where the body carries it.
 
     Once more where a point ends in an area that it may not be in, or a distance is not shared well.
     """
+    tasks, search, start, pose = problem.tasks, problem.search, problem.start, problem.pose
     busy, stiff, moving = 0, 0, False
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if counts(row) and row.rank <= level:
             follows = row.kind != DISTANCE and row.ends[1, 0] >= 0
             moving = moving or follows or row.kind == DISTANCE or row.kind == AREA or row.kind == LOOK_AT
@@ -166,71 +177,73 @@ def place_limbs(level, asked, areas, chain, body, work, start, pose):
                     stiff |= row.stiff << row.ends[end, 2]
     for attempt in range(1 + AGAIN):
         if moving:
-            follow(level, False, asked, areas, work, start, pose)
+            follow(level, False, problem)
         for limb in range(4):
             if busy >> limb & 1:
                 if stiff >> limb & 1:
                     if attempt > 0:
-                        put_back(limb, chain, body, work, start, pose)
+                        put_back(limb, problem)
                     if limb >= 2:
-                        carry_leg(limb - 2, start, work[2], pose)
-                solve_limb(limb, level, asked, work[4], body[4], work[7], work[5], pose)
+                        carry_leg(limb - 2, start, search.carried, pose)
+                solve_limb(limb, level, problem)
         if not moving:
             return
-        follow(level, True, asked, areas, work, start, pose)
+        follow(level, True, problem)
         if attempt == AGAIN:
             return
-        if engage(level, asked, areas, work[5], pose):
+        if engage(level, problem):
             for limb in range(4):
                 if busy >> limb & 1:
-                    put_back(limb, chain, body, work, start, pose)
-        elif not falls_short(level, asked, areas, body, work, pose):
+                    put_back(limb, problem)
+        elif not falls_short(level, problem):
             return
 
 
 @kernel
-def follow(level, solved, asked, areas, work, start, pose):
+def follow(level, solved, problem):
     """Goals that depend on where things are now: both ends of distances, areas, the line of sight, what is followed on
     the own body (METHOD 5). Once limbs are ``solved``, those that depend on where the limbs have come to be.
     """
-    points = work[5]
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    tasks, areas, search, pose = problem.tasks, problem.areas, problem.search, problem.pose
+    points = search.points
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if not counts(row) or row.rank > level:
             continue
         if row.kind != DISTANCE and row.ends[1, 0] >= 0:
-            follow_body(row, areas[c], start, pose, work)
+            follow_body(row, areas[c], pose, problem)
         if row.kind == DISTANCE and not solved:
             end_place(row, 0, pose, points[0])
             second_place(row, pose, points[1])
             part_to(points[0], points[1], row.distance, row.shares, row.places)
         elif row.kind == LOOK_AT and row.pinned != TURN:
-            rotation = pose[1][row.ends[0, 1]]
+            rotation = pose.rotations[row.ends[0, 1]]
             end_place(row, 0, pose, points[0])
             gaze_goal(row.places[1], row.places[0], points[0], row.distance, points[1])
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
             turn = shortest(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z)
             put_turn(product(turn, turn_in(rotation)), row.turn)
         elif row.kind == AREA and row.wanted == 1 and not row.engaged and not solved:
-            engage_one(c, asked, areas, points, pose)
+            engage_one(c, problem)
 
 
 @kernel
-def follow_body(row, area, start, pose, work):
+def follow_body(row, area, pose, problem):
     """Bring what a constraint asks to where the point or segment is now that it follows on its own body."""
-    place, point, turn, vector = work[5][0], work[5][1], work[7][0], work[5][7]
+    search, start = problem.search, problem.start
+    place, point, turn, vector = search.points[0], search.points[1], search.turns[0], search.points[7]
     end_place(row, 1, pose, place)
-    axes = pose[1][row.ends[1, 1]]
+    axes = pose.rotations[row.ends[1, 1]]
     if row.kind == POSITION and row.pinned:
         add_rotated(place, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.places[0])
     elif row.kind == POSITION:
         end_place(row, 0, start, point)
         ease_goal(point, place, row.share, row.places[0])
     elif row.kind == ORIENTATION:
-        multiply(axes, row.relative, work[7][1])
-        turn_error(work[7][1], start[1][row.ends[0, 1]], turn, vector)
+        multiply(axes, row.relative, search.turns[1])
+        turn_error(search.turns[1], start.rotations[row.ends[0, 1]], turn, vector)
         rotation_vector_to_matrix(row.share * vector[0], row.share * vector[1], row.share * vector[2], turn)
-        multiply(turn, start[1][row.ends[0, 1]], row.turn)
+        multiply(turn, start.rotations[row.ends[0, 1]], row.turn)
     elif row.kind == LOOK_AT:
         copy_point(place, row.places[0])
     elif row.kind == BALANCE:
@@ -245,35 +258,38 @@ def follow_body(row, area, start, pose, work):
 
 
 @kernel
-def falls_short(level, asked, areas, body, work, pose):
+def falls_short(level, problem):
     """Whether a distance is missed because one of its limbs could not do its share: then the other does more.
 
     Or a limb does not hold to what it follows on its own body, which has moved with it.
     """
+    tasks = problem.tasks
     short = False
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         follows = row.ends[0, 2] >= 0 and row.ends[1, 0] >= 0 and row.kind <= ORIENTATION
         if (row.kind == DISTANCE or follows) and row.wanted == 1 and row.rank <= level:
-            short = short or miss_of(c, asked, areas, body, work, pose) > CLOSE_ENOUGH
+            short = short or miss_of(c, problem) > CLOSE_ENOUGH
     return short
 
 
 @kernel
-def engage(level, asked, areas, points, pose):
+def engage(level, problem):
     """Areas whose points are where they may not be after all else was solved; True when there are new ones."""
+    tasks = problem.tasks
     found = False
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if row.kind == AREA and row.wanted == 1 and row.rank <= level and not row.engaged:
-            found = engage_one(c, asked, areas, points, pose) or found
+            found = engage_one(c, problem) or found
     return found
 
 
 @kernel
-def engage_one(c, asked, areas, points, pose):
+def engage_one(c, problem):
     """Engage one area if its point is where it may not be: the goal is the nearest place where it may."""
-    row = asked[c]
+    tasks, areas, pose, points = problem.tasks, problem.areas, problem.pose, problem.search.points
+    row = tasks[c]
     end_place(row, 0, pose, points[0])
     if nearest_allowed(areas[c], points[0], points[1]) > ENGAGED:
         row.engaged = 1
@@ -283,17 +299,18 @@ def engage_one(c, asked, areas, points, pose):
 
 
 @kernel
-def miss_of(c, asked, areas, body, work, pose):
+def miss_of(c, problem):
     """By how much a constraint is missed now: metres, or radians for an orientation or a look.
 
     An area by the nearest place where its point may be, which may be another than it was sent to.
     """
-    row, point, other = asked[c], work[5][0], work[5][1]
+    tasks, areas, body, search, pose = problem.tasks, problem.areas, problem.body, problem.search, problem.pose
+    row, point, other = tasks[c], search.points[0], search.points[1]
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
-        turn_error(row.turn, pose[1][row.ends[0, 1]], work[7][0], point)
+        turn_error(row.turn, pose.rotations[row.ends[0, 1]], search.turns[0], point)
         return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
     if row.kind == BALANCE:
-        centre_of_mass(body[5], pose[0], point)
+        centre_of_mass(body.shares, pose.positions, point)
         squared = 0.0
         for axis in range(row.axes):
             squared += (point[axis] - row.places[0, axis]) ** 2

@@ -42,103 +42,98 @@ CLOSER, CLOSEST = 0.3, 3e-5
 
 
 @kernel
-def find_step(held, count, damping, ask, chain, solving, positions):
+def find_step(held, count, damping, rows, chain, equations, positions):
     """How all joints are to turn and the root to move: the way (N, 3) that keeps what is held, and that which is asked.
 
-    They are the last but one and the last of the ways in ``solving``. The slope of half the sum of squared errors along
-    that which is asked.
+    They are the last but one and the last of the steps of ``equations``. The slope of half the sum of squared errors
+    along that which is asked.
 
-    ``damping`` the part of what damps ways that hardly bring anything.
-    ``ask`` the tuple (rows (R, N, 3), errors (R,), owners (R,) row of mobilities, roles (R,), brakes (N, 4), pulls
-    (R, 9), rooms (R,)) of which the first ``held`` hold and those until ``count`` ask; ``chain`` (mobilities, joints,
-    slots, limits) and ``turned`` as in ``kernels.joints``; ``solving`` scratch (matrix (R, R), system (R, R + 2),
-    newton (R, R + 1), active (R,), answer (R,), ways (R + 2, N, 3), levers (R, R + 12), long (rows (R, 3 N), weighted
-    (R, 3 N), ways (R + 2, 3 N))), all joints' numbers in one line, first and last those of rows and ways themselves.
+    ``damping`` the part of what damps steps that hardly bring anything; ``rows`` those of which the first ``held`` hold
+    and those until ``count`` ask; records as in ``kernels.records``.
     """
-    rows, errors, owners, roles, brakes, _, rooms = ask
-    active, long = solving[3], solving[7]
-    stiffen_rows(count, rows, brakes)
-    multiply_rows(count, long[0], owners, chain[0], long[1], solving[0])
+    active, flat, roles = equations.active, equations.flat, rows.roles
+    stiffen_rows(count, rows.jacobian, rows.brakes)
+    multiply_rows(count, flat.jacobian, rows.owners, chain.mobilities, flat.weighted, equations.gram)
     for i in range(count):
         active[i] = roles[i] != BOUND
     slope = 0.0
     for attempt in range(ATTEMPTS):
-        slope = solve_rows(held, count, damping, ask, chain, solving, positions)
+        slope = solve_rows(held, count, damping, rows, chain, equations, positions)
         if attempt == ATTEMPTS - 1:  # the active rows stay those that were eliminated: the next step goes by them
             break
-        if not let_go(held, roles, solving) and not catch_bound(held, count, errors, rooms, solving):
+        if not let_go(held, roles, equations) and not catch_bound(held, count, rows.errors, rows.rooms, equations):
             break
     return slope
 
 
 @summing_kernel
-def multiply_rows(count, rows, owners, mobilities, weighted, matrix):
+def multiply_rows(count, jacobian, owners, mobilities, weighted, gram):
     """Rows (R, 3 N) by the mobilities of their owners into ``weighted``, and M (R, R) with M_qr = J_q . w_r J_r."""
     for i in range(count):
-        shares, row, out_row = mobilities[owners[i]], rows[i], weighted[i]
+        shares, row, out_row = mobilities[owners[i]], jacobian[i], weighted[i]
         for k in range(shares.shape[0]):
             x, y, z = np.uint64(3 * k), np.uint64(3 * k + 1), np.uint64(3 * k + 2)
             out_row[x], out_row[y], out_row[z] = shares[k] * row[x], shares[k] * row[y], shares[k] * row[z]
         j = 0
         while j < i and owners[j] == owners[i]:
-            matrix[j, i] = matrix[i, j]
+            gram[j, i] = gram[i, j]
             j += 1
         while j + 1 < count:
-            here, there = rows[j], rows[j + 1]
+            here, there = jacobian[j], jacobian[j + 1]
             one = two = 0.0
             for number in range(out_row.shape[0]):
                 one += here[number] * out_row[number]
                 two += there[number] * out_row[number]
-            matrix[j, i], matrix[j + 1, i] = one, two
+            gram[j, i], gram[j + 1, i] = one, two
             j += 2
         if j < count:
-            here, one = rows[j], 0.0
+            here, one = jacobian[j], 0.0
             for number in range(out_row.shape[0]):
                 one += here[number] * out_row[number]
-            matrix[j, i] = one
+            gram[j, i] = one
 
 
 @kernel
-def stiffen_rows(count, rows, brakes):
+def stiffen_rows(count, jacobian, brakes):
     """A joint near its limit answers less: the root of what its brake leaves goes into the rows, the root again into
     the step.
     """
     for k in range(brakes.shape[0]):
         if brakes[k, 3] < 1.0:
             for row in range(count):
-                brake(brakes[k, 3], brakes[k], rows[row, k])
+                brake(brakes[k, 3], brakes[k], jacobian[row, k])
 
 
 @kernel
-def solve_rows(held, count, damping, ask, chain, solving, positions):
+def solve_rows(held, count, damping, rows, chain, equations, positions):
     """``find_step`` with the active rows."""
-    errors, brakes = ask[1], ask[4]
-    system, active, answer, ways = solving[1], solving[3], solving[4], solving[5]
-    _, weighted, long = solving[7]
-    last = ways.shape[0] - 1
-    kept = solve_held(held, count, errors, solving)
+    errors, brakes = rows.errors, rows.brakes
+    system, active, answer, steps = equations.held, equations.active, equations.answer, equations.steps
+    weighted, flat = equations.flat.weighted, equations.flat.steps
+    last = steps.shape[0] - 1
+    kept = solve_held(held, count, errors, equations)
     for j in range(held, count):
-        way_of(held, j, kept, system, active, weighted, long)
-        brake_way(brakes, ways[j])
-    slope = solve_own(held, count, kept, damping, ask, chain, solving, positions)
-    for number in range(long.shape[1]):
-        long[last, number] = long[last - 1, number] = 0.0
+        way_of(held, j, kept, system, active, weighted, flat)
+        brake_way(brakes, steps[j])
+    slope = solve_own(held, count, kept, damping, rows, chain, equations, positions)
+    for number in range(flat.shape[1]):
+        flat[last, number] = flat[last - 1, number] = 0.0
     for j in range(held, count):
         share = answer[j]
-        for number in range(long.shape[1]):
-            long[last, number] += share * long[j, number]
+        for number in range(flat.shape[1]):
+            flat[last, number] += share * flat[j, number]
     place = 0
     for i in range(held):
         answer[i] = 0.0
         if active[i]:
             share = system[place, kept]
-            for number in range(long.shape[1]):
-                long[last - 1, number] += share * weighted[i, number]
+            for number in range(flat.shape[1]):
+                flat[last - 1, number] += share * weighted[i, number]
             answer[i] = share
             for j in range(held, count):
                 answer[i] -= system[place, kept + 1 + j - held] * answer[j]
             place += 1
-    brake_way(brakes, ways[last - 1])
+    brake_way(brakes, steps[last - 1])
     return slope
 
 
@@ -151,12 +146,12 @@ def brake_way(brakes, way):
 
 
 @kernel
-def solve_held(held, count, errors, solving):
+def solve_held(held, count, errors, equations):
     """What keeps the active held rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the rows a that ask; how many.
 
     METHOD (21).
     """
-    matrix, system, active = solving[0], solving[1], solving[3]
+    gram, system, active = equations.gram, equations.held, equations.active
     kept = 0
     for i in range(held):
         if not active[i]:
@@ -164,16 +159,16 @@ def solve_held(held, count, errors, solving):
         column = 0
         for j in range(held):
             if active[j]:
-                system[kept, column] = matrix[i, j]
+                system[kept, column] = gram[i, j]
                 column += 1
         system[kept, column] = min(max(errors[i], -LONGEST_ERROR), LONGEST_ERROR)
         for j in range(held, count):
-            system[kept, column + 1 + j - held] = matrix[i, j]
+            system[kept, column + 1 + j - held] = gram[i, j]
         kept += 1
     columns, place = kept + 1 + count - held, 0
     for i in range(held):
         if active[i]:
-            system[place, columns] = matrix[i, i]
+            system[place, columns] = gram[i, i]
             place += 1
     eliminate(system, kept, columns)
     return kept
@@ -208,64 +203,65 @@ def take_off(factor, numbers, first, past, out_numbers):
 
 
 @kernel
-def way_of(held, j, kept, system, active, weighted, long):
+def way_of(held, j, kept, system, active, weighted, flat):
     """Along which (3 N) a row that asks moves the joints: its own levers less what held rows take back.
 
     METHOD (22).
     """
-    for number in range(long.shape[1]):
-        long[j, number] = weighted[j, number]
+    for number in range(flat.shape[1]):
+        flat[j, number] = weighted[j, number]
     place = 0
     for i in range(held):
         if active[i]:
             share = system[place, kept + 1 + j - held]
-            for number in range(long.shape[1]):
-                long[j, number] -= share * weighted[i, number]
+            for number in range(flat.shape[1]):
+                flat[j, number] -= share * weighted[i, number]
             place += 1
 
 
 @kernel
-def solve_own(held, count, kept, damping, ask, chain, solving, positions):
+def solve_own(held, count, kept, damping, rows, chain, equations, positions):
     """Newton's step among the ways of the rows that ask, into ``answer`` (METHOD (23)); the slope along it."""
-    errors, joints, limits = ask[1], chain[1], chain[3]
-    matrix, system, newton, active, answer, _, levers, _ = solving
+    errors, joints, limits = rows.errors, chain.joints, chain.limits
+    gram, system, normal, active = equations.gram, equations.held, equations.normal, equations.active
+    answer, levers = equations.answer, equations.levers
     own = count - held
     worst = 1e-9
     for i in range(own):
         answer[held + i] = min(max(errors[held + i], -LONGEST_ERROR), LONGEST_ERROR)
         worst = max(worst, abs(answer[held + i]))
         for j in range(own):
-            levers[i, j] = matrix[held + i, held + j]
+            levers[i, j] = gram[held + i, held + j]
         place = 0
         for h in range(held):
             if active[h]:
-                lever = matrix[held + i, h]
+                lever = gram[held + i, h]
                 answer[held + i] -= lever * system[place, kept]
                 for j in range(own):
                     levers[i, j] -= lever * system[place, kept + 1 + j]
                 place += 1
     for i in range(own):
-        newton[i, own] = 0.0
+        normal[i, own] = 0.0
         for q in range(own):
-            newton[i, own] += levers[q, i] * answer[held + q]
+            normal[i, own] += levers[q, i] * answer[held + q]
         for j in range(own):
             along = 0.0
             for q in range(own):
                 along += levers[q, i] * levers[q, j]
-            newton[i, j] = along
-    add_curvature(held, count, kept, ask, joints, solving, positions)
+            normal[i, j] = along
+    add_curvature(held, count, kept, rows, joints, equations, positions)
     far_off = worst / (worst + EASED)
-    press_on_limits(far_off, held, count, ask, limits, solving[5], newton)
-    return solve_positive(newton, own, matrix, damping * far_off, answer, held)
+    press_on_limits(far_off, held, count, rows, limits, equations.steps, normal)
+    return solve_positive(normal, own, gram, damping * far_off, answer, held)
 
 
 @kernel
-def press_on_limits(far_off, held, count, ask, limits, ways, newton):
+def press_on_limits(far_off, held, count, rows, limits, steps, normal):
     """Add what limits answer to joints that are pressed on them: push / angle across, their own curvature (24).
 
     Without it what may turn at a limit, but no further, sways along it from step to step; near the goal it is left out.
     """
-    rows, errors, brakes = ask[0], ask[1], ask[4]
+    jacobian, errors, brakes = rows.jacobian, rows.errors, rows.brakes
     for k in range(brakes.shape[0]):
         if brakes[k, 3] >= 1.0:
             continue
@@ -273,20 +269,20 @@ def press_on_limits(far_off, held, count, ask, limits, ways, newton):
         push = 0.0
         for q in range(held, count):
             pull = min(max(errors[q], -LONGEST_ERROR), LONGEST_ERROR)
-            push += pull * (x * rows[q, k, 0] + y * rows[q, k, 1] + z * rows[q, k, 2])
+            push += pull * (x * jacobian[q, k, 0] + y * jacobian[q, k, 1] + z * jacobian[q, k, 2])
         if push <= 0.0:
             continue
         across = far_off * PRESSING * push * (1.0 - root * root) / (max(root, 1e-6) * 2.0 * limits[k])
         for i in range(held, count):
-            way = ways[i, k]
+            way = steps[i, k]
             along = x * way[0] + y * way[1] + z * way[2]
             ax, ay, az = way[0] - along * x, way[1] - along * y, way[2] - along * z
             for j in range(held, count):
-                newton[i - held, j - held] += across * (ax * ways[j, k, 0] + ay * ways[j, k, 1] + az * ways[j, k, 2])
+                normal[i - held, j - held] += across * (ax * steps[j, k, 0] + ay * steps[j, k, 1] + az * steps[j, k, 2])
 
 
 @kernel
-def add_curvature(held, count, kept, ask, joints, solving, positions):
+def add_curvature(held, count, kept, rows, joints, equations, positions):
     """Add H to the normal equations: what pulls, and what bounds push back with, times how each way bends from it.
 
     A bound pushes with mu = -M_hh^-1 M_ha e (the multiplier of its Lagrangian). What would bend towards its goal is
@@ -294,8 +290,9 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
 
     METHOD (23).
     """
-    errors, roles, pulls = ask[1], ask[3], ask[5]
-    system, newton, active, ways, scratch = solving[1], solving[2], solving[3], solving[5], solving[6]
+    errors, roles, pulls = rows.errors, rows.roles, rows.pulls
+    system, normal, active = equations.held, equations.normal, equations.active
+    steps, scratch = equations.steps, equations.levers
     place = 0
     for q in range(count):
         push = 1.0
@@ -309,11 +306,11 @@ def add_curvature(held, count, kept, ask, joints, solving, positions):
             for j in range(held, count):
                 push -= system[place - 1, kept + 1 + j - held] * min(max(errors[j], -LONGEST_ERROR), LONGEST_ERROR)
         if push > 0.0 and pulls[q, 7] >= 0.0:
-            bend(push, pulls[q], held, count, ways, joints, newton, scratch, positions)
+            bend(push, pulls[q], held, count, steps, joints, normal, scratch, positions)
 
 
 @kernel
-def solve_positive(newton, count, matrix, damping, answer, first):
+def solve_positive(normal, count, gram, damping, answer, first):
     """Solve the symmetric (n, n + 1) by elimination; the answer goes to ``answer[first:]``. Its product with the right
     side.
 
@@ -322,43 +319,43 @@ def solve_positive(newton, count, matrix, damping, answer, first):
     """
     bound = 1e-15
     for i in range(count):
-        bound = max(bound, newton[i, i])
+        bound = max(bound, normal[i, i])
     for i in range(count):
         most = 0.0
         for j in range(i + 1, count):
-            most = max(most, abs(newton[j, i]))
-        floor = SPOKEN_FOR * matrix[first + i, first + i]
-        pivot = max(newton[i, i], most * most / bound) + damping * floor * floor + 1e-15
-        newton[i, i] = pivot
+            most = max(most, abs(normal[j, i]))
+        floor = SPOKEN_FOR * gram[first + i, first + i]
+        pivot = max(normal[i, i], most * most / bound) + damping * floor * floor + 1e-15
+        normal[i, i] = pivot
         for j in range(i + 1, count):
-            factor = newton[j, i] / pivot
+            factor = normal[j, i] / pivot
             if factor != 0.0:
-                take_off(factor, newton[i], i + 1, count + 1, newton[j])
+                take_off(factor, normal[i], i + 1, count + 1, normal[j])
     for i in range(count - 1, -1, -1):
-        value = newton[i, count]
+        value = normal[i, count]
         for j in range(i + 1, count):
-            value -= newton[i, j] * answer[first + j]
-        answer[first + i] = value / newton[i, i]
+            value -= normal[i, j] * answer[first + j]
+        answer[first + i] = value / normal[i, i]
     product = 0.0
     for i in range(count):
-        product += newton[i, count] * newton[i, count] / newton[i, i]
+        product += normal[i, count] * normal[i, count] / normal[i, i]
     return product
 
 
 @kernel
-def catch_bound(held, count, errors, rooms, solving):
+def catch_bound(held, count, errors, rooms, equations):
     """Make the bound active that the step would break most; whether there is one.
 
     A bound with room is soft: it brakes over that room, so that nothing stops from one frame to the next.
     """
-    matrix, active, answer = solving[0], solving[3], solving[4]
+    gram, active, answer = equations.gram, equations.active, equations.answer
     caught, most, braking = -1, 1e-9, 0.0
     for i in range(held):
         if active[i]:
             continue
         after, room = errors[i], min(rooms[i], max(-errors[i], 0.0))
         for j in range(count):
-            after -= matrix[i, j] * answer[j]
+            after -= gram[i, j] * answer[j]
         if after + room > most:
             caught, most, braking = i, after + room, room
     if caught < 0:
@@ -371,9 +368,9 @@ def catch_bound(held, count, errors, rooms, solving):
 
 
 @kernel
-def let_go(held, roles, solving):
+def let_go(held, roles, equations):
     """Let the bound go that pushes the wrong way most; whether there is one."""
-    active, answer = solving[3], solving[4]
+    active, answer = equations.active, equations.answer
     found, least = -1, 0.0
     for i in range(held):
         if active[i] and roles[i] == BOUND and answer[i] < least:
@@ -394,19 +391,20 @@ def length_of(joints, way):
 
 
 @kernel
-def go_on(least, ease, part, body, start, chain, carried, ways, turned):
+def go_on(least, ease, part, problem):
     """Go the way that keeps what is held and a part of the way to what is asked, as far as planted feet allow the root.
 
     ``ease`` the part of both that is gone. How far anything moves, in metres; nothing does where it would be ``least``.
     """
-    slots, way = chain[2], ways[ways.shape[0] - 1]
+    chain, search, steps = problem.chain, problem.search, problem.search.equations.steps
+    slots, way = chain.slots, steps[steps.shape[0] - 1]
     for k in range(way.shape[0]):
         for axis in range(3):
-            way[k, axis] = ease * (ways[ways.shape[0] - 2, k, axis] + part * way[k, axis])
+            way[k, axis] = ease * (steps[steps.shape[0] - 2, k, axis] + part * way[k, axis])
     root = slots[slots.shape[0] - 1]
     if root >= 0:
-        keep_feet_in_reach(body, start, carried, turned[root], way[root])
-    return move_joints(least, chain, carried, way, turned)
+        keep_feet_in_reach(problem.body, problem.start, search.carried, search.state[root], way[root])
+    return move_joints(least, chain, search.carried, way, search.state)
 
 
 @kernel
@@ -415,7 +413,7 @@ def move_joints(least, chain, carried, way, turned):
 
     The longest way in metres.
     """
-    _, joints, _, limits = chain
+    joints, limits = chain.joints, chain.limits
     longest = length_of(joints, way)
     scale = min(1.0, LONGEST_STEP / max(longest, 1e-9))
     if longest <= least:

@@ -190,3 +190,20 @@ def part_of_step(held, count, slope, roles, pulls, way, joints, positions):
     part = 1.0 + (1.5 * third - 0.5 * fourth) / max(1.0 - 3.0 * third + 1.5 * fourth, LEAST_CURVE)
     part = min(max(part, 0.0), FURTHEST)
     return min(part, math.sqrt(2.0 * DRIFT / worst)) if worst > 0.0 else part
+
+
+@kernel
+def begin_row(task_rows, count, owner, error):
+    """Start an empty row that asks."""
+    note_row(task_rows, count, owner, error)
+    row = task_rows.jacobian[count]
+    for joint in range(row.shape[0]):
+        row[joint, 0] = row[joint, 1] = row[joint, 2] = 0.0
+
+
+@small_kernel
+def note_row(task_rows, count, owner, error):
+    """Start a row that asks, but for its levers."""
+    task_rows.pulls[count, 7], task_rows.pulls[count, 8] = -1.0, 1.0
+    task_rows.errors[count], task_rows.owners[count] = error, owner
+    task_rows.roles[count], task_rows.rooms[count] = ASK, 0.0

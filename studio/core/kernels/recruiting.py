@@ -1,6 +1,6 @@
 """Arms and legs that a balance recruits: as free as they are at a frame, and no farther than they can (METHOD 7).
 
-``asked``, ``chain``, ``body``, ``work`` and ``pose`` are what ``kernels.constraints`` describes.
+Records are those of ``kernels.records``.
 """
 
 import math
@@ -20,18 +20,17 @@ they can do.
 
 
 @kernel
-def free_limbs(frame, asked, recruits, chain):
+def free_limbs(frame, recruits, problem):
     """Shoulders and hips as free as their limbs are at this frame for each level, in mobility and, for the highest that
     turns them, in how far they may turn.
-
-    ``recruits`` as ``kernels.adapt.solve_frames`` takes them.
     """
-    joints, usual, free = recruits
-    mobilities, limits, count = chain[0], chain[3], asked.shape[0]
+    tasks, chain, joints = problem.tasks, problem.chain, recruits.joints
+    usual, free = recruits.usual, recruits.free
+    mobilities, limits, count = chain.mobilities, chain.limits, tasks.shape[0]
     for n in range(joints.shape[0]):
         joint, most = joints[n], 0.0
         for row in range(mobilities.shape[0]):
-            part = free[asked[row].rank if row < count else row - count, n, frame]
+            part = free[tasks[row].rank if row < count else row - count, n, frame]
             mobilities[row, joint] = part * usual[row, n]
             if usual[row, n] > 0.0:
                 most = max(most, part)
@@ -39,30 +38,31 @@ def free_limbs(frame, asked, recruits, chain):
 
 
 @kernel
-def note_balances(level, asked, chain, body, work, pose):
+def note_balances(level, problem):
     """Where a level's balances are to bring the centre of mass: where they want it, or (METHOD (33)) softly on the way
     there as far as the joints can, where limbs help: at their limits arms would whirl about for what is out of reach.
 
     Whether there are any.
     """
+    tasks, chain, body, search, pose = problem.tasks, problem.chain, problem.body, problem.search, problem.pose
     found = False
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if row.kind != BALANCE or row.wanted != 1 or row.rank != level:
             continue
         found = True
         copy_point(row.places[0], row.places[1])
         if not frees_limbs(c, chain):
             continue
-        point = work[5][0]
-        centre_of_mass(body[5], pose[0], point)
+        point = search.points[0]
+        centre_of_mass(body.shares, pose.positions, point)
         squared = 0.0
         for axis in range(row.axes):
             squared += (row.places[0, axis] - point[axis]) ** 2
         if squared < 1e-12:
             continue
         way = math.sqrt(squared)
-        reach = MASS_REACH * mass_reach(row, chain[0][c], body[1], chain, work, pose[0]) / way
+        reach = MASS_REACH * mass_reach(row, chain.mobilities[c], problem) / way
         part = reach * soft_reach(way / reach, MASS_COMFORT) / way if reach > 1e-9 else 0.0
         for axis in range(row.axes):
             row.places[1, axis] = point[axis] + part * (row.places[0, axis] - point[axis])
@@ -74,26 +74,27 @@ def frees_limbs(row, chain):
     """Whether a constraint, or a level any down to it (``row`` of the mobilities), may turn a shoulder or a hip."""
     found = False
     for limb in range(4):
-        found = found or may_turn(row, limb_parts(limb, chain[2].shape[0] - 19)[1], chain)
+        found = found or may_turn(row, limb_parts(limb, chain.slots.shape[0] - 19)[1], chain)
     return found
 
 
 @kernel
-def mass_reach(row, mobilities, masses, chain, work, positions):
+def mass_reach(row, mobilities, problem):
     """How far (metres squared) all joints that may help, each turned to its limit, move the centre of mass from
-    ``work[5][0]`` towards its place, times that way: their levers along it.
+    the first point of the scratch towards its place, times that way: their levers along it.
     """
-    rows, point, total = work[0][0], work[5][0], 0.0
-    sum_masses(masses, positions, work[6])
-    set_balance_rows(row.axes, masses, work[6], chain[1], positions, rows)
-    for joint in range(chain[1].shape[0]):
+    chain, masses, search, positions = problem.chain, problem.body.masses, problem.search, problem.pose.positions
+    jacobian, point, total = search.rows.jacobian, search.points[0], 0.0
+    sum_masses(masses, positions, search.sums)
+    set_balance_rows(row.axes, masses, search.sums, chain.joints, positions, jacobian)
+    for joint in range(chain.joints.shape[0]):
         if mobilities[joint] <= 0.0:
             continue
         squared = 0.0
         for side in range(3):
             along = 0.0
             for axis in range(row.axes):
-                along += rows[axis, joint, side] * (row.places[0, axis] - point[axis])
+                along += jacobian[axis, joint, side] * (row.places[0, axis] - point[axis])
             squared += along * along
-        total += 2.0 * math.atan(chain[3][joint]) * math.sqrt(squared)
+        total += 2.0 * math.atan(chain.limits[joint]) * math.sqrt(squared)
     return total

@@ -3,7 +3,7 @@
 The arc that such a leg reaches bends round its target, so what it misses tells the root nothing of the way out: to the
 first order the root is asked straight for the target, where a foot that stands holds it.
 
-``asked``, ``areas``, ``chain``, ``body``, ``work``, ``start`` and ``pose`` are what ``kernels.constraints`` describes.
+Records are those of ``kernels.records``.
 """
 
 import math
@@ -14,7 +14,7 @@ from studio.core.kernels.limb_constraints import limb_indices
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.stance import keep_feet_in_reach
 from studio.core.kernels.steps import MET
-from studio.core.kernels.vectors import copy_point
+from studio.core.kernels.vectors import copy_points
 
 STEPS = 14
 """Times that the root goes back, at most."""
@@ -25,54 +25,55 @@ LEAST = 2e-3
 
 
 @kernel
-def make_room(level, asked, areas, chain, body, work, start, pose):
+def make_room(level, problem):
     """Take the root back from what a leg of this level misses for its limits; whether there is such a leg.
 
     Every time by what is missed, which is never too far: nobody comes nearer to a place by more than he moves. Where
     that brings it no nearer nothing has moved.
     """
-    c = cramped_leg(level, asked, chain, body)
-    first = miss_of(c, asked, areas, body, work, pose) if c >= 0 else 0.0
+    tasks, chain, search = problem.tasks, problem.chain, problem.search
+    c = cramped_leg(level, problem)
+    first = miss_of(c, problem) if c >= 0 else 0.0
     if first < LEAST:
         return False
-    turned, miss = work[3], first
-    for joint in range(turned.shape[1]):
-        copy_point(turned[0, joint], turned[3, joint])
+    miss = first
+    copy_points(search.state, search.tried)
     for attempt in range(STEPS):
-        go_back(miss, asked[c], chain[2][-1], body, work, start, pose)
-        carry_body(chain, body, work, start, pose)
-        place_limbs(level, asked, areas, chain, body, work, start, pose)
-        miss = miss_of(c, asked, areas, body, work, pose)
+        go_back(miss, tasks[c], chain.slots[-1], problem)
+        carry_body(problem)
+        place_limbs(level, problem)
+        miss = miss_of(c, problem)
         if miss < MET or (attempt > 0 and miss > first):
             break
     if miss > WORTH * first:
-        for joint in range(turned.shape[1]):
-            copy_point(turned[3, joint], turned[0, joint])
-        carry_body(chain, body, work, start, pose)
-        place_limbs(level, asked, areas, chain, body, work, start, pose)
+        copy_points(search.tried, search.state)
+        carry_body(problem)
+        place_limbs(level, problem)
     return True
 
 
 @kernel
-def cramped_leg(level, asked, chain, body):
+def cramped_leg(level, problem):
     """The place that a leg misses for its limits and for which the root may move, -1 for none."""
-    limits, root = body[4], chain[2][-1]
+    tasks, chain, body = problem.tasks, problem.chain, problem.body
+    limits, root = body.limits, chain.slots[-1]
     if limits.shape[0] == 0 or root < 0:
         return -1
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         limb = row.ends[0, 2]
-        asks = row.kind == POSITION and row.wanted == 1 and row.rank == level and chain[0][c, root] > 0.0
+        asks = row.kind == POSITION and row.wanted == 1 and row.rank == level and chain.mobilities[c, root] > 0.0
         if asks and limb >= 2 and limits[limb].acts == c + 1:
             return c
     return -1
 
 
 @kernel
-def go_back(miss, row, root, body, work, start, pose):
+def go_back(miss, row, root, problem):
     """Move the root ``miss`` metres, level, away from the target of ``row`` across what is missed, as feet allow."""
-    point, way, goal = work[5][3], work[5][4], row.places[0]
-    hip = pose[0][limb_indices(row.ends[0, 2], pose[0].shape[0] - 23)[0]]
+    body, search, start, pose = problem.body, problem.search, problem.start, problem.pose
+    point, way, goal = search.points[3], search.points[4], row.places[0]
+    hip = pose.positions[limb_indices(row.ends[0, 2], pose.positions.shape[0] - 23)[0]]
     end_place(row, 0, pose, point)
     along = 0.0
     for axis in range(3):
@@ -80,6 +81,6 @@ def go_back(miss, row, root, body, work, start, pose):
     x, y = hip[0] - goal[0] - along * (goal[0] - point[0]), hip[1] - goal[1] - along * (goal[1] - point[1])
     scale = miss / max(math.sqrt(x * x + y * y), 1e-9)
     way[0], way[1], way[2] = scale * x, scale * y, 0.0
-    keep_feet_in_reach(body, start, work[2], work[3][0, root], way)
+    keep_feet_in_reach(body, start, search.carried, search.state[root], way)
     for axis in range(3):
-        work[3][0, root, axis] += way[axis]
+        search.state[root, axis] += way[axis]

@@ -17,9 +17,9 @@ BRAKING = 0.03
 @kernel
 def leash_of(side, body, start):
     """(length, braking room) in metres of one leg's leash; it lets the hip be where the motion itself has it."""
-    measures, leashes, legs = body[0], body[2], body[3]
+    measures, leashes, legs = body.measures, body.leashes, body.legs
     length = measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1]
-    hip = start[0][start[0].shape[0] - 10 + 5 * side]
+    hip = start.positions[start.positions.shape[0] - 10 + 5 * side]
     own = distance(hip, legs[2][side])
     leash = max(leashes[side] * length, own)
     return leash, min(leash - own, BRAKING * length)
@@ -28,20 +28,20 @@ def leash_of(side, body, start):
 @kernel
 def free_part(side, body):
     """1 for a foot that is free, 0 for one that stands, and between as its leash has run out."""
-    leash, comfort = body[2][side], body[3][1][side]
+    leash, comfort = body.leashes[side], body.legs[1][side]
     return 1.0 if leash == math.inf else (leash - comfort) / (LEASH + leash - comfort)
 
 
 @kernel
 def keep_feet_in_reach(body, start, carried, moved, way):
     """Shorten the ``way`` (3,) of a root that has ``moved`` (3,) to what both leashes allow, in turns (METHOD 7)."""
-    ankles = body[3][2]
-    positions, pelvis = start[0], carried[0]
+    ankles = body.legs[2]
+    positions, pelvis = start.positions, carried[0]
     spine_count = positions.shape[0] - 23
     for _ in range(SWEEPS):
         kept = True
         for side in range(2):
-            if body[2][side] == math.inf:
+            if body.leashes[side] == math.inf:
                 continue
             hip, ankle = positions[spine_count + 13 + 5 * side], ankles[side]
             length = leash_of(side, body, start)[0]

@@ -1,6 +1,6 @@
 """One step of all joints for one level, with those above it held (METHOD 6).
 
-``asked``, ``chain``, ``body``, ``work``, ``start`` and ``pose`` are what ``kernels.constraints`` describes.
+Records are those of ``kernels.records``.
 """
 
 import math
@@ -40,73 +40,77 @@ NEAR = 0.03
 
 
 @kernel
-def step(level, mending, whole, is_late, stays, damping, asked, chain, body, work, start, pose):
+def step(level, mending, whole, is_late, stays, damping, problem):
     """One step of all joints for this level with those above held, or, ``mending``, of those alone.
 
     How far it moves, in metres. ``stays``: the root does, so that feet need no holding; ``damping`` the part of it.
     """
-    ask, past = work[0], work[9]
+    tasks, chain, search, positions = problem.tasks, problem.chain, problem.search, problem.pose.positions
+    rows, past = search.rows, search.last[0]
     if is_late:  # before all that is held is looked at
-        count = add_own_rows(level, 0, asked, chain, body, work, pose)
-        if late_part(greatest(0, count, ask), past[0]) <= 0.0:
+        count = add_own_rows(level, 0, problem)
+        if late_part(greatest(0, count, rows), past.missed) <= 0.0:
             return 0.0
-    set_brakes(work[3][0], chain[1], chain[3], work[2], ask[4])
-    every = min(asked.shape[0] + level, chain[0].shape[0] - 1)
-    feet = chain[2][-1] >= 0 and not stays
-    count = add_feet_rows(every, 0, chain, body, ask, start, pose[0]) if feet else 0
-    for c in range(asked.shape[0]):
-        if counts(asked[c]) and asked[c].rank < level:
-            count = add_rows(c, level, every, True, count, asked, chain, body, work, pose)
+    set_brakes(search.state, chain.joints, chain.limits, search.carried, rows.brakes)
+    every = min(tasks.shape[0] + level, chain.mobilities.shape[0] - 1)
+    feet = chain.slots[-1] >= 0 and not stays
+    count = add_feet_rows(every, 0, problem) if feet else 0
+    for c in range(tasks.shape[0]):
+        if counts(tasks[c]) and tasks[c].rank < level:
+            count = add_rows(c, level, every, True, count, problem)
     own = count
     if not mending:
-        count = add_own_rows(level, count, asked, chain, body, work, pose)
-    worst, missed = greatest(0, own, ask), greatest(own, count, ask)
-    ease = late_part(missed, past[0]) if is_late else 1.0
-    left = missed * missed / max(past[0], 1e-9)
-    past[3] = 1.0 if left < SURE and worst < KEPT else 0.0
-    past[0] = missed
+        count = add_own_rows(level, count, problem)
+    worst, missed = greatest(0, own, rows), greatest(own, count, rows)
+    ease = late_part(missed, past.missed) if is_late else 1.0
+    left = missed * missed / max(past.missed, 1e-9)
+    past.suffices = left < SURE and worst < KEPT
+    past.missed = missed
     if worst < (STILL if mending else CLOSE_ENOUGH) and missed < MET:
         return 0.0
-    ways, part = work[1][5], 1.0
+    steps, part = search.equations.steps, 1.0
     again = (
-        past[1] == own
-        and past[2] < NEAR
-        and (mending or (left < (SURE if count == own + 1 else SURER) and past[4] == count))
+        past.held == own
+        and past.moved < NEAR
+        and (mending or (left < (SURE if count == own + 1 else SURER) and past.rows == count))
     )
-    if not (again and is_kept(own, ask, work[1]) and step_again(own, count, ask, chain, work[1]) < NEAR):
+    if not (
+        again and is_kept(own, rows, search.equations) and step_again(own, count, rows, chain, search.equations) < NEAR
+    ):
         eased = damping if damping == 1.0 else damping ** (1.0 / (1.0 + (missed / WITHIN) ** 2))
-        slope = find_step(own, count, eased, ask, chain, work[1], pose[0])
+        slope = find_step(own, count, eased, rows, chain, search.equations, positions)
         if whole:
-            slope = refine_step(count, ask, chain, work[2], work[3][0], ways[-1], work[8], pose[0])
+            slope = refine_step(count, rows, chain, search.carried, search.state, steps[-1], search.damped, positions)
         squared = 0.0
         for row in range(own, count):
-            squared += ask[1][row] ** 2
+            squared += rows.errors[row] ** 2
         promised = slope / (2.0 * math.sqrt(squared) + 1e-9)
         worth = 1.0 if mending else min(max(promised / HARDLY - 1.0, 0.0), 1.0)
-        part = worth * part_of_step(own, count, slope, ask[3], ask[5], ways[-1], chain[1], pose[0])
-        past[3] = max(past[3], 1.0 if worth == 0.0 and worst < KEPT else 0.0)
-        past[1], past[2], past[4] = own, 0.0, count
-    moved = go_on(0.0 if mending else STILL, ease, part, body, start, chain, work[2], ways, work[3][0])
-    past[2] += moved
+        part = worth * part_of_step(own, count, slope, rows.roles, rows.pulls, steps[-1], chain.joints, positions)
+        past.suffices = past.suffices or (worth == 0.0 and worst < KEPT)
+        past.held, past.moved, past.rows = own, 0.0, count
+    moved = go_on(0.0 if mending else STILL, ease, part, problem)
+    past.moved += moved
     return moved
 
 
 @kernel
-def add_own_rows(level, count, asked, chain, body, work, pose):
+def add_own_rows(level, count, problem):
     """Rows of what a level asks itself; their new number."""
-    for c in range(asked.shape[0]):
-        if asked[c].wanted == 1 and asked[c].rank == level:
-            count = add_rows(c, level, c, False, count, asked, chain, body, work, pose)
+    tasks = problem.tasks
+    for c in range(tasks.shape[0]):
+        if tasks[c].wanted == 1 and tasks[c].rank == level:
+            count = add_rows(c, level, c, False, count, problem)
     return count
 
 
 @kernel
-def greatest(first, past, ask):
+def greatest(first, past, rows):
     """The greatest error of some rows, in metres; what a bound has to spare is none."""
     worst = 0.0
     for row in range(first, past):
-        error = ask[1][row]
-        worst = max(worst, error if ask[3][row] == BOUND else abs(error))
+        error = rows.errors[row]
+        worst = max(worst, error if rows.roles[row] == BOUND else abs(error))
     return worst
 
 

@@ -1,7 +1,7 @@
 """Limbs of which a chain makes the upper or the lower segment stiff: each takes its part of its change (METHOD (19)).
 
 What both would do is noted when a level begins; after that the shoulder turns, and the elbow changes the distance, by
-no more than their parts of it, and the rest of the chain is asked for what is left. A record of ``kernels.asked`` that
+no more than their parts of it, and the rest of the chain is asked for what is left. A record of ``kernels.tasks`` that
 is ``stiff`` has for each end of upper and lower segment their ``parts`` (2, 2), the ``change`` (2, 2) in radians and
 metres that they made, the ``most`` (2, 2) that they may, and the ``own`` (2,) distance that the motion's bend gives.
 """
@@ -20,11 +20,11 @@ LETS_GO = 32
 
 
 @kernel
-def free_stiff(level, asked):
+def free_stiff(level, tasks):
     """Let the stiff limbs of a level show what they would do; whether there are any."""
     found = False
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if row.stiff and row.rank == level and row.wanted == 1:
             found = True
             for end in range(2):
@@ -34,10 +34,10 @@ def free_stiff(level, asked):
 
 
 @kernel
-def stiffen(level, asked):
+def stiffen(level, tasks):
     """From now on they may do their parts of what they did: p c / (1 - p^32) (METHOD (19))."""
-    for c in range(asked.shape[0]):
-        row = asked[c]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
         if row.stiff and row.rank == level and row.wanted == 1:
             for end in range(2):
                 for joint in range(2):
@@ -49,17 +49,17 @@ def stiffen(level, asked):
 @kernel
 def carry_leg(side, start, carried, pose):
     """A leg as the motion has it in its pelvis, its foot turned as in the motion: what is stiff goes with the hips."""
-    spine_count = pose[0].shape[0] - 23
+    spine_count = pose.positions.shape[0] - 23
     hip, thigh, pelvis = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, turn_in(carried[0])
     for bone in range(4):
         if bone < 2:
-            put_turn(product(pelvis, turn_in(start[1][thigh + bone])), pose[1][thigh + bone])
-            carry_point(hip + bone + 1, hip, pelvis, start, pose[0])
+            put_turn(product(pelvis, turn_in(start.rotations[thigh + bone])), pose.rotations[thigh + bone])
+            carry_point(hip + bone + 1, hip, pelvis, start, pose.positions)
         else:
-            copy_matrix(start[1][thigh + bone], pose[1][thigh + bone])
+            copy_matrix(start.rotations[thigh + bone], pose.rotations[thigh + bone])
             for axis in range(3):
-                along = start[0][hip + bone + 1, axis] - start[0][hip + 2, axis]
-                pose[0][hip + bone + 1, axis] = pose[0][hip + 2, axis] + along
+                along = start.positions[hip + bone + 1, axis] - start.positions[hip + 2, axis]
+                pose.positions[hip + bone + 1, axis] = pose.positions[hip + 2, axis] + along
 
 
 @kernel
@@ -77,12 +77,12 @@ def turn_back(part, most, segment, pivot, back, turn, vector, pose):
 
     ``turn`` (3, 3) and ``vector`` (3,) are scratch.
     """
-    multiply_by_transposed(pose[1][segment], back, turn)
+    multiply_by_transposed(pose.rotations[segment], back, turn)
     matrix_to_rotation_vector(turn, vector)
     angle = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
     left = min(part * angle, most)
     if left < angle:
         scale = left / angle - 1.0
         less = turn_by(scale * vector[0], scale * vector[1], scale * vector[2])
-        turn_part(less, segment, pose[0].shape[0] - 23, pose[0][pivot], pose[0], pose[1])
+        turn_part(less, segment, pose.positions.shape[0] - 23, pose.positions[pivot], pose.positions, pose.rotations)
     return angle

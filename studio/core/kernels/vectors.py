@@ -2,7 +2,7 @@
 
 import math
 
-from studio.core.kernels.compiling import small_kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 
 
 @small_kernel
@@ -23,3 +23,25 @@ def copy_matrix(a, out_matrix):
     for row in range(3):
         for column in range(3):
             out_matrix[row, column] = a[row, column]
+
+
+@kernel
+def copy_points(a, out_points):
+    """``out_points`` become ``a``, both (N, 3)."""
+    for row in range(a.shape[0]):
+        copy_point(a[row], out_points[row])
+
+
+@kernel
+def clear_points(out_points):
+    """``out_points`` (N, 3) become 0."""
+    for row in range(out_points.shape[0]):
+        out_points[row, 0] = out_points[row, 1] = out_points[row, 2] = 0.0
+
+
+@kernel
+def blend_points(share, a, b, out_points):
+    """``out_points`` become ``a`` and a ``share`` of the way from there to ``b``, all (N, 3)."""
+    for row in range(a.shape[0]):
+        for axis in range(3):
+            out_points[row, axis] = a[row, axis] + share * (b[row, axis] - a[row, axis])

@@ -12,15 +12,16 @@ from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 
 @kernel
-def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose):
+def set_goals(least, frame, activations, targets, problem):
     """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts.
 
     What ``kernels.edges`` blends is wholly wanted, or, where its activation is below ``least``, not at all.
     """
-    places, turns, distances = wishes
-    acts, point, other, turn = False, work[5][0], work[5][1], work[7][0]
-    for c in range(asked.shape[0]):
-        row, share = asked[c], activations[c, frame]
+    tasks, areas, body, search, pose = problem.tasks, problem.areas, problem.body, problem.search, problem.start
+    places, turns, distances = targets
+    acts, point, other, turn = False, search.points[0], search.points[1], search.turns[0]
+    for c in range(tasks.shape[0]):
+        row, share = tasks[c], activations[c, frame]
         if share < 1.0 and row.blends:
             share = 1.0 if share >= least else 0.0
         row.share = share
@@ -30,12 +31,12 @@ def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose)
         acts = True
         wish = places[c, frame if places.shape[1] > 1 else 0]
         if row.kind == ORIENTATION:
-            begin = pose[1][row.ends[0, 1]]
+            begin = pose.rotations[row.ends[0, 1]]
             turn_error(turns[c, frame if turns.shape[1] > 1 else 0], begin, turn, point)
             rotation_vector_to_matrix(share * point[0], share * point[1], share * point[2], turn)
             multiply(turn, begin, row.turn)
         elif row.kind == BALANCE:
-            centre_of_mass(body[5], pose[0], point)
+            centre_of_mass(body.shares, pose.positions, point)
             copy_point(point, row.begin)
             for axis in range(3):
                 way = 0.0 if math.isnan(wish[axis]) else wish[axis] - point[axis]
@@ -43,7 +44,7 @@ def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose)
         elif row.kind == LOOK_AT:
             copy_point(wish, row.places[0])
             for axis in range(3):
-                row.places[1, axis] = pose[1][row.ends[0, 1], axis, 0]
+                row.places[1, axis] = pose.rotations[row.ends[0, 1], axis, 0]
             row.distance = share
         elif row.kind == AREA:
             row.distance = share
@@ -59,5 +60,5 @@ def set_goals(least, frame, asked, areas, wishes, activations, body, work, pose)
             end_place(row, 0, pose, point)
             ease_goal(point, wish, share, row.places[0])
         if row.kind != DISTANCE and row.ends[1, 0] >= 0:
-            follow_body(row, areas[c], pose, pose, work)
+            follow_body(row, areas[c], pose, problem)
     return acts

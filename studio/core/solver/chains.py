@@ -10,6 +10,7 @@ from studio.core.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import CLAVICLES, THIGHS, UPPER_ARMS, Chain, Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
+from studio.core.kernels import records
 from studio.core.kernels.joints import ROOT, joint_table
 from studio.core.solver.packing import limb_of
 
@@ -52,9 +53,9 @@ class FreeJoints:
         return np.ascontiguousarray(np.vstack([self.mobilities, np.nan_to_num(self.limits)])[:, self.recruited])
 
     @property
-    def arrays(self) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64], FloatArray]:
-        """Kernels write in the first and the last how free limbs are at a frame: these are the caller's own."""
-        return self.mobilities.copy(), self.joints, self.slots, self.limits.copy()
+    def chain(self) -> records.Chain:
+        """Kernels write in mobilities and limits how free limbs are at a frame: these are the caller's own."""
+        return records.Chain(self.mobilities.copy(), self.joints, self.slots, self.limits.copy())
 
     @property
     def without_limits(self) -> "FreeJoints":

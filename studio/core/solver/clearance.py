@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.kernels import clearance as kernel
 from studio.core.kernels.clearing import HIGHER, STANDS
+from studio.core.kernels.records import Clearance, Volume
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -38,8 +38,8 @@ def pack_clearance(
     actor: Morphology | None,
     volume: BodyVolume | None,
     body: Morphology,
-) -> tuple[Any, ...]:
-    """The tuple ``clearance`` of the kernels for Q constraints, which write what is missed into ``misses`` (Q, F).
+) -> Clearance:
+    """What the kernels take of Q constraints, which write what is missed into ``misses`` (Q, F).
 
     ``activations`` (Q, F) in the ``window`` of frames. Above a clear constraint stand the first ``standing`` of the
     others, which are contacts, and those of its priority or a higher one. Where no ``actor`` is known it is taken to
@@ -58,7 +58,7 @@ def pack_clearance(
     for row, each in enumerate(asked):
         kernel.wanted_rooms(own, each.margin, wanted[row])
         above[row, standing:] = HIGHER * (priorities < each.priority) + (priorities == each.priority)
-    return (
+    return Clearance(
         packed(volume or usual_volume(body)),
         np.array(body.layout.proximal_points()),
         wanted,
@@ -79,21 +79,22 @@ def _stages(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(np.searchsorted(np.unique(priorities), priorities), dtype=np.int64)
 
 
-def down_to_stages(activations: FloatArray, clearance: tuple[Any, ...]) -> FloatArray:
+def down_to_stages(activations: FloatArray, clearance: Clearance) -> FloatArray:
     """``activations`` (C, F) as the kernels take them, (K, C, F): of what stands down to each of K stages."""
-    stages = clearance[10]
+    stages = clearance.stages
     others = stages[len(stages) - len(activations) :]
     return np.where(others[:, None] <= np.arange(stages.max() + 1)[:, None, None], activations, 0.0)
 
 
 @cache
-def _nothing(others: int) -> tuple[Any, ...]:
-    """The tuple ``clearance`` where nothing is asked to be clear of anything."""
+def _nothing(others: int) -> Clearance:
+    """What the kernels take where nothing is asked to be clear of anything."""
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
     wanted, ways, stages = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
-    return packed(volume), stages[:0], wanted, none, np.empty((0, 2)), np.empty(0), above, none, rooms, ways, stages
+    arms, freedoms = np.empty((0, 2)), np.empty(0)
+    return Clearance(packed(volume), stages[:0], wanted, none, arms, freedoms, above, none, rooms, ways, stages)
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:
@@ -117,6 +118,6 @@ def _rooms(
     return found, ways
 
 
-def packed(volume: BodyVolume) -> tuple[NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
+def packed(volume: BodyVolume) -> Volume:
     """A volume as the kernels take it."""
-    return volume.segments, volume.places, volume.radii, volume.girths
+    return Volume(volume.segments, volume.places, volume.radii, volume.girths)

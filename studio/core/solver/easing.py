@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from studio.core.canonical import BodyLayout
+from studio.core.kernels import records
 from studio.core.kernels.easing import HELD
 from studio.core.kernels.joints import ROOT
 from studio.core.kernels.jolts import ADDED, WHOLE, note_eased_jolts
+from studio.core.kernels.records import EASED_LEVEL, Above
 from studio.core.metrics import QUIET
 from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.root_leash import RootLeash
@@ -27,8 +29,7 @@ from studio.core.solver.root_leash import RootLeash
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Pose = tuple[FloatArray, FloatArray]
-EasingArrays = tuple[object, ...]
-Run = Callable[[int, EasingArrays], None]
+Run = Callable[[int, records.Easing], None]
 
 EASED = np.array([[ADDED, ADDED, WHOLE], [1.8, 1.8, 2.6]])
 """Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, begins to be eased, and
@@ -60,7 +61,7 @@ BESIDE = 0.1
 _NO_TURNS, _NO_MISSES, _NO_POSE = (
     np.empty((0, 16, 3, 3)),
     np.empty((0, 0)),
-    (np.empty((0, 0, 3)), np.empty((0, 0, 3, 3)), np.empty((0, 0, 3)), np.empty(0)),
+    Above(np.empty((0, 0, 3)), np.empty((0, 0, 3, 3)), np.empty((0, 0, 3)), np.empty(0)),
 )
 
 
@@ -105,19 +106,19 @@ class Solve:
         meets: bool,
         holds: bool,
         misses: FloatArray,
-        kept: tuple[FloatArray, ...],
-    ) -> EasingArrays:
+        above: Above,
+    ) -> records.Easing:
         """As ``kernels.easing`` takes it; ``level`` as ``Level.stands``."""
         noted = self.limbs, self.carriers, self.source, np.array([self.rate]), self.sharp
-        asked = np.array([level[0], meets, self.held, holds, level[1]])
-        return frames, self.states, turns, asked, misses, kept, *noted
+        eased = np.array([(level[0], meets, self.held, holds, level[1])], dtype=EASED_LEVEL)
+        return records.Easing(frames, self.states, turns, eased, misses, above, *noted)
 
     def within(self, frames: slice) -> "Solve":
         """What it noted of some frames."""
         return replace(self, states=self.states[frames].copy(), sharp=self.sharp[frames].copy())
 
     @property
-    def noting(self) -> EasingArrays:
+    def noting(self) -> records.Easing:
         """For a first run over all frames."""
         return self.easing(np.arange(len(self.states)), _NO_TURNS, (0, 0), False, False, _NO_MISSES, _NO_POSE)
 
@@ -196,7 +197,8 @@ class Easing:
         self._moved: Pose = np.zeros((frames, joints, 3)), np.zeros_like(values)
         self._told = levels[0].solved[2]
         self._touched, self._jolts = np.zeros(frames), np.zeros((frames, 3))
-        self._kept = *(each.copy() for each in levels[0].solved[:2]), self._eased[0], np.zeros(frames)
+        positions, rotations = (each.copy() for each in levels[0].solved[:2])
+        self._kept = Above(positions, rotations, self._eased[0], np.zeros(frames))
 
     def ease(self) -> None:
         """Ease all levels but those of contacts."""
@@ -210,7 +212,7 @@ class Easing:
             else:
                 self._eased = level.solve.states.copy(), self._posed_limbs()
             self._told = np.where(level.above, self._told, misses)
-            self._kept = positions.copy(), rotations.copy(), self._eased[0].copy(), np.zeros(len(positions))
+            self._kept = Above(positions.copy(), rotations.copy(), self._eased[0].copy(), np.zeros(len(positions)))
 
     def _ease_level(self, number: int) -> None:
         level, room = self._levels[number], self._rooms[number]
@@ -233,8 +235,8 @@ class Easing:
             back = np.maximum(back, bump)
             if not bump.any():
                 break
-            self._kept[3][:] = np.round(back * fade, 9)
-            now = self._posed_anew(number, posed, self._eased, self._kept[3], False, last)
+            self._kept.back[:] = np.round(back * fade, 9)
+            now = self._posed_anew(number, posed, self._eased, self._kept.back, False, last)
             bump = np.maximum(self._bump(number, now, FALLING, LEFT), self._changed(number)) * (fade > 0.0)
         return now
 

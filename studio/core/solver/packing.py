@@ -26,8 +26,8 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels import goals
-from studio.core.kernels.asked import ASKED
+from studio.core.kernels import goals, records
+from studio.core.kernels.tasks import TASK
 from studio.core.rotations import to_matrix
 from studio.core.solver.areas import area_row
 from studio.core.solver.tracks import Targets
@@ -39,7 +39,7 @@ LEAST_WEIGHT = 0.1
 than within 0.2 mm, for a search ends when its weighted errors are small.
 """
 _PLACES = {part: place for place, part in enumerate(BodyPart)}
-_BLANK = np.zeros(1, dtype=ASKED)
+_BLANK = np.zeros(1, dtype=TASK)
 """What is asked where nothing is."""
 _BLANK["ends"], _BLANK["axes"] = -1, 2
 _BLANK.setflags(write=False)
@@ -48,7 +48,7 @@ _NO_PLACE, _NO_TURN, _NO_DISTANCE = np.full((1, 3), np.nan), np.zeros((1, 3, 3))
 
 @dataclass(eq=False)
 class Rows:
-    """The arrays of C constraints while they are being written; ``kernels.asked`` says what each record holds.
+    """The arrays of C constraints while they are being written; ``kernels.tasks`` says what each record holds.
 
     ``ranks`` (C,) are their levels, 0 the highest; ``places`` C of (F or 1, 3), ``turns`` of (F or 1, 3, 3) and
     ``distances`` of (F or 1,) where things are to be.
@@ -73,9 +73,9 @@ class Rows:
         return True
 
     @property
-    def wishes(self) -> tuple[FloatArray, ...]:
+    def stacked_targets(self) -> records.Targets:
         """As ``kernels.adapt.solve_frames`` takes them."""
-        return _stacked(self.places, 3), _stacked(self.turns, 3, 3), _stacked(self.distances)
+        return records.Targets(_stacked(self.places, 3), _stacked(self.turns, 3, 3), _stacked(self.distances))
 
 
 def _stacked(wishes: Sequence[FloatArray], *shape: int) -> FloatArray:
@@ -111,7 +111,7 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
         layout,
         targets,
         ranks,
-        asked=np.frombuffer(bytearray(b"".join(begun)), dtype=ASKED),  # whole: NumPy copies records field by field
+        asked=np.frombuffer(bytearray(b"".join(begun)), dtype=TASK),  # whole: NumPy copies records field by field
         areas=np.zeros((count, 10)),
         places=[_NO_PLACE] * count,
         turns=[_NO_TURN] * count,

@@ -15,6 +15,7 @@ from studio.core.contacts import ContactInterval, Touch, contact_mask
 from studio.core.kernels import clearance as clearing
 from studio.core.kernels import layout as at
 from studio.core.kernels.hands import clear_arms, join_hands, rest_hands
+from studio.core.kernels.records import ActorRooms
 from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -86,7 +87,7 @@ class SelfContact:
         if self.rooms is not None:
             free = kept.copy()
             free[:, :, 0] *= 1.0 - lying
-            clear_arms(*(each[window] for each in self.rooms), free, volume, proximal, positions, rotations)
+            self._clear(window, free, positions, rotations)
         for each in self.resting:
             rest_hands(
                 each.side, each.capsules, each.spots[window], each.firm[window] * kept[:, each.side, 0], volume,
@@ -101,7 +102,13 @@ class SelfContact:
         if self.rooms is not None and touches.any():
             free = kept * (touches > 0.0)[:, :, None]
             free[:, :, 0] *= 1.0 - touches
-            clear_arms(*(each[window] for each in self.rooms), free, volume, proximal, positions, rotations)
+            self._clear(window, free, positions, rotations)
+
+    def _clear(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+        if self.rooms is not None:
+            wanted, own, ways = (each[window] for each in self.rooms)
+            actor, proximal = ActorRooms(packed(self.volume), own, ways), np.array(self.body.layout.proximal_points())
+            clear_arms(wanted, actor, free, proximal, positions, rotations)
 
 
 def self_contact_of(

@@ -15,15 +15,17 @@ from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.joint_limits import limits_of
+from studio.core.kernels import records
 from studio.core.kernels.adapt import solve_frames
 from studio.core.kernels.goals import AREA
+from studio.core.kernels.records import Asked, BodyFrames, Legs, Motion, Recruits
 from studio.core.metrics import QUIET
 from studio.core.morphology import at_frames
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.chains import carrying_chain, free_joints, point_masses, segment_masses
 from studio.core.solver.clearance import down_to_stages, lowest_first, pack_clearance
-from studio.core.solver.easing import WIDTHS, Easing, EasingArrays, Level, Solve, reach_of
+from studio.core.solver.easing import WIDTHS, Easing, Level, Solve, reach_of
 from studio.core.solver.following import own_track
 from studio.core.solver.footing import Footing
 from studio.core.solver.holding import held_points, place_held, release_hands
@@ -67,7 +69,7 @@ class Stretch:
             place_held(self._rows, held, window)
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
-        self._activations, self._wishes = np.ascontiguousarray(acts), self._rows.wishes
+        self._activations, self._targets = np.ascontiguousarray(acts), self._rows.stacked_targets
         joints = free_joints(tuple(map(carrying_chain, everything)), self._rows.ranks, body.layout)
         self._joints = joints if bound.by_limits else joints.without_limits
         self._freedoms = self._find_freedoms(activations[: len(asked)])
@@ -80,10 +82,11 @@ class Stretch:
             self._unsolved = self._positions.copy(), self._rotations.copy()
         leash = footing.leashes[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
         self._leash = np.ascontiguousarray(leash)
-        self._stance = standing.motion.channels[window], *legs_of(footing, window)
+        self._legs = Legs(standing.motion.channels[window], *legs_of(footing, window))
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
-        masses = segment_masses(body.layout), point_masses(body.layout)
-        self._body = at_frames(body.rows, window), *masses, limits
+        masses, shares = segment_masses(body.layout), point_masses(body.layout)
+        measures = at_frames(body.rows, window)
+        self._body = BodyFrames(measures, masses, self._leash, self._legs, limits, shares)
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
         """(L, n, F) how far each limb that may be recruited is a balance's of a level to turn, of what acts (C, F)."""
@@ -125,23 +128,24 @@ class Stretch:
     def _levels(self) -> int:
         return int(self._ranks.max()) + 1
 
-    def _pose(self, level: int | None, easing: EasingArrays) -> None:
+    def _pose(self, level: int | None, easing: records.Easing) -> None:
         """Solve, or pose as eased, with the constraints down to a ``level``, or with all."""
         rows, joints, acts, clearance = self._rows, self._joints, self._activations, self._clearance
-        (mobilities, *others), usual = joints.arrays, joints.usual
+        chain, usual = joints.chain, joints.usual
         if level is not None:
             stands, count = self._ranks <= level, len(rows.asked)
             acts = np.where(stands[:count, None], acts, 0.0)
             down = count + self._rank_of(level + 1)  # what only levels below may move stays where it is
-            mobilities, usual = mobilities[:down], np.concatenate([usual[:down], usual[-1:]])
+            chain = chain._replace(mobilities=chain.mobilities[:down])
+            usual = np.concatenate([usual[:down], usual[-1:]])
             if self._clear:
-                clearance = *clearance[:3], np.where(stands[count:, None], clearance[3], 0.0), *clearance[4:]
+                shares = np.where(stands[count:, None], clearance.activations, 0.0)
+                clearance = clearance._replace(activations=shares)
         staged = down_to_stages(acts, self._clearance) if self._clear else acts[None]
-        solve_frames(
-            rows.asked, rows.areas, (mobilities, *others), (joints.recruited, usual, self._freedoms),
-            self._wishes, staged, self._leash, self._stance, self._body, clearance, *self._unsolved,
-            easing, self._missed[: len(rows.asked)], self._positions, self._rotations,
-        )  # fmt: skip
+        recruits = Recruits(joints.recruited, usual, self._freedoms)
+        asked = Asked(rows.asked, rows.areas, chain, recruits, self._targets, staged)
+        motion = Motion(*self._unsolved, self._positions, self._rotations)
+        solve_frames(asked, self._body, motion, clearance, easing, self._missed[: len(rows.asked)])
 
     def _rank_of(self, level: int) -> int:
         """How many levels stand above one, but for those that only keep clear."""
@@ -216,7 +220,7 @@ class Stretch:
         """A level that was just solved."""
         peak, down = max(QUIET, self.standing.peaks[: len(solve.carriers)].max()), self._ranks <= number
         acts = np.zeros(len(self._positions), dtype=np.bool_)
-        wishes = [*self._activations, *(self._clearance[3] if self._clear else ())][self._held :]
+        wishes = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
         for activation in (each for each, stands in zip(wishes, down[self._held :], strict=True) if stands):
             acts |= activation > 0.0
         asked = down[: len(self._activations)]
@@ -233,7 +237,8 @@ class Stretch:
         )  # fmt: skip
 
     def _ease(self, levels: Sequence[Level], rooms: FloatArray) -> None:
-        (measures, _, _, limits), ankles, layout = self._body, self._stance[2], self.standing.morphology.layout
+        measures, limits, ankles = self._body.measures, self._body.limits, self._legs.ankles
+        layout = self.standing.morphology.layout
         leash = RootLeash.of(self.standing.positions[self.window], measures, layout, ankles, self._leash)
         charts = LimbCharts(layout, self._unsolved[1], limits, levels[-1].solve.limbs)
         Easing(levels, self._pose, self._solved, charts, leash, rooms).ease()

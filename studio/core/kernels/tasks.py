@@ -1,4 +1,4 @@
-"""What the solver is asked: one record a constraint, with room for what it wants at the frame being solved.
+"""The tasks of the solver: one record a constraint, with room for what it wants at the frame being solved.
 
 For all frames: ``kind`` (``kernels.goals``); ``rank``, its priority level; ``ends`` (2, 3) point, segment and limb (-1
 none) of each of its points, point -1 for one that is not; ``offsets`` (2, 3) from those points; ``freedoms`` (2, 2) of
@@ -25,7 +25,7 @@ import numpy as np
 
 _FLAG, _REAL = np.int64, np.float64
 
-ASKED = np.dtype(
+TASK = np.dtype(
     [
         ("kind", _FLAG),
         ("rank", _FLAG),

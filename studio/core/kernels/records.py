@@ -1,0 +1,410 @@
+"""The records that kernels hand to each other, and what their fields are.
+
+C constraints on a body of S segments and P points; N joints that a search may turn (``kernels.joints``), L levels of
+priority, R rows of the Jacobian, Q constraints that keep arms clear, F frames. Kernels take a record packed, as one
+address (``kernels.compiling``), and read its fields by name.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Array = Any
+"""What numba hands on as an array: of floats where nothing else is said."""
+
+
+class Pose(NamedTuple):
+    """Where one frame of a body is."""
+
+    positions: Array
+    """(P, 3) metres."""
+    rotations: Array
+    """(S, 3, 3) in the world."""
+
+
+class Motion(NamedTuple):
+    """All frames: ``start`` as they were before any constraint, and as they are solved."""
+
+    start_positions: Array
+    """(F, P, 3) metres."""
+    start_rotations: Array
+    """(F, S, 3, 3) in the world."""
+    positions: Array
+    rotations: Array
+
+
+class Chain(NamedTuple):
+    """Which joints a search may turn, and how freely each task moves them."""
+
+    mobilities: Array
+    """(C + L, N) of each task, and after them of each level any down to it."""
+    joints: Array
+    """(N, 5) as ``kernels.joints`` has them."""
+    slots: Array
+    """(S + 1,) the joint of each segment, of the root last; -1 none."""
+    limits: Array
+    """(N,) how far each may turn."""
+
+
+class Legs(NamedTuple):
+    """How legs stand, at one frame or at each of F."""
+
+    channels: Array
+    """(n,) or (F, n) of the motion (``kernels.layout``)."""
+    comforts: Array
+    """(2,) or (2, F) part of its length to which each leg stretches freely."""
+    ankles: Array
+    """(2, 3) or (2, F, 3) metres."""
+    feet: Array
+    """(2, 3, 3) or (2, F, 3, 3) in the world."""
+    toes: Array
+    """The same."""
+
+
+class BodyFrames(NamedTuple):
+    """One body over all frames."""
+
+    measures: Array
+    """(F or 1, n) of ``kernels.layout``."""
+    masses: Array
+    """(S, 2) of ``kernels.balance``."""
+    leashes: Array
+    """(2, F) as ``Body`` has them."""
+    legs: Legs
+    limits: Array
+    """(4,) of ``kernels.joint_limits``, none where limbs have no limits."""
+    shares: Array
+    """(P,) of ``kernels.balance``."""
+
+
+class Body(NamedTuple):
+    """One body at one frame."""
+
+    measures: Array
+    """(n,) of ``kernels.layout``."""
+    masses: Array
+    """(S, 2) of ``kernels.balance``."""
+    leashes: Array
+    """(2,) parts of their lengths to which the root may stretch the legs, inf where a foot is free."""
+    legs: Legs
+    limits: Array
+    """(4,) of ``kernels.joint_limits``."""
+    shares: Array
+    """(P,) of ``kernels.balance``."""
+
+
+class Recruits(NamedTuple):
+    """The joints of limbs that a balance may turn."""
+
+    joints: Array
+    """(n,) which they are."""
+    usual: Array
+    """(C + L + 1, n) their mobilities, limits last."""
+    free: Array
+    """(L, n, F) how free each is for each level."""
+
+
+class Targets(NamedTuple):
+    """Where things are to be at full activation."""
+
+    places: Array
+    """(C, F or 1, 3) metres."""
+    turns: Array
+    """(C, F or 1, 3, 3)."""
+    distances: Array
+    """(C, F or 1) metres."""
+
+
+class TaskRows(NamedTuple):
+    """The rows of a step: first those that are held, then those that ask."""
+
+    jacobian: Array
+    """(R, N, 3) how each joint moves what each row measures."""
+    errors: Array
+    """(R,) by how much that is to move, metres."""
+    owners: Array
+    """(R,) the row of the mobilities by which each moves joints."""
+    roles: Array
+    """(R,) whether it is held, asks, or is a bound (``kernels.pulls``)."""
+    brakes: Array
+    """(N, 4) of ``kernels.joints``."""
+    pulls: Array
+    """(R, 9) of ``kernels.pulls``: what the second derivatives of each row come from."""
+    rooms: Array
+    """(R,) metres that a bound has to spare."""
+
+
+class FlatRows(NamedTuple):
+    """The same numbers with those of all joints in one line."""
+
+    jacobian: Array
+    """(R, 3 N) that of ``TaskRows``."""
+    weighted: Array
+    """(R, 3 N) times the mobilities of its owner."""
+    steps: Array
+    """(R + 2, 3 N) those of ``Equations``."""
+
+
+class Equations(NamedTuple):
+    """What ``kernels.priorities`` solves for one step."""
+
+    gram: Array
+    """(R, R) M, every row of the Jacobian times every weighted one."""
+    held: Array
+    """(R, R + 2) M_hh^-1 [e_h | M_ha], METHOD (21)."""
+    normal: Array
+    """(R, R + 1) the normal equations among the rows that ask, METHOD (23)."""
+    active: Array
+    """(R,) the active set: False for bounds that are not broken."""
+    answer: Array
+    """(R,) how far to go along the step of each row."""
+    steps: Array
+    """(R + 2, N, 3) the null-space projected step of each row, then that of all that is held, and of all that asks."""
+    levers: Array
+    """(R, R + 12) scratch."""
+    flat: FlatRows
+
+
+class DampedStep(NamedTuple):
+    """Scratch of ``kernels.newton``, with D = 3 N."""
+
+    system: Array
+    """(D, D + 1)."""
+    mobilities: Array
+    """(D,)."""
+    step: Array
+    """(D,)."""
+    levers: Array
+    """(N, 3)."""
+
+
+class Search(NamedTuple):
+    """The state of the search of one frame, and its scratch."""
+
+    rows: TaskRows
+    equations: Equations
+    damped: DampedStep
+    last: Array
+    """(1,) records of ``LAST_STEP``."""
+    carried: Array
+    """(S + 1, 3, 3) how far each segment has turned away from the motion, nothing last."""
+    state: Array
+    """(N, 3) of ``kernels.joints``: how each joint has turned away from the motion."""
+    before: Array
+    """(N, 3) the state where the level began, or that is blended with the one that is kept."""
+    kept: Array
+    """(N, 3) the state of the pose that a frame on an edge is blended with."""
+    tried: Array
+    """(N, 3) the state where what was tried led."""
+    ends: Array
+    """(4,) the task that holds the end of each limb, -1 none."""
+    hung: Array
+    """(4,) whether a limb stays as it is blended (``kernels.edges``)."""
+    idle: Array
+    """(4,) whether nothing asks anything of a limb."""
+    sums: Array
+    """(S + 1, 4) of ``kernels.balance``."""
+    points: Array
+    """(8, 3) scratch."""
+    turns: Array
+    """(6, 3, 3) scratch."""
+    hung_turns: Array
+    """(16, 3, 3) how each segment of a hung limb turns in what carries it, four a limb."""
+    solved_turns: Array
+    """(16, 3, 3) the same of the pose just solved."""
+    kept_turns: Array
+    """(16, 3, 3) the same of the pose that is kept."""
+
+
+class Problem(NamedTuple):
+    """One frame: what is asked, of what body, from which pose."""
+
+    tasks: Array
+    """(C,) records of ``kernels.tasks``, in order of rank."""
+    areas: Array
+    """(C, n) of ``kernels.areas``."""
+    chain: Chain
+    body: Body
+    search: Search
+    start: Pose
+    """The motion's own."""
+    pose: Pose
+    """The one that is solved."""
+
+
+class Asked(NamedTuple):
+    """What is asked of all frames."""
+
+    tasks: Array
+    """(C,) records of ``kernels.tasks``, in order of rank."""
+    areas: Array
+    """(C, n) of ``kernels.areas``."""
+    chain: Chain
+    recruits: Recruits
+    targets: Targets
+    activations: Array
+    """(K, C, F) of all down to each of K stages of ``kernels.stages``, the last of all."""
+
+
+class Volume(NamedTuple):
+    """What a body fills: N capsules (``core.volume.BodyVolume``)."""
+
+    segments: Array
+    """(N, 2) on which each end lies."""
+    places: Array
+    """(N, 2, 3) in their axes."""
+    radii: Array
+    """(N, 2) metres."""
+    girths: Array
+    """(5,) of the probes of an arm."""
+
+
+class ActorRooms(NamedTuple):
+    """What the actor has of room, beside a body's volume: all of a ``Clearance`` that ``clear_arm`` needs."""
+
+    volume: Volume
+    rooms: Array
+    """(F, 2, 5) metres."""
+    ways: Array
+    """(F, 2, 5, 3) out of the actor's body."""
+
+
+class Clearance(NamedTuple):
+    """What is to keep arms clear of their own body: Q constraints, the highest last."""
+
+    volume: Volume
+    proximal: Array
+    """(S,) the point where each segment begins."""
+    wanted: Array
+    """(Q, F, 2, 5) metres of room that each probe is to have."""
+    activations: Array
+    """(Q, F)."""
+    arms: Array
+    """(Q, 2) 1 where an arm is meant."""
+    freedoms: Array
+    """(Q,) of the wrist."""
+    above: Array
+    """(Q, C) how constraints stand to each (``kernels.clearing``)."""
+    misses: Array
+    """(Q, F) metres, written by kernels."""
+    rooms: Array
+    """(F, 2, 5) metres of room that the actor has."""
+    ways: Array
+    """(F, 2, 5, 3) out of the actor's body."""
+    stages: Array
+    """(Q + C,) of them and of the constraints (``kernels.stages``)."""
+
+
+class Clearing(NamedTuple):
+    """Scratch of what keeps arms clear."""
+
+    capsules: Array
+    """(N, 9) in the world."""
+    rooms: Array
+    """(2, 5) metres of room of each probe now."""
+    before: Array
+    """(2, 5) the same before the constraints."""
+    saved: Pose
+    """(4, 3) points and (3, 3, 3) rotations of an arm."""
+    turn: Array
+    """(3, 3)."""
+    held: Array
+    """(2,) how far constraints above hold wrist and swivel."""
+    asks: Array
+    """(5,) metres of room that the probes of an arm are to have now."""
+    ways: Array
+    """(5, 3) out of the body."""
+
+
+class KeptStage(NamedTuple):
+    """What has come to be of the stages above one (``kernels.stages``)."""
+
+    state: Array
+    """(N, 3) of the search."""
+    turns: Array
+    """(16, 3, 3) of the limbs' segments in what carries each, four a limb."""
+    first: Array
+    """(C + Q,) what each misses, as it is kept."""
+    own: Array
+    """(C + Q,) the same when its own stage was kept."""
+    now: Array
+    """(C + Q,) the same of what has just been solved."""
+    spots: Array
+    """(C, 3) where each had its first point, in the axes of what it follows on its own body."""
+
+
+class Above(NamedTuple):
+    """What the levels above one have become, at all frames."""
+
+    positions: Array
+    """(F, P, 3)."""
+    rotations: Array
+    """(F, S, 3, 3)."""
+    states: Array
+    """(F, N, 3)."""
+    back: Array
+    """(F,) how far frames go back to that."""
+
+
+class Easing(NamedTuple):
+    """What is to be solved, or posed again as it was eased in time (``kernels.easing``)."""
+
+    frames: Array
+    """(n,) to be solved."""
+    states: Array
+    """(F, N, 3) of their searches."""
+    turns: Array
+    """(F, 16, 3, 3) of the limbs' joints, four a limb, as eased; none while nothing is."""
+    level: Array
+    """(1,) record of ``EASED_LEVEL``."""
+    misses: Array
+    """(C + Q, F) of those above as eased, and of others before."""
+    above: Above
+    limbs: Array
+    """(4,) which limbs constraints are about."""
+    carriers: Array
+    """(n,) the segments that carry those whose jolts count as the source's, -1 none."""
+    source: Array
+    """(1,) the greatest jolt of the unsolved motion that anybody needed to know so far, radians a second squared."""
+    rate: Array
+    """(1,) frames a second."""
+    jolts: Array
+    """(F, 3) of ``kernels.jolts``; the first becomes by how much those above are changed by the easing."""
+
+
+class Clip(NamedTuple):
+    """All that kernels know of all frames, with their scratch."""
+
+    asked: Asked
+    body: BodyFrames
+    motion: Motion
+    clearance: Clearance
+    clearing: Clearing
+    kept: KeptStage
+    easing: Easing
+    residuals: Array
+    """(C, F) by how much each constraint is missed, written by kernels: metres or radians, NaN where not active."""
+
+
+class Scratch(NamedTuple):
+    """What is made once for all frames."""
+
+    search: Search
+    clearing: Clearing
+    kept: KeptStage
+
+
+LAST_STEP = np.dtype(
+    [("missed", np.float64), ("moved", np.float64), ("held", np.int64), ("rows", np.int64), ("suffices", np.int64)],
+    align=True,
+)
+"""Of the last step of a search: what it missed; how far all has moved since rows were last eliminated, how many of them
+were held (-1: not yet) and how many there were in all; whether the last will do.
+"""
+EASED_LEVEL = np.dtype(
+    [(name, np.int64) for name in ("rank", "meets", "contacts", "strict", "clears")],
+    align=True,
+)
+"""The level that is eased: its rank; whether it is met again; how many ranks are contacts; whether frames that change
+what stands above go back to that; how many that keep clear do not stand above it.
+"""
