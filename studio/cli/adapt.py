@@ -194,7 +194,11 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
         check_frames(given, ready, asked.constraints)
     contacts = ready.contacts if given.contacts is None else given.contacts
     constraints = tuple(each for each in given.constraints if each.enabled)
-    bodies = {key: each.morphology if each else ready.actor.morphology for key, each in asked.characters.items()}
+    rate, count = ready.motion.frame_rate, ready.motion.frame_count
+    bodies = {
+        key: each.body_over(0.0, rate, count) if each else ready.actor.morphology
+        for key, each in asked.characters.items()
+    }
     volumes = {key: each.volume if each else None for key, each in asked.characters.items()}
     actor = ready.actor.morphology
     requests = with_tracks(

@@ -4,7 +4,8 @@ import re
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from studio.core.morphology import Morphology, Proportions
+from studio.core.growth import KeyedProportions, grown
+from studio.core.morphology import AnyMorphology, Morphology, Proportions
 from studio.core.skin import Blending, SkinnedMesh, fit_skin, gripping
 from studio.core.volume import BodyVolume, fitted_volume
 
@@ -20,7 +21,8 @@ class Character:
     colour: str
     build: Morphology
     skin: SkinnedMesh
-    proportions: Proportions = field(default_factory=Proportions)
+    proportions: Proportions | KeyedProportions = field(default_factory=Proportions)
+    """What the build is multiplied by, always or over time."""
     blending: Blending = Blending.LINEAR
     grip: float = 0.0
     """Hands from open (-1) over at ease (0) to fists (1)."""
@@ -35,8 +37,21 @@ class Character:
 
     @cached_property
     def morphology(self) -> Morphology:
-        """The measures in force: the build with its proportions."""
-        return self.proportions.applied_to(self.build)
+        """The measures in force: the build with its proportions, of one that grows those of its first key."""
+        keyed = self.proportions
+        first = keyed.values[0] if isinstance(keyed, KeyedProportions) else keyed
+        return first.applied_to(self.build)
+
+    def body_over(self, begin: float, frame_rate: float, count: int) -> AnyMorphology:
+        """The measures in ``count`` frames of which the first is at ``begin`` seconds of the stage."""
+        if isinstance(self.proportions, KeyedProportions):
+            return grown(self.build, self.proportions, begin, frame_rate, count)
+        return self.morphology
+
+    def proportions_at(self, time: float) -> Proportions:
+        """What the build is multiplied by at a time of the stage."""
+        keyed = self.proportions
+        return keyed.proportions_at(time) if isinstance(keyed, KeyedProportions) else keyed
 
     @property
     def shown_skin(self) -> SkinnedMesh:

@@ -191,7 +191,11 @@ class AnimatedMorphology:
     @cached_property
     def still(self) -> Morphology:
         """The body as it is in the first frame."""
-        row, measures, start = self.rows[0], {}, 0
+        return self.at(0)
+
+    def at(self, frame: int) -> Morphology:
+        """The body as it is in one frame."""
+        row, measures, start = self.rows[frame], {}, 0
         for name, shape in (*_SHAPES.items(), ("spine", (self.layout.spine_count, 3))):
             size = int(np.prod(shape))
             measures[name], start = row[start : start + size].reshape(shape), start + size

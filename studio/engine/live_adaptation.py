@@ -437,7 +437,8 @@ def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
     arrays["positions"][frames] = window.positions
     arrays["rotations"][frames] = window.rotations
     arrays["residuals"][:, frames] = window.residuals
-    return replace(whole, morphology=window.morphology, volume=window.volume, unasked=window.unasked, **arrays)
+    body = {name: getattr(window, name) for name in ("morphology", "animated", "volume", "unasked")}
+    return replace(whole, **body, **arrays)
 
 
 def _fits(whole: AdaptedMotion, wanted: Wanted, project: Project) -> bool:

@@ -7,13 +7,13 @@ from studio.core.capture import Capture
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.contacts import ContactInterval, Touch
 from studio.core.ground import Ground
-from studio.core.morphology import Morphology
+from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.placement import Placement
 from studio.core.project import Clip, Performer, Project
 from studio.core.solver.circles import Player
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.rows import Asked, composite_of, constraints_in, is_plain
+from studio.core.solver.rows import Asked, composite_of, constraints_in, frame_count_of, is_plain, timing_of
 from studio.core.solver.stage import Followed, asked_of, followed_by, tracks_of
 from studio.core.volume import BodyVolume
 
@@ -28,7 +28,7 @@ class Wanted:
     performer: Performer = field(compare=False)
     motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
     """Identity of the capture, clip and contacts of each clip."""
-    morphology: Morphology
+    morphology: AnyMorphology
     asked: tuple[Asked, ...]
     ground: Ground
     followed: tuple[Followed, ...]
@@ -63,8 +63,10 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     )
     ground = project.ground.seen_from(performer.position, performer.heading)
     volume = character.volume if clears else None
+    timing = timing_of(project, performer)
+    body = character.body_over(timing.begin, timing.frame_rate, frame_count_of(project, performer))
     return Wanted(
-        performer, motions, character.morphology, asked, ground, followed, Placement.of(performer), volume,
+        performer, motions, body, asked, ground, followed, Placement.of(performer), volume,
         performer.limited, performer.eased,
     )  # fmt: skip
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from studio.core.appearance import Appearance, Material
 from studio.core.character import Character
 from studio.core.errors import StudioError
+from studio.core.growth import KeyedProportions
 from studio.core.hand_shapes import HandShapes
 from studio.core.mannequin.tailoring import tailored
 from studio.core.morphology import Morphology, Proportions
@@ -66,7 +67,7 @@ def write_character(character: Character, path: Path) -> None:
         "colour": character.colour,
         "mesh": mesh_path.name,
         "sha256": hashlib.sha256(mesh).hexdigest(),
-        "proportions": asdict(character.proportions),
+        "proportions": _proportions_record(character.proportions),
         "blending": character.blending.value,
         "grip": character.grip,
         "materials": _material_records(character.skin.appearance),
@@ -86,9 +87,9 @@ def read_character(path: Path) -> Character:
         raise StudioError(f"{mesh_path}: this is not the mesh that {path.name} was written with. Copy both anew.")
     try:
         build = Morphology.from_json(_member(record, "build", dict, path))
-        proportions = Proportions(**record.get("proportions", {}))
+        proportions = _proportions_of(record.get("proportions", {}))
         blending, grip = Blending(record.get("blending", Blending.LINEAR)), float(record.get("grip", 0.0))
-    except (ValueError, TypeError, ArithmeticError) as error:
+    except (ValueError, TypeError, ArithmeticError, LookupError) as error:
         raise StudioError(f"{path}: the measures are damaged. {error}") from error
     skin = read_mesh(content, str(mesh_path), record.get("materials", []))
     if not skin.fits(build.layout.segment_count):
@@ -98,6 +99,19 @@ def read_character(path: Path) -> Character:
         return Character(name, colour, build, skin, proportions, blending, grip)
     except ValueError as error:
         raise StudioError(f"{path}: {error}") from error
+
+
+def _proportions_record(proportions: Proportions | KeyedProportions) -> dict[str, Any]:
+    if isinstance(proportions, KeyedProportions):
+        return {"times": list(proportions.times), "values": [asdict(each) for each in proportions.values]}
+    return asdict(proportions)
+
+
+def _proportions_of(record: dict[str, Any]) -> Proportions | KeyedProportions:
+    """Factors, or ``times`` in seconds and as many ``values``, each of them factors. Raises ValueError or TypeError."""
+    if "times" in record:
+        return KeyedProportions(tuple(record["times"]), tuple(Proportions(**each) for each in record["values"]))
+    return Proportions(**record)
 
 
 @lru_cache(maxsize=1)

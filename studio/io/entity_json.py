@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from studio.core.character import Character
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.clear import ClearConstraint
@@ -23,12 +24,13 @@ from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
 from studio.core.grounds import GROUND_KINDS
+from studio.core.morphology import Proportions
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
 from studio.io.json_text import json_of
 from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 2
-ENTITY_SCHEMAS = {**dict.fromkeys(COLLECTIONS, 1), "performers": 2, "constraints": 2, "contacts": 3}
+ENTITY_SCHEMAS = {**dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 2, "contacts": 3}
 """A higher number tells an older version that it would misread what it knows by that name."""
 CONSTRAINT_KINDS: Mapping[str, type] = {
     kind.kind: kind
@@ -98,9 +100,12 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 
 def _schema_of(collection: str, entity: Entity) -> int:
-    """A contact with the ground says what it has always said."""
-    plain = isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint)
-    return 2 if plain else ENTITY_SCHEMAS[collection]
+    """A contact with the ground, and a body that does not grow, say what they have always said."""
+    if isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint):
+        return 2
+    if isinstance(entity, Character) and isinstance(entity.proportions, Proportions):
+        return 1
+    return ENTITY_SCHEMAS[collection]
 
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:

@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 from PySide6.QtWidgets import QLineEdit
 
 from studio.core.character import Character
+from studio.core.growth import KeyedProportions
 from studio.core.morphology import Morphology, Proportions
 from studio.core.remarks import remarks_on_body
 from studio.core.skin import Blending
@@ -13,6 +14,7 @@ from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button
+from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
 LOW, HIGH = 0.5, 1.6
@@ -74,9 +76,11 @@ class BodySection(Section):
         self._grip.ended.connect(editor.end)
         self._grip.restored.connect(lambda: self._close_hands(0.0))
         self.add_row("Hands", self._grip)
+        self._growth = GrowthRow(editor, self, character_id)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
         self._odd = labelled("", "hint")
         self.add_wide(self._odd)
+        editor.document.playhead.changed.connect(self._playhead_moved)
 
     @property
     def _character(self) -> Character:
@@ -95,19 +99,31 @@ class BodySection(Section):
     def refresh(self) -> None:
         """Fetch all lengths."""
         character = self._character
-        for name, slider in self._sliders.items():
-            metres = measure_of(name, character.morphology)
-            words = f"{metres:.2f} m" if name == "stature" else f"{metres * CENTIMETRES:.1f} cm"
-            slider.show_value(getattr(character.proportions, name), words)
-        self._preset.show_value(character.proportions)
+        self.refresh_now()
         self._blending.show_value(character.blending)
         self._grip.setEnabled(character.skin.hands is not None)
         self._grip.show_value(character.grip, grip_words(character.grip))
         self._odd.setText("\n".join(f"Odd: {remark.sentence}" for remark in remarks_on_body(character.build)))
         self._odd.setVisible(bool(self._odd.text()))
 
+    def refresh_now(self) -> None:
+        """Fetch what a body that grows has at the playhead."""
+        character = self._character
+        held = character.proportions_at(self._growth.now)
+        body = held.applied_to(character.build)
+        for name, slider in self._sliders.items():
+            metres = measure_of(name, body)
+            words = f"{metres:.2f} m" if name == "stature" else f"{metres * CENTIMETRES:.1f} cm"
+            slider.show_value(getattr(held, name), words)
+        self._preset.show_value(held)
+        self._growth.refresh()
+
+    def _playhead_moved(self, _: float) -> None:
+        if self._editor.entity is not None and isinstance(self._character.proportions, KeyedProportions):
+            self.refresh_now()
+
     def _set(self, name: str, words: str, factor: float) -> None:
-        proportions = replace(self._character.proportions, **{name: factor})
+        proportions = replace(self._character.proportions_at(self._growth.now), **{name: factor})
         self._put(proportions, f"Set {words.lower()} of {self._character.name}")
 
     def _choose(self, values: Proportions) -> None:
@@ -122,8 +138,11 @@ class BodySection(Section):
         make = lambda: replace(self._character, grip=round(grip, 2))  # noqa: E731
         self._editor.put_other("characters", self._character_id(), make, f"Close the hands of {self._character.name}")
 
-    def _put(self, proportions: Proportions, text: str) -> None:
-        make = lambda: replace(self._character, proportions=proportions)  # noqa: E731
+    def _put(self, held: Proportions, text: str) -> None:
+        """Have these now: always, or as a key at the playhead."""
+        keyed = self._character.proportions
+        new = keyed.with_key(self._growth.now, held) if isinstance(keyed, KeyedProportions) else held
+        make = lambda: replace(self._character, proportions=new)  # noqa: E731
         self._editor.put_other("characters", self._character_id(), make, text)
 
 

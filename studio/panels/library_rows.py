@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
+from studio.core.character import Character
 from studio.core.constraints.base import Constraint
+from studio.core.growth import KeyedProportions
 from studio.core.project import GROUND_ID, Project
 from studio.document import colours
 from studio.engine.point_names import point_words
@@ -57,14 +59,23 @@ def _bodies(project: Project) -> list[Row]:
     rows = []
     for key, performer in project.performers.items():
         character = project.characters[performer.character_id]
-        stature = f"{character.morphology.stature:.2f} m"
-        rows.append(Row(performer.name, stature, ("performers", key), character.colour, shown=performer.visible))
+        rows.append(
+            Row(performer.name, _stature(character), ("performers", key), character.colour, shown=performer.visible)
+        )
     on_stage = {performer.character_id for performer in project.performers.values()}
     for key, character in project.characters.items():
         if key not in on_stage:
-            stature = f"{character.morphology.stature:.2f} m"
-            rows.append(Row(character.name, stature, ("characters", key), character.colour, shown=False))
+            rows.append(Row(character.name, _stature(character), ("characters", key), character.colour, shown=False))
     return rows
+
+
+def _stature(character: Character) -> str:
+    """``1.66 m``, of one that grows ``1.20 – 1.94 m``."""
+    keyed = character.proportions
+    if not isinstance(keyed, KeyedProportions):
+        return f"{character.morphology.stature:.2f} m"
+    statures = [each.applied_to(character.build).stature for each in keyed.values]
+    return f"{min(statures):.2f} – {max(statures):.2f} m"
 
 
 def _constraints(project: Project, motion_id: str | None) -> list[Row]:

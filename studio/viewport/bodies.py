@@ -100,7 +100,7 @@ class BodyVisual:
             self._skin.points[:], self._skin.normals[:] = shown.vertices, shown.normals
         else:
             skin_vertices(
-                self._character.shown_skin, self._character.build, motion.morphology, motion.positions[row],
+                self._character.shown_skin, self._character.build, motion.morphology_at(row), motion.positions[row],
                 motion.rotations[row], self._skin.points, self._skin.normals, self._character.blending,
             )  # fmt: skip
         self._skin.touch()

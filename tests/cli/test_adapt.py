@@ -4,6 +4,8 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +15,10 @@ from studio.cli.main import main
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.growth import KeyedProportions
 from studio.core.kinematics import joint_world
-from studio.io.character_file import bundled_characters
+from studio.core.morphology import Proportions
+from studio.io.character_file import bundled_characters, write_character
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.resources_folder import resources_folder
@@ -155,6 +159,17 @@ def test_what_is_no_human_is_refused_with_what_is_missing(capsys, captures, tmp_
     assert main(["adapt", str(strange), "--out", str(tmp_path / "out")]) == 1
     assert "no complete human body" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_character_that_grows_is_written_with_bones_that_do(capsys, walk, tmp_path):
+    child, keys = bundled_characters()["child"], KeyedProportions((0.0, 0.4), (Proportions(), Proportions(stature=1.5)))
+    write_character(replace(child, name="Grows", proportions=keys), tmp_path / "grows.json")
+    code, report = adapt(capsys, walk, tmp_path / "out", "--character", tmp_path / "grows.json")
+    assert code == 0
+    written = load_capture(Path(report["characters"][0]["file"]))
+    knee = written.skeleton.names.index("LeftLeg")
+    bones = np.linalg.norm(written.poses.local_translations[:, knee], axis=1)
+    assert bones[-1] / bones[0] == pytest.approx(1.5, rel=1e-3)
 
 
 def test_people_get_a_table(capsys, walk, tmp_path):

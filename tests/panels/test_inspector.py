@@ -363,3 +363,22 @@ def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_u
     document.undo_stack.undo()
     assert tick.isChecked()
     assert document.project.performers["performer 0"].limited
+
+
+def test_a_body_keyed_over_time_takes_what_a_slider_says_at_the_playhead(inspector, document):
+    document.selection.set(("performers", "performer 0"))
+    document.playhead.set_frame(0)
+    QTest.mouseClick(named(inspector, QCheckBox, "Body is keyed over time"), LEFT, pos=QPoint(8, 8))
+    slider = named(inspector, QSlider, "Stature")
+    document.playhead.set_frame(30)
+    start = handle_of(slider)
+    drag(slider, start, start + QPoint(8, 0), start + QPoint(16, 0))
+    keyed = document.project.characters["character 0"].proportions
+    assert keyed.times == (0.0, 30 / document.playhead.frame_rate)
+    assert keyed.values[0].stature == 1.0 < keyed.values[1].stature
+    assert document.history == ("Key the body of Body 0", "Set stature of Body 0")
+    grown = slider.value()
+    document.playhead.set_frame(0)
+    assert slider.value() < grown
+    QTest.mouseClick(named(inspector, QCheckBox, "Body is keyed over time"), LEFT, pos=QPoint(8, 8))
+    assert document.project.characters["character 0"].proportions.stature == 1.0

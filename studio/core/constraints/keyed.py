@@ -84,12 +84,12 @@ class Keys:
         return before, t - keys[before], t - keys[after], ease((t - keys[before]) / length, EaseShape.QUINTIC)
 
 
-class _Line(Keys):
+class Line(Keys):
     """Values that are points of a space of ``size`` numbers."""
 
     def at(self, times: ArrayLike) -> FloatArray:
         """(N, size) at ``times`` (N,) seconds."""
-        values = np.array(self.values, dtype=np.float64).reshape(-1, self.size)
+        values = self.points
         rates = passing_rates(np.array(self.times), np.diff(values, axis=0))
         before, since, until, share = self._spans(times)
         after = np.minimum(before + 1, len(values) - 1)
@@ -97,9 +97,14 @@ class _Line(Keys):
         end = values[after] + until[:, None] * rates[after]
         return np.asarray(begin + share[:, None] * (end - begin))
 
+    @property
+    def points(self) -> FloatArray:
+        """(K, size) the values of the keys."""
+        return np.array(self.values, dtype=np.float64).reshape(-1, self.size)
+
 
 @dataclass(frozen=True)
-class KeyedPlace(_Line):
+class KeyedPlace(Line):
     """Places (x, y, z) in metres, motion space."""
 
     size: ClassVar[int] = 3
@@ -108,7 +113,7 @@ class KeyedPlace(_Line):
 
 
 @dataclass(frozen=True)
-class KeyedNumber(_Line):
+class KeyedNumber(Line):
     """Numbers, such as a heading in radians or a distance in metres."""
 
     size: ClassVar[int] = 1

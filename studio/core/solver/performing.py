@@ -112,7 +112,8 @@ def player_of(
     motions = {motion_id: prepare(project.captures[capture_id]) for motion_id, capture_id in captures.items()}
     composite = composite_of(project, performer_id, lambda motion_id: motions[motion_id][0])
     character = project.characters[performer.character_id]
-    body = character.morphology
+    timing, count = composite.timing, composite.motion.frame_count
+    body = character.body_over(timing.begin, timing.frame_rate, count)
     request = AdaptRequest(
         composite.motion,
         body,

@@ -78,6 +78,10 @@ class AdaptedMotion:
         """All measures of the body, whether they change or not."""
         return self.animated or self.morphology
 
+    def morphology_at(self, row: int) -> Morphology:
+        """The measures of the body in one of these frames."""
+        return self.morphology if self.animated is None else self.animated.at(self.first_frame + row)
+
     @property
     def frame_count(self) -> int:
         return len(self.positions)

@@ -248,12 +248,16 @@ class KeyRow:
     def _go(self, step: int) -> None:
         keyed, now = self._keyed(), self._seconds()
         ahead = [time for time in keyed.times if (time - now) * step > 1e-4]
+        if ahead:
+            self._editor.document.playhead.pause()
+            self._show_time(min(ahead, key=lambda each: abs(each - now)))
+
+    def _show_time(self, seconds: float) -> None:
+        """Put the playhead where the motion has this time."""
         document = self._editor.document
         clip = document.active_clip
-        if ahead and clip is not None:
-            document.playhead.pause()
-            time = min(ahead, key=lambda each: abs(each - now))
-            document.playhead.set_time(stage_time(clip, document.project.frame_rate_of(clip), time))
+        if clip is not None:
+            document.playhead.set_time(stage_time(clip, document.project.frame_rate_of(clip), seconds))
 
     def _set(self) -> None:
         """A key with what is there now."""

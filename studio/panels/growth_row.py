@@ -1,0 +1,68 @@
+"""Whether a body's measures are keyed over time, and its keys."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtWidgets import QCheckBox
+
+from studio.core.character import Character
+from studio.core.growth import KeyedProportions
+from studio.panels.constraint_editors.target_rows import KeyRow
+from studio.panels.editor import Editor
+from studio.panels.fields import Section
+
+
+class GrowthRow(KeyRow):
+    """A box that says whether a character's proportions are keyed over the stage's time, and a row with the keys."""
+
+    def __init__(self, editor: Editor, section: Section, character_id: Callable[[], str]) -> None:
+        self._character_id = character_id
+        self._over_time = QCheckBox("keyed over time")
+        self._over_time.setAccessibleName("Body is keyed over time")
+        self._over_time.setToolTip("The body grows from key to key: what a slider says is a key at the playhead.")
+        self._over_time.clicked.connect(self._toggle)
+        section.add_row("Measures", self._over_time)
+        super().__init__(editor, section, "proportions")
+
+    @property
+    def now(self) -> float:
+        """Seconds of the stage, of the frame at the playhead."""
+        return self._seconds()
+
+    def refresh(self, known: bool = True) -> None:
+        """Show whether the body is keyed, and where."""
+        self._over_time.setChecked(self._keyed() is not None)
+        super().refresh(known)
+
+    @property
+    def _character(self) -> Character:
+        return self._editor.document.project.characters[self._character_id()]
+
+    def _keyed(self) -> KeyedProportions | None:
+        proportions = self._character.proportions
+        return proportions if isinstance(proportions, KeyedProportions) else None
+
+    def _seconds(self) -> float:
+        playhead = self._editor.document.playhead
+        return playhead.frame / playhead.frame_rate
+
+    def _show_time(self, seconds: float) -> None:
+        self._editor.document.playhead.set_time(seconds)
+
+    def _set(self) -> None:
+        keyed, now = self._keyed(), self._seconds()
+        if keyed is not None:
+            self._change(keyed.with_key(now, keyed.proportions_at(now)), "Set key of")
+
+    def _toggle(self, keyed: bool) -> None:
+        now = self._seconds()
+        held = self._character.proportions_at(now)
+        self._change(
+            KeyedProportions((now,), (held,)) if keyed else held, "Key the body of" if keyed else "Fix body of"
+        )
+
+    def _change(self, value: Any, text: str) -> None:
+        character = self._character
+        make = lambda: replace(character, proportions=value)  # noqa: E731
+        self._editor.put_other("characters", self._character_id(), make, f"{text} {character.name}")
