@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from studio.core.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.kinematics import joint_positions
+from studio.core.markers.body_axes import HEAD
 from studio.core.markers.marker_map import MarkerMap, seen_labels
+from studio.core.markers.roles import ROLE, SIDES
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
 from studio.core.markers.trial import MARKER, METRES, VIRTUAL, Trial, bare_label, subject_of, whole
@@ -23,6 +25,9 @@ from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
 
+_PLACES = {"arms": ("shoulder", "elbow", "wrist"), "legs": ("front_hip", "knee", "ankle")}
+_SHOWN = 6
+"""Markers that a sentence names."""
 _LEG = (0.3, 1.4)
 """Metres of a leg, or twice an arm, from hip to ankle within which a unit is believed."""
 
@@ -193,8 +198,7 @@ def _body_guesses(
         ),
     ]
     if solved.resting:
-        words = " and ".join(solved.resting)
-        guesses.append(Guess("not shown", words, "The trial has not the markers for it; it stays in a plain rest."))
+        guesses.append(_not_shown(take, used, solved.resting))
     subjects = sorted({subject_of(label) for label in take.trial.markers} - {""})
     if len(subjects) > 1:
         reason = f"The file holds {', '.join(subjects)}. Choose under Markers whose body is read."
@@ -210,6 +214,25 @@ def _body_guesses(
         words = f"In {followed.unseen} frames some place is not seen: it moves straight on as seen from the pelvis."
         guesses.append(Guess("first frame", str(first), " ".join((words if followed.unseen else "", reason)).strip()))
     return guesses
+
+
+def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:
+    """What rests, the places that it lacks, and the markers that may lie there: they are at no place of the map."""
+    there = {*used.markers, *used.centres}
+    sentences = []
+    for part in resting:
+        if part == "head":
+            sentences.append(f"The head needs markers at three places and has {sum(role in there for role in HEAD)}.")
+            continue
+        places = [f"{side}_{joint}" for joint in _PLACES[part] for side in SIDES]
+        lacking = [ROLE[place].words.partition(",")[0].lower() for place in places if place not in there]
+        lack = f"The {part} lack markers at {', '.join(lacking)}."
+        sentences.append(lack if lacking else f"The {part} cannot be told from the markers at their places.")
+    unused = [bare for bare in seen_labels(take.trial, take.subject).values() if bare not in used.labels]
+    more = f" and {len(unused) - _SHOWN} more" if len(unused) > _SHOWN else ""
+    beside = f" At no place of the map: {', '.join(unused[:_SHOWN])}{more}." if unused else ""
+    words = f"{' '.join(sentences)} What is not shown stays in a plain rest.{beside}"
+    return Guess("not shown", " and ".join(resting), words)
 
 
 def _contents(trial: Trial, markers: int) -> str:

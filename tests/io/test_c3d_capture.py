@@ -73,6 +73,28 @@ def test_a_lower_body_says_that_its_arms_are_at_rest(captures: Path) -> None:
     capture = load_capture(captures / "c3d" / "btk_PiG_LowerBody_walk.c3d")
     [guess] = [guess for guess in capture.guesses if guess.subject == "not shown"]
     assert guess.value == "head and arms"
+    assert "The head needs markers at three places and has 0." in guess.reason
+    assert "The arms lack markers at left shoulder, right shoulder, left elbow" in guess.reason
+
+
+@pytest.mark.parametrize(
+    ("open_places", "sentence"),
+    [
+        (("left_shoulder",), "The arms lack markers at left shoulder. What"),
+        (("left_front_head", "right_front_head"), "The head needs markers at three places and has 2."),
+    ],
+)
+def test_what_is_not_shown_is_told_by_the_places_it_lacks_and_the_markers_left_over(
+    open_places: tuple[str, ...], sentence: str
+) -> None:
+    trial, marker_map = made_trial()
+    left_over = [label for place in open_places for label in marker_map.markers[place]]
+    for place in open_places:
+        marker_map = marker_map.with_role(place, ())
+    capture = load_capture_of(trial, ImportOptions(marker_map=marker_map))
+    [guess] = [guess for guess in capture.guesses if guess.subject == "not shown"]
+    assert sentence in guess.reason
+    assert guess.reason.endswith(f"At no place of the map: {', '.join(left_over)}.")
 
 
 def test_a_unit_that_makes_a_giant_is_overruled_and_listed() -> None:
