@@ -53,7 +53,7 @@ class _Frame:
         ranks = np.zeros(len(constraints), dtype=np.int64)
         joints = free_joints(tuple(map(carrying_chain, constraints)), tuple(ranks.tolist()), self.layout)
         trunk = {*range(self.layout.spine_count), self.layout.spine_count + 2, self.layout.spine_count + 6}
-        free = dict(zip(joints.joints[:, 0].tolist(), 2.0 * np.arctan(joints.limits), strict=True))
+        free = dict(zip(joints.joints["segment"].tolist(), 2.0 * np.arctan(joints.limits), strict=True))
         self.segments = sorted(trunk & free.keys())
         self.limits = np.array([free[segment] for segment in self.segments])
         self.root_is_free = ROOT in free

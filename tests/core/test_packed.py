@@ -1,6 +1,9 @@
 """Packed tuples: what kernels hand on as one address is the tuple it was made from."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
+import pytest
 
 from studio.core.kernels.compiling import kernel, pack
 
@@ -40,3 +43,36 @@ def test_arrays_of_a_packed_tuple_are_those_of_its_maker() -> None:
     values = make_values()
     spread_packed(values, 1, np.zeros(3))
     assert values[0][0][0].tolist() == [2.0, 7.0]
+
+
+class Place(NamedTuple):
+    point: Any
+    weight: float
+
+
+class Pair(NamedTuple):
+    here: Place
+    there: Place
+
+
+@kernel
+def between(pair, out_point):
+    """Where two places meet, by their weights; by names."""
+    whole = pair.here.weight + pair.there.weight
+    for axis in range(3):
+        share = pair.here.weight * pair.here.point[axis] + pair.there.weight * pair.there.point[axis]
+        out_point[axis] = share / whole
+
+
+@kernel
+def between_packed(pair, out_point):
+    """The same of a record that is packed, with packed records in it."""
+    between(pack(Pair(pack(pair.here), pack(pair.there))), out_point)
+
+
+def test_a_packed_record_reads_by_its_names_as_the_record_it_was_made_from() -> None:
+    pair = Pair(Place(np.array([0.0, 3.0, 1.0]), 1.0), Place(np.array([3.0, 0.0, 1.0]), 2.0))
+    plain, packed = np.zeros(3), np.zeros(3)
+    between(pair, plain)
+    between_packed(pair, packed)
+    assert plain.tolist() == packed.tolist() == pytest.approx([2.0, 1.0, 1.0])

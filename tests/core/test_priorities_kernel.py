@@ -81,7 +81,7 @@ class _Search:
         search, chain, rows = self.search, self.free.chain, self.search.rows
         rows.jacobian[:], rows.errors[: self.count] = 0.0, self.goals - self.gained
         for row, (segment, point) in enumerate(zip(self.segments, self.points, strict=True)):
-            rows.owners[row], rows.roles[row], rows.pulls[row, 7] = row, HOLD if row < self.held else ASK, -1.0
+            rows.owners[row], rows.roles[row], rows.pulls["carrier"][row] = row, HOLD if row < self.held else ASK, -1
             place, jacobian = self.pose.positions[point], rows.jacobian[row]
             add_point_row(place, *self.directions[row], segment, chain.joints, self.pose.positions, jacobian)
         set_brakes(search.state, chain.joints, chain.limits, search.carried, rows.brakes)
@@ -149,7 +149,7 @@ def test_joints_never_turn_beyond_their_limits(seed: int) -> None:
     for _ in range(20):
         search.step()
     turned = 2.0 * np.arctan(np.linalg.norm(search.search.state, axis=1))
-    segments = search.free.joints[:, 0]
+    segments = search.free.joints["segment"]
     assert turned[(segments > 0) & (segments < K)].max() <= VERTEBRA_LIMIT + 1e-9
     assert turned[(segments == K + 2) | (segments == K + 6)].max() <= CLAVICLE_LIMIT + 1e-9
 

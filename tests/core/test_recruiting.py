@@ -303,7 +303,7 @@ class _Posed:
         """The pose with a joint turned by a rotation vector, or the root moved."""
         state = self.search.state
         state[:] = 0.0
-        state[joint] = turn if self.chain.joints[joint, 0] == ROOT else np.tan(0.5 * turn)
+        state[joint] = turn if self.chain.joints["segment"][joint] == ROOT else np.tan(0.5 * turn)
         pose = Pose(self.start.positions.copy(), self.start.rotations.copy())
         nothing = np.zeros(0, dtype=TASK), np.zeros((0, 10))
         carry_body(Problem(*nothing, self.chain, self.body, self.search, self.start, pose))
@@ -327,7 +327,7 @@ class _Posed:
 def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_planted(name: str, frame: int) -> None:
     posed, step = _Posed(STANDING[name], frame), 1e-5
     rows = posed.rows()
-    for joint, segment in enumerate(posed.chain.joints[:, 0]):
+    for joint, segment in enumerate(posed.chain.joints["segment"]):
         for axis in range(3):
             turn = step * np.eye(3)[axis]
             slope = (posed.mass(joint, turn) - posed.mass(joint, -turn)) / (2.0 * step)
@@ -343,7 +343,7 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
 @pytest.mark.parametrize("name", BODIES)
 def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str) -> None:
     posed, step = _Posed(STANDING[name], 30), 1e-6
-    root = int(np.flatnonzero(posed.chain.joints[:, 0] == ROOT)[0])
+    root = int(np.flatnonzero(posed.chain.joints["segment"] == ROOT)[0])
     posed.masses = posed.masses.copy()
     posed.masses[: STANDING[name].morphology.layout.segment(BodyPart.RIGHT_THIGH), 0] = 0.0
     levers = np.zeros((3, 3))
@@ -387,7 +387,7 @@ def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: in
     set_balance_rows(2, masses, sums, joints, first, rows)
     reach = float(np.linalg.norm(first[root + 2] - first[root]))
     let_arm_reach(side, 2, goal, reach, sums, joints, first, rows)
-    for joint, segment in enumerate(joints[:, 0]):
+    for joint, segment in enumerate(joints["segment"]):
         if segment in (0, ROOT) or (segment >= layout.spine_count + 2 and segment != upper - 1):
             continue
         for axis in range(3):

@@ -7,12 +7,14 @@ from studio.core.kernels.clearing import clear_after, clear_before, make_clearin
 from studio.core.kernels.compiling import allocating_kernel, kernel, pack, small_kernel
 from studio.core.kernels.constraints import note_carried, solve_frame
 from studio.core.kernels.easing import ease_frame
-from studio.core.kernels.edges import IN_PART, keep_solution, next_edge, note_misses, pose_between
+from studio.core.kernels.edges import keep_solution, next_edge, note_misses, pose_between
 from studio.core.kernels.jolts import note_jolts
 from studio.core.kernels.legs import is_placed, place_leg
 from studio.core.kernels.placing import follow
 from studio.core.kernels.records import (
+    BRAKE,
     LAST_STEP,
+    PULL,
     Asked,
     Body,
     Clip,
@@ -28,6 +30,7 @@ from studio.core.kernels.records import (
 )
 from studio.core.kernels.recruiting import free_limbs
 from studio.core.kernels.stages import hold_above, keep_stage, make_kept, next_stage
+from studio.core.kernels.tasks import INACTIVE, ON_EDGE
 from studio.core.kernels.vectors import clear_points
 from studio.core.kernels.wishes import set_goals
 
@@ -167,7 +170,7 @@ def solve_one(frame, stage, clip, problem):
         least = more
     if least > 0.0:
         for c in range(tasks.shape[0]):
-            tasks[c].wanted = IN_PART if tasks[c].wanted else 0
+            tasks[c].status = ON_EDGE if tasks[c].status != INACTIVE else 0
     note_misses(frame, problem, clip.residuals)
     return any_acts
 
@@ -222,8 +225,8 @@ def make_search(task_count, joint_count, point_count):
         np.empty(rows),
         np.empty(rows, np.int64),
         np.empty(rows, np.int64),
-        np.ones((joint_count, 4)),
-        np.empty((rows, 9)),
+        np.zeros(joint_count, BRAKE),
+        np.zeros(rows, PULL),
         np.empty(rows),
     )
     equations = Equations(

@@ -64,7 +64,7 @@ def set_balance_rows(axes, masses, sums, joints, positions, rows):
     """
     spine_count = positions.shape[0] - 23
     for joint in range(joints.shape[0]):
-        if joints[joint, 0] == ROOT:
+        if joints[joint].segment == ROOT:
             whole = sums[spine_count + 10, 3]
             put_to(rows[0, joint], whole, 0.0, 0.0)
             put_to(rows[1, joint], 0.0, whole, 0.0)
@@ -73,8 +73,8 @@ def set_balance_rows(axes, masses, sums, joints, positions, rows):
             for side in range(2):
                 add_leg_answer(side, axes, LEAST_BEND, masses, positions, rows[:, joint])
             continue
-        origin, first = positions[joints[joint, 1]], sums[joints[joint, 2]]
-        past = sums[min(joints[joint, 3], spine_count + 10) if joints[joint, 0] == 0 else joints[joint, 3]]
+        origin, first = positions[joints[joint].pivot], sums[joints[joint].first]
+        past = sums[min(joints[joint].past, spine_count + 10) if joints[joint].segment == 0 else joints[joint].past]
         share = past[3] - first[3]
         x = past[0] - first[0] - share * origin[0]
         y = past[1] - first[1] - share * origin[1]
@@ -148,13 +148,13 @@ def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
     xx, xy, xz = across + along * x * x, along * x * y, along * x * z
     yy, yz, zz = across + along * y * y, along * y * z, across + along * z * z
     for joint in range(joints.shape[0]):
-        if joints[joint, 0] == ROOT:
+        if joints[joint].segment == ROOT:
             add_to(rows[0, joint], xx, xy, xz)
             add_to(rows[1, joint], xy, yy, yz)
             if axes > 2:
                 add_to(rows[2, joint], xz, yz, zz)
-        elif joints[joint, 2] <= upper < joints[joint, 3]:
-            origin = positions[joints[joint, 1]]
+        elif joints[joint].first <= upper < joints[joint].past:
+            origin = positions[joints[joint].pivot]
             ox, oy, oz = shoulder[0] - origin[0], shoulder[1] - origin[1], shoulder[2] - origin[2]
             add_to(rows[0, joint], oy * xz - oz * xy, oz * xx - ox * xz - mz, ox * xy - oy * xx + my)
             add_to(rows[1, joint], oy * yz - oz * yy + mz, oz * xy - ox * yz, ox * yy - oy * xy - mx)

@@ -9,6 +9,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.goals import ORIENTATION, counts
 from studio.core.kernels.placing import follow, miss_of
 from studio.core.kernels.records import Clearing, Pose
+from studio.core.kernels.tasks import INACTIVE
 
 HIGHER, STANDS = 2, 3
 """How a constraint stands to one that keeps clear: 0 below it, 1 beside it, or above, the last as a contact."""
@@ -142,13 +143,13 @@ def hold_arm(side, tasks, above, spine_count, out_held):
     upper, wrist = spine_count + 3 + 4 * side, spine_count + 6 + 5 * side
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if not above[c] or row.wanted == 0:
+        if not above[c] or row.status == INACTIVE:
             continue
         for end in range(2):
-            if row.ends[end, 2] != side:
+            if row.limbs[end] != side:
                 continue
-            segment, offset = row.ends[end, 1], row.offsets[end]
-            at_wrist = row.ends[end, 0] == wrist and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0
+            segment, offset = row.segments[end], row.offsets[end]
+            at_wrist = row.points[end] == wrist and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0
             if segment == upper + 2 and row.kind == ORIENTATION:
                 continue
             out_held[0] = max(out_held[0], row.share)

@@ -7,7 +7,7 @@ frames take neighbouring ways; where a level is given up, or a limb changes side
 import math
 
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.goals import BALANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, counts, end_place
+from studio.core.kernels.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, counts, end_place
 from studio.core.kernels.joint_limits import keep_caps, note_own, restore_caps
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.limb_constraints import (
@@ -25,6 +25,7 @@ from studio.core.kernels.room import make_room
 from studio.core.kernels.stance import free_part
 from studio.core.kernels.steps import KEPT, MET, step
 from studio.core.kernels.stiffness import free_stiff, stiffen
+from studio.core.kernels.tasks import ACTIVE, GIVEN_UP, INACTIVE
 from studio.core.kernels.vectors import blend_points, clear_points, copy_matrix, copy_point, copy_points, distance
 
 TRIES, LATE = 4, 5
@@ -97,9 +98,9 @@ def note_limits(problem):
         found, tip = slots[upper] >= 0, limb >= 2
         for c in range(tasks.shape[0]):
             for end in range(2):
-                if tasks[c].ends[end, 2] == limb:
-                    found = found or tasks[c].wanted == 1
-                    tip = tip or tasks[c].ends[end, 1] >= upper + 2
+                if tasks[c].limbs[end] == limb:
+                    found = found or tasks[c].status == ACTIVE
+                    tip = tip or tasks[c].segments[end] >= upper + 2
         if found:
             note_own(limb, 2 if tip else 1, limits, start)
             limits[limb].lets_go = free_part(limb - 2, body) if limb >= 2 else 1.0
@@ -110,7 +111,7 @@ def wants_level(level, tasks):
     """Whether any constraint of this level acts now."""
     acts = False
     for c in range(tasks.shape[0]):
-        acts = acts or (tasks[c].rank == level and tasks[c].wanted == 1)
+        acts = acts or (tasks[c].rank == level and tasks[c].status == ACTIVE)
     return acts
 
 
@@ -217,15 +218,15 @@ def yields(level, problem):
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.kind != ORIENTATION or row.ends[0, 2] < 0 or row.wanted != 1 or row.rank >= level:
+        if row.kind != ORIENTATION or row.limbs[0] < 0 or row.status != ACTIVE or row.rank >= level:
             continue
-        limb = row.ends[0, 2]
+        limb = row.limbs[0]
         if miss_of(c, problem) - row.kept_miss < KEPT:
             continue
         for other in range(tasks.shape[0]):
-            named = tasks[other].ends[0, 2] == limb or tasks[other].ends[1, 2] == limb
-            if named and tasks[other].rank == level and tasks[other].wanted == 1:
-                tasks[other].wanted, tasks[other].engaged = GIVEN_UP, 0
+            named = tasks[other].limbs[0] == limb or tasks[other].limbs[1] == limb
+            if named and tasks[other].rank == level and tasks[other].status == ACTIVE:
+                tasks[other].status, tasks[other].engaged = GIVEN_UP, 0
                 found = True
     return found
 
@@ -259,7 +260,7 @@ def frees_root(level, tasks, chain):
     frees = False
     for c in range(tasks.shape[0]):
         frees = frees or (
-            root >= 0 and tasks[c].rank == level and tasks[c].wanted == 1 and chain.mobilities[c, root] > 0.0
+            root >= 0 and tasks[c].rank == level and tasks[c].status == ACTIVE and chain.mobilities[c, root] > 0.0
         )
     return frees
 
@@ -268,8 +269,8 @@ def frees_root(level, tasks, chain):
 def give_up(level, tasks):
     """What cannot be had beside the levels above is not asked of limbs any more at this frame."""
     for c in range(tasks.shape[0]):
-        if tasks[c].rank == level and tasks[c].wanted:
-            tasks[c].wanted, tasks[c].engaged = GIVEN_UP, 0
+        if tasks[c].rank == level and tasks[c].status != INACTIVE:
+            tasks[c].status, tasks[c].engaged = GIVEN_UP, 0
 
 
 @kernel
@@ -298,7 +299,7 @@ def is_met(level, problem):
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.wanted == 1 and row.rank == level and miss_of(c, problem) >= MET:
+        if row.status == ACTIVE and row.rank == level and miss_of(c, problem) >= MET:
             return False
     return disturbance(level, True, problem) < KEPT
 
@@ -332,15 +333,15 @@ def note_kept(first, level, problem):
         if row.rank >= first:
             row.kept_miss = miss
         if row.kind == ORIENTATION or row.kind == LOOK_AT:
-            copy_matrix(pose.rotations[row.ends[0, 1]], row.kept_turn)
+            copy_matrix(pose.rotations[row.segments[0]], row.kept_turn)
         elif row.kind == BALANCE:
             copy_point(search.points[0], row.kept_places[0])  # where its miss was measured
         else:
             for end in range(2):
-                if row.ends[end, 0] >= 0:
+                if row.points[end] >= 0:
                     end_place(row, end, pose, row.kept_places[end])
-                if row.ends[end, 2] >= 0:
-                    root = limb_indices(row.ends[end, 2], spine_count)[0]
+                if row.limbs[end] >= 0:
+                    root = limb_indices(row.limbs[end], spine_count)[0]
                     copy_point(pose.positions[root], row.kept_roots[end])
 
 
@@ -358,10 +359,16 @@ def note_reaches(level, changed, problem):
     point = points[0]
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.wanted != 1 or row.rank > level or row.kind == ORIENTATION or row.kind == BALANCE or row.kind == LOOK_AT:
+        if (
+            row.status != ACTIVE
+            or row.rank > level
+            or row.kind == ORIENTATION
+            or row.kind == BALANCE
+            or row.kind == LOOK_AT
+        ):
             continue
         for end in range(2):
-            limb = row.ends[end, 2]
+            limb = row.limbs[end]
             if row.rank < level and not (limb >= 0 and changed >> limb & 1):
                 continue
             if end == 0 and row.kind == POSITION and (limb < 0 or row.freedoms[end, 0] == 0.0):
@@ -375,11 +382,11 @@ def note_reaches(level, changed, problem):
             origin = row.origins[end]
             if row.rank == level:
                 copy_point(pose.positions[root], origin)
-            fold, reach, own = range_of(limb, row.ends[end, 1], holds_end, point, body.limits, start)
+            fold, reach, own = range_of(limb, row.segments[end], holds_end, point, body.limits, start)
             row.folds[end], row.longest[end], row.reaches[end] = fold, reach, reach
             row.easings[end] = min(fold + FOLDING * (reach - fold), own)
             row.comforts[end], row.slack[end] = 1.0, 0.0
-            if reach <= 0.0 or row.ends[end, 1] == upper:
+            if reach <= 0.0 or row.segments[end] == upper:
                 continue
             shoulder = start.positions[root]
             comfort = COMFORT if row.helped else LIMB_COMFORT

@@ -6,14 +6,15 @@ from studio.core.kernels.balance import centre_of_mass
 from studio.core.kernels.body import copy_pose
 from studio.core.kernels.clearing import clear_after
 from studio.core.kernels.compiling import kernel, pack
-from studio.core.kernels.edges import IN_PART, blend_kept, next_edge, note_misses, note_turns, pose_kept
+from studio.core.kernels.edges import blend_kept, next_edge, note_misses, note_turns, pose_kept
 from studio.core.kernels.goals import BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place, second_place
 from studio.core.kernels.limb_constraints import HUNG
-from studio.core.kernels.placing import TURN, carry_body, follow, miss_of, posed
+from studio.core.kernels.placing import carry_body, follow, miss_of, posed
 from studio.core.kernels.records import Pose
 from studio.core.kernels.rows import AWAY
 from studio.core.kernels.stages import measure_rooms, note_spot
 from studio.core.kernels.stance import keep_feet_in_reach
+from studio.core.kernels.tasks import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, PINNED_TURN
 from studio.core.kernels.vectors import copy_matrix, copy_point, copy_points, distance
 from studio.core.kernels.wishes import set_goals
 
@@ -60,8 +61,8 @@ def pose_eased(frame, meets, waited, clip, problem, above):
         row.blended = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
         if activations[c, frame] > 0.0 and row.rank < level.rank:
             pin(c, row.rank < level.contacts, above)
-        elif row.wanted == 1 and not meets:
-            row.wanted = IN_PART
+        elif row.status == ACTIVE and not meets:
+            row.status = ON_EDGE
     pose_kept(frame, activations, problem)
     clears = clip.clearance.wanted.shape[0]
     if clears > 0:
@@ -118,14 +119,14 @@ def change_above(frame, clip, problem, above):
         follow(tasks.shape[0], False, above)
         for c in range(tasks.shape[0]):
             tasks[c].engaged = 0
-            if tasks[c].rank < level.rank and tasks[c].wanted:
+            if tasks[c].rank < level.rank and tasks[c].status != INACTIVE:
                 tasks[c].blended = miss_of(c, above)
     follow(tasks.shape[0], False, problem)
     most = 0.0
     for c in range(tasks.shape[0]):
         row = tasks[c]
         row.engaged = 0
-        if row.rank < level.rank and row.wanted:
+        if row.rank < level.rank and row.status != INACTIVE:
             before = row.blended if edges else misses[c, frame]
             most = max(most, abs(miss_of(c, problem) - before))
     for q in range(level.clears, clearance.wanted.shape[0]):
@@ -143,8 +144,8 @@ def tell_misses(frame, clip, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         row.blended = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
-        if edges and row.rank < clip.easing.level[0].rank and row.wanted:
-            row.wanted = IN_PART
+        if edges and row.rank < clip.easing.level[0].rank and row.status != INACTIVE:
+            row.status = ON_EDGE
     note_misses(frame, problem, clip.residuals)
 
 
@@ -159,28 +160,28 @@ def pin(c, stands, above):
     """Ask of a constraint, or of what ``stands``, what it has in the pose ``above``."""
     row, search, pose = above.tasks[c], above.search, above.pose
     point, other = search.points[0], search.points[1]
-    row.wanted, row.pinned, row.blended = 1, 1, 0.0
+    row.status, row.pinned, row.blended = ACTIVE, PINNED, 0.0
     if row.kind == DISTANCE:
         end_place(row, 0, pose, point)
         second_place(row, pose, other)
         row.distance = distance(point, other)
     elif row.kind == POSITION:
-        note_spot(row, search, pose, row.relative[0] if row.ends[1, 0] >= 0 else row.places[0])
-    elif row.kind == ORIENTATION and row.ends[1, 0] < 0:
-        copy_matrix(pose.rotations[row.ends[0, 1]], row.turn)
-    elif row.kind == BALANCE and row.ends[1, 0] < 0:
+        note_spot(row, search, pose, row.relative[0] if row.points[1] >= 0 else row.places[0])
+    elif row.kind == ORIENTATION and row.points[1] < 0:
+        copy_matrix(pose.rotations[row.segments[0]], row.turn)
+    elif row.kind == BALANCE and row.points[1] < 0:
         centre_of_mass(above.body.shares, pose.positions, row.places[0])
         copy_point(row.places[0], row.places[1])
     else:
         row.engaged = 0
         follow(row.rank, False, above)
         row.blended = miss_of(c, above)
-        row.pinned = 1 if row.kind == LOOK_AT else 0
+        row.pinned = PINNED if row.kind == LOOK_AT else FREE
         if row.kind == LOOK_AT and row.blended >= AWAY:
-            row.pinned, row.blended = TURN, 0.0
-            copy_matrix(pose.rotations[row.ends[0, 1]], row.turn)
+            row.pinned, row.blended = PINNED_TURN, 0.0
+            copy_matrix(pose.rotations[row.segments[0]], row.turn)
     for end in range(2):
-        limb = row.ends[end, 2]
+        limb = row.limbs[end]
         if row.kind != BALANCE and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):
             search.hung[limb] = HUNG  # legs that stand are placed on their ankles
 
@@ -216,8 +217,8 @@ def note_goals(frame, activations, targets, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         row.engaged = 0
-        if not row.wanted and activations[c, frame] > 0.0:
-            row.wanted = IN_PART
+        if row.status == INACTIVE and activations[c, frame] > 0.0:
+            row.status = ON_EDGE
     follow(tasks.shape[0], False, problem)
     for c in range(tasks.shape[0]):
         tasks[c].engaged = 0

@@ -21,10 +21,9 @@ from studio.core.kernels.placing import carry_body, miss_of, place_limbs, turn_e
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.rows import TURN_ARM
 from studio.core.kernels.steps import KEPT
+from studio.core.kernels.tasks import ACTIVE, FREE, INACTIVE, ON_EDGE
 from studio.core.kernels.vectors import blend_points, copy_matrix, copy_point, copy_points, distance
 
-IN_PART = 3
-"""What ``wanted`` becomes where a constraint is on its edge, or was out of reach in what is blended."""
 LOST = 2e-4
 """Metres or radians by which what is blended may be missed more than what it is blended of."""
 GIVEN_UP_THERE = 2
@@ -55,7 +54,7 @@ def keep_solution(first, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if first:
-            row.blended = miss_of(c, problem) if row.wanted else 0.0
+            row.blended = miss_of(c, problem) if row.status != INACTIVE else 0.0
         note_hung(row, GIVEN_UP_THERE, search.hung)
 
 
@@ -72,10 +71,10 @@ def note_turns(out_turns, pose):
 @kernel
 def note_hung(row, how, out_hung):
     """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
-    if row.wanted > 1 and row.kind != BALANCE:
+    if row.status > ACTIVE and row.kind != BALANCE:
         for end in range(2):
-            if row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0:
-                out_hung[row.ends[end, 2]] = how
+            if row.limbs[end] >= 0 and row.freedoms[end, 0] > 0.0:
+                out_hung[row.limbs[end]] = how
 
 
 @kernel
@@ -85,7 +84,7 @@ def note_blended(part, problem):
     copy_points(search.state, search.before)
     note_turns(search.solved_turns, pose)
     for c in range(tasks.shape[0]):
-        now = miss_of(c, problem) if tasks[c].wanted else 0.0
+        now = miss_of(c, problem) if tasks[c].status != INACTIVE else 0.0
         tasks[c].blended = part * tasks[c].blended + (1.0 - part) * now
 
 
@@ -145,7 +144,7 @@ def loses(problem):
     lost = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        lost = lost or (row.wanted == 1 and miss_of(c, problem) > row.blended + LOST)
+        lost = lost or (row.status == ACTIVE and miss_of(c, problem) > row.blended + LOST)
     return lost
 
 
@@ -155,9 +154,9 @@ def note_misses(frame, problem, out_residuals):
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
         out_residuals[c, frame] = math.nan
-        if tasks[c].wanted == IN_PART:
+        if tasks[c].status == ON_EDGE:
             out_residuals[c, frame] = tasks[c].blended
-        elif tasks[c].wanted:
+        elif tasks[c].status != INACTIVE:
             out_residuals[c, frame] = miss_of(c, problem)
 
 
@@ -169,24 +168,26 @@ def pose_kept(frame, activations, problem):
     hung = search.hung
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        on_edge = not row.wanted and 0.0 < activations[c, frame] < 1.0
+        on_edge = row.status == INACTIVE and 0.0 < activations[c, frame] < 1.0
         turns = row.kind == ORIENTATION or row.kind == LOOK_AT
-        if on_edge or (row.wanted == 1 and not row.pinned and row.blended * (TURN_ARM if turns else 1.0) > MISSED):
-            row.wanted = IN_PART
+        if on_edge or (
+            row.status == ACTIVE and row.pinned == FREE and row.blended * (TURN_ARM if turns else 1.0) > MISSED
+        ):
+            row.status = ON_EDGE
         note_hung(row, HUNG, hung)
     for limb in range(4):
         hung[limb] = HUNG if hung[limb] else 0
     carry_body(problem)
     note_kept(0, level, problem)
     for c in range(tasks.shape[0]):
-        if tasks[c].wanted == 1:
+        if tasks[c].status == ACTIVE:
             note_held(tasks[c], problem)
     place_limbs(level, problem)
     mend_kept(level, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.wanted == 1 and row.blended > KEPT and row.ends[0, 2] >= 0 and hung[row.ends[0, 2]]:
-            row.wanted = IN_PART  # its place was where the blend has it, and not where it wants to be
+        if row.status == ACTIVE and row.blended > KEPT and row.limbs[0] >= 0 and hung[row.limbs[0]]:
+            row.status = ON_EDGE  # its place was where the blend has it, and not where it wants to be
     for limb in range(4):
         hung[limb] = 0
 
@@ -214,21 +215,21 @@ def note_held(row, problem):
     part = min(max(1.1 * (1.0 - missed / MISSED), 0.0), 1.0)
     row.kept_miss = row.blended
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
-        turn_error(row.turn, pose.rotations[row.ends[0, 1]], turn, vector)
+        turn_error(row.turn, pose.rotations[row.segments[0]], turn, vector)
         rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
-        multiply(turn, pose.rotations[row.ends[0, 1]], row.kept_turn)
-        if row.ends[0, 2] >= 0 and hung[row.ends[0, 2]]:
+        multiply(turn, pose.rotations[row.segments[0]], row.kept_turn)
+        if row.limbs[0] >= 0 and hung[row.limbs[0]]:
             copy_matrix(row.kept_turn, row.turn)
         return
     for end in range(2):
         wish = row.places[1 if row.kind == BALANCE else end]
         for axis in range(3):
             row.kept_places[end, axis] += part * (wish[axis] - row.kept_places[end, axis])
-        if row.kind == POSITION and row.ends[end, 2] >= 0 and hung[row.ends[end, 2]]:
+        if row.kind == POSITION and row.limbs[end] >= 0 and hung[row.limbs[end]]:
             copy_point(row.kept_places[end], row.places[end])
             row.comforts[end], row.easings[end] = 1.0, 0.0
             if row.longest[end] > 0.0:  # a shoulder has no limb before it
-                note_stretch(row, end, row.ends[end, 2] >= 2 or search.ends[row.ends[end, 2]] >= 0, search.points, pose)
+                note_stretch(row, end, row.limbs[end] >= 2 or search.ends[row.limbs[end]] >= 0, search.points, pose)
 
 
 @kernel
@@ -238,7 +239,7 @@ def note_stretch(row, end, holds_end, points, pose):
     With d of its length to spare as it was blended, and w for its place, it keeps d s(w) / s(d) (``softly``); what that
     is beside w is for the trunk (METHOD (31)).
     """
-    root, longest = limb_parts(row.ends[end, 2], pose.positions.shape[0] - 23)[2], row.longest[end]
+    root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)[2], row.longest[end]
     x, y, z = aim_limb(row, end, False, holds_end, points, pose)
     shoulder, edge = pose.positions[root], STRAIGHT * longest
     span = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)

@@ -4,6 +4,7 @@ import math
 
 from studio.core.kernels.body import body_point
 from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.tasks import ACTIVE, GIVEN_UP
 from studio.core.kernels.vectors import copy_point
 
 POSITION = 0
@@ -13,20 +14,18 @@ BALANCE = 3
 LOOK_AT = 4
 AREA = 5
 """Kinds as the solver knows them."""
-GIVEN_UP = 2
-"""What ``wanted`` becomes where a constraint is given up for those above it."""
 
 
 @small_kernel
 def counts(row):
     """Whether a constraint acts at this frame: what it has is its own, also where it was given up."""
-    return row.wanted == 1 or row.wanted == GIVEN_UP
+    return row.status == ACTIVE or row.status == GIVEN_UP
 
 
 @small_kernel
 def end_place(row, end, pose, out_point):
     """Where one end of a constraint (a record of ``kernels.tasks``) is now, (3,)."""
-    body_point(row.ends[end, 0], row.ends[end, 1], row.offsets[end], pose.positions, pose.rotations, out_point)
+    body_point(row.points[end], row.segments[end], row.offsets[end], pose.positions, pose.rotations, out_point)
 
 
 @small_kernel
@@ -60,7 +59,7 @@ def part_to(first, second, distance, shares, out_goals):
 @kernel
 def second_place(row, pose, out_point):
     """Where the other point of a distance is now, (3,): on the body, or the place outside."""
-    if row.ends[1, 0] >= 0:
+    if row.points[1] >= 0:
         end_place(row, 1, pose, out_point)
     else:
         copy_point(row.places[1], out_point)

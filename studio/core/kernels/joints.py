@@ -1,13 +1,12 @@
 """The joints that a search may turn: how each moves points of the body, and the body posed from their turns (METHOD 6).
 
-``joints`` (N, 5) holds, for each joint that any constraint's chain frees, the segment it turns, the point about which
-it turns, the first and past the last of the segments that turn with it, and the segment that carries it (S none);
-segment -1 is the root's translation. ``slots`` (S + 1,) is the joint of each segment, of the root last, -1 for none.
+``joints`` (N,) are records of ``JOINT``, of each joint that any constraint's chain frees; ``slots`` (S + 1,) is the
+joint of each segment, of the root last, -1 for none.
 
 The state of a search is ``turned`` (N, 3): for each joint the Gibbs vector (axis times tan(angle / 2)) of its turn away
-from the motion, in the axes of the segment that carries it; for the root metres. ``brakes`` (N, 4) is the world axis
-of each joint's turn and the root of the part of its mobility that is left about it: 1 until ``FREE_PART`` of the limit,
-0 at it, so that a limit is neared ever more slowly and nothing stops at once.
+from the motion, in the axes of the segment that carries it; for the root metres. What is left of each joint's mobility
+(``BRAKE``) is 1 until ``FREE_PART`` of the limit and 0 at it, so that a limit is neared ever more slowly and nothing
+stops at once.
 """
 
 import math
@@ -16,6 +15,7 @@ import numpy as np
 
 from studio.core.kernels.body import distal_range
 from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.records import JOINT
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.turns import product, put_beside, put_turn, turn_in, turn_of_gibbs
 
@@ -55,15 +55,15 @@ def carrier_of(segment, spine_count):
 
 @allocating_kernel
 def joint_table(segments, spine_count):
-    """``joints`` (N, 5) for the given segments (N,), ROOT for the root's translation."""
-    table = np.empty((segments.shape[0], 5), np.int64)
-    for joint in range(segments.shape[0]):
-        segment = segments[joint]
-        table[joint, 0] = segment
-        table[joint, 1] = 0 if segment == ROOT else pivot_point(segment, spine_count)
+    """``joints`` (N,) for the given segments (N,), ROOT for the root's translation."""
+    table = np.zeros(segments.shape[0], JOINT)
+    for number in range(segments.shape[0]):
+        joint, segment = table[number], segments[number]
+        joint.segment = segment
+        joint.pivot = 0 if segment == ROOT else pivot_point(segment, spine_count)
         first, past, _, _ = distal_range(max(segment, 0), spine_count)
-        table[joint, 2], table[joint, 3] = first, past
-        table[joint, 4] = carrier_of(segment, spine_count)
+        joint.first, joint.past = first, past
+        joint.carrier = carrier_of(segment, spine_count)
     return table
 
 
@@ -71,12 +71,12 @@ def joint_table(segments, spine_count):
 def add_point_row(point, vx, vy, vz, carrier, joints, positions, row):
     """Add to ``row`` (N, 3) how joints move a point of segment ``carrier`` along a direction: (p - o) x v."""
     for joint in range(joints.shape[0]):
-        if joints[joint, 0] == ROOT:
+        if joints[joint].segment == ROOT:
             row[joint, 0] += vx
             row[joint, 1] += vy
             row[joint, 2] += vz
-        elif joints[joint, 2] <= carrier < joints[joint, 3]:
-            origin = joints[joint, 1]
+        elif joints[joint].first <= carrier < joints[joint].past:
+            origin = joints[joint].pivot
             x = point[0] - positions[origin, 0]
             y = point[1] - positions[origin, 1]
             z = point[2] - positions[origin, 2]
@@ -89,7 +89,7 @@ def add_point_row(point, vx, vy, vz, carrier, joints, positions, row):
 def add_turn_row(axis, arm, carrier, joints, row):
     """Add to ``row`` (N, 3) how joints turn segment ``carrier`` about a world axis, in ``arm`` metres a radian."""
     for joint in range(joints.shape[0]):
-        if joints[joint, 0] != ROOT and joints[joint, 2] <= carrier < joints[joint, 3]:
+        if joints[joint].segment != ROOT and joints[joint].first <= carrier < joints[joint].past:
             row[joint, axis] += arm
 
 
@@ -97,16 +97,16 @@ def add_turn_row(axis, arm, carrier, joints, row):
 def set_brakes(turned, joints, limits, carried, out_brakes):
     """``brakes`` of all joints as they are turned."""
     for k in range(joints.shape[0]):
-        out_brakes[k, 3] = 1.0
+        out_brakes[k].part = 1.0
         x, y, z = turned[k, 0], turned[k, 1], turned[k, 2]
         squared, freely = x * x + y * y + z * z, FREE_PART * limits[k]
-        if joints[k, 0] == ROOT or squared <= freely * freely:
+        if joints[k].segment == ROOT or squared <= freely * freely:
             continue
-        turn, size = carried[joints[k, 4]], math.sqrt(squared)
+        turn, size = carried[joints[k].carrier], math.sqrt(squared)
         x, y, z = x / size, y / size, z / size
         for axis in range(3):
-            out_brakes[k, axis] = turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z
-        out_brakes[k, 3] = math.sqrt(max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0))
+            out_brakes[k].axis[axis] = turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z
+        out_brakes[k].part = math.sqrt(max((limits[k] - size) / ((1.0 - FREE_PART) * limits[k]), 0.0))
 
 
 @kernel

@@ -81,7 +81,7 @@ def note_searched(middle, joints, states, per_second, out_jolts):
         for axis in range(3):
             way = states[middle + 1, joint, axis] - 2.0 * states[middle, joint, axis] + states[middle - 1, joint, axis]
             squared += way * way
-        column, scale = (0, 1.0 / LEVER) if joints[joint, 0] == ROOT else (1, 2.0)
+        column, scale = (0, 1.0 / LEVER) if joints[joint].segment == ROOT else (1, 2.0)
         out_jolts[middle, column] = max(out_jolts[middle, column], per_second * scale * math.sqrt(squared))
 
 

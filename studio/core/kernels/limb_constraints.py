@@ -23,6 +23,7 @@ from studio.core.kernels.joint_limits import (
 from studio.core.kernels.limb import soft_reach
 from studio.core.kernels.reach import aim_at, bend_range, reach_to, span_range, swivel_to, swivel_way
 from studio.core.kernels.stiffness import stiff_span, turn_back
+from studio.core.kernels.tasks import ACTIVE
 from studio.core.kernels.turns import inverse, product, turn_by, turn_in
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 from studio.core.kernels.within_limits import NEAR, step_within
@@ -60,7 +61,7 @@ def note_ends(level, tasks, spine_count, out_ends):
         grip, end = -1, limb_indices(limb, spine_count)[1] + 2
         for c in range(tasks.shape[0]):
             row = tasks[c]
-            holds = row.kind == ORIENTATION and row.wanted == 1 and row.rank <= level and row.ends[0, 1] == end
+            holds = row.kind == ORIENTATION and row.status == ACTIVE and row.rank <= level and row.segments[0] == end
             if holds and grip < 0:
                 grip = c
         changed |= (grip != out_ends[limb]) << limb
@@ -79,8 +80,8 @@ def note_seconds(tasks):
         row.second = 0
         for before in range(c):
             other = tasks[before]
-            if row.kind == POSITION and other.kind == POSITION and other.wanted == 1 and row.ends[0, 2] >= 0:
-                row.second |= other.ends[0, 2] == row.ends[0, 2] and other.freedoms[0, 0] > 0.0
+            if row.kind == POSITION and other.kind == POSITION and other.status == ACTIVE and row.limbs[0] >= 0:
+                row.second |= other.limbs[0] == row.limbs[0] and other.freedoms[0, 0] > 0.0
 
 
 @kernel
@@ -125,7 +126,7 @@ def solve_limb(limb, level, problem):
     bound = limits.shape[0] > 0 and search.hung[limb] != HUNG
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
-    turning = ends[limb] >= 0 and tasks[ends[limb]].wanted == 1
+    turning = ends[limb] >= 0 and tasks[ends[limb]].status == ACTIVE
     if limits.shape[0] > 0:
         limits[limb].acts, limits[limb].tip_turns = 0, 1 if limb >= 2 or turning else 0
     if turning:
@@ -134,19 +135,19 @@ def solve_limb(limb, level, problem):
     solved, held_upper, swivels, turns_lower, reached, ending = 0, False, False, False, 0, 0
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.wanted != 1 or row.rank > level or (row.kind == AREA and not row.engaged):
+        if row.status != ACTIVE or row.rank > level or (row.kind == AREA and not row.engaged):
             continue
         if row.kind == ORIENTATION:
-            segment = row.ends[0, 1]
-            if row.ends[0, 2] == limb and segment < upper + 2:
+            segment = row.segments[0]
+            if row.limbs[0] == limb and segment < upper + 2:
                 turn_limb(row, limb, bound and solved == 0, limits, pose)
                 solved += 2
                 swivels, turns_lower = False, turns_lower or (segment == upper + 1 and solved > 2)
             continue
         for end in range(2):
-            if row.ends[end, 2] != limb:
+            if row.limbs[end] != limb:
                 continue
-            segment, free, target = row.ends[end, 1], row.freedoms[end, 0] > 0.0, row.places[end]
+            segment, free, target = row.segments[end], row.freedoms[end, 0] > 0.0, row.places[end]
             if not free and row.freedoms[end, 1] == 0.0:
                 continue
             end_place(row, end, pose, point)
@@ -184,7 +185,7 @@ def solve_limb(limb, level, problem):
 def turn_limb(row, limb, first, limits, pose):
     """Turn upper or lower segment of a limb as wanted; a lower one by both, within limits, where it comes ``first``."""
     root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
-    segment = row.ends[0, 1]
+    segment = row.segments[0]
     turn_segment(row.turn, segment, root + segment - upper, pose)
     if first and segment == upper + 1:
         keep_middle(limb, limits, pose)
@@ -208,7 +209,7 @@ def swivel_with_limb(row, end, bound, held_upper, holds_end, problem):
     """
     pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
     positions, rotations = pose
-    limb, segment = row.ends[end, 2], row.ends[end, 1]
+    limb, segment = row.limbs[end], row.segments[end]
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
     tip, first, point, goal = root + 2, points[2], points[3], points[4]
@@ -277,7 +278,7 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, problem
     if not drawn or not swivels:
         return
     point, goal, tip = points[3], row.places[end], pose.positions[root + 2]
-    by_tip = holds_end and row.ends[end, 1] >= upper + 2
+    by_tip = holds_end and row.segments[end] >= upper + 2
     end_place(row, end, pose, point)
     wish = (
         point[0] + limit.sure * (goal[0] - point[0]),
@@ -337,7 +338,7 @@ def reach_with_limb(row, end, holds_end, kept, problem):
     """
     pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
     positions, rotations = pose
-    limb, segment = row.ends[end, 2], row.ends[end, 1]
+    limb, segment = row.limbs[end], row.segments[end]
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
     tip, point, goal = root + 2, points[3], points[4]

@@ -11,6 +11,7 @@ from studio.core.kernels.joints import add_point_row, add_turn_row
 from studio.core.kernels.limb_constraints import CLOSE_ENOUGH, limb_indices
 from studio.core.kernels.priorities import LONGEST_ERROR
 from studio.core.kernels.pulls import BOUND, HOLD, begin_row, note_pull
+from studio.core.kernels.tasks import ACTIVE
 from studio.core.kernels.vectors import copy_point, distance
 
 HARDLY_MISSED = 5e-4
@@ -48,11 +49,11 @@ def aim_limb(row, end, is_held, holds_end, points, pose):
     ``points[0]`` becomes the point that the limb moves there.
     """
     wanted = row.kept_places[end] if is_held else row.places[end]
-    root, upper = limb_indices(row.ends[end, 2], pose.positions.shape[0] - 23)
+    root, upper = limb_indices(row.limbs[end], pose.positions.shape[0] - 23)
     point, tip = points[0], pose.positions[root + 2]
     end_place(row, end, pose, point)
     x, y, z = wanted[0], wanted[1], wanted[2]
-    if holds_end and row.ends[end, 1] >= upper + 2:
+    if holds_end and row.segments[end] >= upper + 2:
         x, y, z = x + tip[0] - point[0], y + tip[1] - point[1], z + tip[2] - point[2]
         copy_point(tip, point)
     return x, y, z
@@ -69,7 +70,7 @@ def add_reach_rows(c, row, end, owner, is_held, count, problem):
     chain, pose, points = problem.chain, problem.pose, problem.search.points
     task_rows, limits, ends = problem.search.rows, problem.body.limits, problem.search.ends
     positions = pose.positions
-    limb = row.ends[end, 2]
+    limb = row.limbs[end]
     root, upper = limb_indices(limb, positions.shape[0] - 23)
     carrier = 0 if limb >= 2 else upper - 1
     shoulder = positions[root]
@@ -141,7 +142,7 @@ def add_apart_row(c, owner, count, problem):
     x, y, z = scale * x, scale * y, scale * z
     begin_row(task_rows, count, owner, abs(more) - row.kept_miss)
     for end in range(2):
-        point, carrier, limb = points[end], row.ends[end, 1], row.ends[end, 2]
+        point, carrier, limb = points[end], row.segments[end], row.limbs[end]
         if limb >= 0 and row.freedoms[end, 0] > 0.0 and not (limits.shape[0] > 0 and limits[limb].acts == c + 1):
             root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
             point, carrier = pose.positions[root], (0 if limb >= 2 else upper - 1)
@@ -157,7 +158,7 @@ def first_of(c, tasks):
     """The place that the limb of a second wish has to bring its point to first, -1 for none."""
     for before in range(c):
         first = tasks[before]
-        same = first.kind == POSITION and first.wanted == 1 and first.ends[0, 2] == tasks[c].ends[0, 2]
+        same = first.kind == POSITION and first.status == ACTIVE and first.limbs[0] == tasks[c].limbs[0]
         if same and first.freedoms[0, 0] > 0.0:
             return before
     return -1
@@ -173,8 +174,14 @@ def add_second_row(c, owner, count, problem):
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     points, task_rows = problem.search.points, problem.search.rows
     row, point, held, first = tasks[c], points[0], points[1], first_of(c, tasks)
-    root, upper = limb_indices(row.ends[0, 2], pose.positions.shape[0] - 23)
-    if first < 0 or row.ends[0, 1] != upper or tasks[first].ends[0, 1] == upper or row.stiff or row.freedoms[0, 0] == 0:
+    root, upper = limb_indices(row.limbs[0], pose.positions.shape[0] - 23)
+    if (
+        first < 0
+        or row.segments[0] != upper
+        or tasks[first].segments[0] == upper
+        or row.stiff
+        or row.freedoms[0, 0] == 0
+    ):
         return count
     shoulder, goal = pose.positions[root], row.places[0]
     end_place(row, 0, pose, point)
@@ -187,7 +194,7 @@ def add_second_row(c, owner, count, problem):
     error = span - distance(point, shoulder)
     if abs(error) < CLOSE_ENOUGH:
         return count
-    x, y, z, carrier = x / span, y / span, z / span, 0 if row.ends[0, 2] >= 2 else upper - 1
+    x, y, z, carrier = x / span, y / span, z / span, 0 if row.limbs[0] >= 2 else upper - 1
     begin_row(task_rows, count, owner, error)
     add_point_row(shoulder, x, y, z, carrier, chain.joints, pose.positions, task_rows.jacobian[count])
     pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
@@ -205,7 +212,7 @@ def add_swivel_row(c, end, owner, count, problem):
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     points, task_rows = problem.search.points, problem.search.rows
     row, point, held = tasks[c], points[0], points[1]
-    limb, goal = row.ends[end, 2], row.places[end]
+    limb, goal = row.limbs[end], row.places[end]
     end_place(tasks[first_of(c, tasks)], 0, pose, held)
     root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
     origin = pose.positions[root]
@@ -233,7 +240,7 @@ def add_limited_row(row, end, owner, is_held, count, wanted, problem):
     Held, it keeps the miss that it had. ``points[0]`` is the point that is to be at ``wanted`` (3,).
     """
     chain, pose, points, task_rows = problem.chain, problem.pose, problem.search.points, problem.search.rows
-    limb, point, goal = row.ends[end, 2], points[0], row.places[end]
+    limb, point, goal = row.limbs[end], points[0], row.places[end]
     x, y, z, kept = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2], 0.0
     if is_held and row.kept_miss > CLOSE_ENOUGH:
         end_place(row, end, pose, points[1])
@@ -272,7 +279,7 @@ def holds_already(point, carrier, count, task_rows):
     """Whether a higher constraint holds the same point: the same three rows once more would say nothing."""
     for row in range(count):
         pull = task_rows.pulls[row]
-        same = pull[7] == carrier and pull[3] == 0.0 and task_rows.roles[row] == HOLD
-        if same and pull[4] == point[0] and pull[5] == point[1] and pull[6] == point[2]:
+        same = pull.carrier == carrier and pull.span == 0.0 and task_rows.roles[row] == HOLD
+        if same and pull.point[0] == point[0] and pull.point[1] == point[1] and pull.point[2] == point[2]:
             return True
     return False

@@ -33,10 +33,10 @@ def means_of(c, x, y, z, point, carrier, problem):
     for k in range(joints.shape[0]):
         if mobilities[c, k] <= 0.0:
             continue
-        if joints[k, 0] == ROOT:
+        if joints[k].segment == ROOT:
             total += travel_of(x, y, z, body, pose)
-        elif joints[k, 2] <= carrier < joints[k, 3]:
-            origin = pose.positions[joints[k, 1]]
+        elif joints[k].first <= carrier < joints[k].past:
+            origin = pose.positions[joints[k].pivot]
             rx, ry, rz = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
             long = max(math.sqrt(rx * rx + ry * ry + rz * rz), 1e-9)
             cosine, most = min(max((rx * x + ry * y + rz * z) / long, -1.0), 1.0), 2.0 * math.atan(limits[k])
@@ -50,8 +50,8 @@ def is_alone(c, carrier, chain):
     """Whether but one joint of constraint ``c`` moves the segment ``carrier``, and not the root."""
     mobilities, joints, found = chain.mobilities, chain.joints, 0
     for k in range(joints.shape[0]):
-        if mobilities[c, k] > 0.0 and (joints[k, 0] == ROOT or joints[k, 2] <= carrier < joints[k, 3]):
-            found += 2 if joints[k, 0] == ROOT else 1
+        if mobilities[c, k] > 0.0 and (joints[k].segment == ROOT or joints[k].first <= carrier < joints[k].past):
+            found += 2 if joints[k].segment == ROOT else 1
     return found == 1
 
 
@@ -91,7 +91,7 @@ def note_means(c, row, problem):
     way = math.sqrt(x * x + y * y + z * z)
     row.slack[0] = 0.0
     if way > 1e-9:
-        able = means_of(c, x / way, y / way, z / way, point, row.ends[0, 1], problem)
+        able = means_of(c, x / way, y / way, z / way, point, row.segments[0], problem)
         row.slack[0] = 1.0 - soft_way(way, able) / way
 
 

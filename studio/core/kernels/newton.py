@@ -52,8 +52,8 @@ def refine_step(count, rows, chain, carried, turned, step, damped, positions):
     note_own(count, rows.owners, chain.mobilities, damped.mobilities)
     missed = add_pulls(count, rows, chain, damped, positions)
     for k in range(joints.shape[0]):
-        if brakes[k, 3] < 1.0:
-            brake_system(k, brakes[k, 3], brakes[k], system)
+        if brakes[k].part < 1.0:
+            brake_system(k, brakes[k].part, brakes[k].axis, system)
     add_asks(count, rows, chain.mobilities, damped)
     draw_back(SPRING * missed, brakes, carried, turned, joints, damped)
     slope = press_on_limits(SOFTNESS * missed, brakes, turned, chain, damped)
@@ -61,8 +61,8 @@ def refine_step(count, rows, chain, carried, turned, step, damped, positions):
     for k in range(joints.shape[0]):
         for axis in range(3):
             step[k, axis] = way[3 * k + axis]
-        if brakes[k, 3] < 1.0:
-            brake(brakes[k, 3], brakes[k], step[k])
+        if brakes[k].part < 1.0:
+            brake(brakes[k].part, brakes[k].axis, step[k])
     return along
 
 
@@ -84,12 +84,12 @@ def add_pulls(count, rows, chain, damped, positions):
     for q in range(count):
         squared += errors[q] * errors[q]
         pull = pulls[q]
-        if pull[7] < 0.0:
+        if pull.carrier < 0.0:
             continue
-        strength = pull[8]
-        if pull[3] != 0.0:
-            long = math.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2)
-            strength = math.sqrt(pull[8]) * abs(errors[q]) / max(long, 1e-12)
+        strength = pull.weight
+        if pull.span != 0.0:
+            long = math.sqrt(pull.error[0] ** 2 + pull.error[1] ** 2 + pull.error[2] ** 2)
+            strength = math.sqrt(pull.weight) * abs(errors[q]) / max(long, 1e-12)
         add_pull(strength, pull, chain.mobilities[owners[q]], chain.joints, damped, positions)
     return math.sqrt(squared)
 
@@ -101,14 +101,14 @@ def add_pull(strength, pull, mobilities, joints, damped, positions):
     METHOD (24).
     """
     system, levers = damped.system, damped.levers
-    carrier = int(pull[7])
+    carrier = pull.carrier
     for k in range(joints.shape[0]):
-        acts = mobilities[k] > 0.0 and joints[k, 2] <= carrier < joints[k, 3]
+        acts = mobilities[k] > 0.0 and joints[k].first <= carrier < joints[k].past
         for axis in range(3):
-            levers[k, axis] = pull[4 + axis] - positions[joints[k, 1], axis] if acts else 0.0
-    x, y, z = strength * pull[0], strength * pull[1], strength * pull[2]
+            levers[k, axis] = pull.point[axis] - positions[joints[k].pivot, axis] if acts else 0.0
+    x, y, z = strength * pull.error[0], strength * pull.error[1], strength * pull.error[2]
     add_bends(x, y, z, joints, levers, system)
-    if pull[3] <= 0.0:  # what is to be longer might slide to any side, and is not to
+    if pull.span <= 0.0:  # what is to be longer might slide to any side, and is not to
         return
     long = max(math.sqrt(x * x + y * y + z * z), 1e-12)
     x, y, z = x / long, y / long, z / long
@@ -120,7 +120,7 @@ def add_pull(strength, pull, mobilities, joints, damped, positions):
         for k in range(joints.shape[0]):
             lx, ly, lz = levers[k, 0], levers[k, 1], levers[k, 2]
             row[3 * k], row[3 * k + 1], row[3 * k + 2] = ly * pz - lz * py, lz * px - lx * pz, lx * py - ly * px
-        add_outer(long / pull[3], row, system)
+        add_outer(long / pull.span, row, system)
 
 
 @kernel
@@ -133,8 +133,8 @@ def add_bends(x, y, z, joints, levers, system):
     for j in range(joints.shape[0]):
         after, least = -1, 1 << 30
         for k in range(joints.shape[0]):
-            if joints[j, 0] < joints[k, 0] < least and is_lever(levers[k]):
-                after, least = k, joints[k, 0]
+            if joints[j].segment < joints[k].segment < least and is_lever(levers[k]):
+                after, least = k, joints[k].segment
         dx, dy, dz = levers[j, 0], levers[j, 1], levers[j, 2]
         if after >= 0:
             dx, dy, dz = dx - levers[after, 0], dy - levers[after, 1], dz - levers[after, 2]
@@ -146,10 +146,10 @@ def add_bends(x, y, z, joints, levers, system):
                 system[3 * j + a, 3 * j + a] -= FOLDED * along
         size, both, side, sx, sy, sz, tx, ty, tz = link_bend(x, y, z, dx, dy, dz)
         for i in range(joints.shape[0]):
-            if not (joints[i, 2] <= joints[j, 0] < joints[i, 3] and is_lever(levers[i])):
+            if not (joints[i].first <= joints[j].segment < joints[i].past and is_lever(levers[i])):
                 continue
             for k in range(joints.shape[0]):
-                if not (joints[k, 2] <= joints[j, 0] < joints[k, 3] and is_lever(levers[k])):
+                if not (joints[k].first <= joints[j].segment < joints[k].past and is_lever(levers[k])):
                     continue
                 for a in range(3):
                     s = both * (sx if a == 0 else (sy if a == 1 else sz))
@@ -239,12 +239,12 @@ def draw_back(spring, brakes, carried, turned, joints, damped):
     for k in range(joints.shape[0]):
         if own[3 * k] == 0.0:
             continue
-        turn = carried[joints[k, 4]]
+        turn = carried[joints[k].carrier]
         for axis in range(3):
             x, y, z = turned[k, 0], turned[k, 1], turned[k, 2]
             force[k, axis] = 2.0 * (turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] * z)
-        if brakes[k, 3] < 1.0:
-            brake(brakes[k, 3], brakes[k], force[k])
+        if brakes[k].part < 1.0:
+            brake(brakes[k].part, brakes[k].axis, force[k])
         for axis in range(3):
             system[3 * k + axis, size] -= spring / own[3 * k] * force[k, axis]
 
@@ -264,20 +264,20 @@ def press_on_limits(softness, brakes, turned, chain, damped):
         if own[3 * k] == 0.0:
             continue
         x, y, z = system[3 * k, size], system[3 * k + 1, size], system[3 * k + 2, size]
-        if brakes[k, 3] < 1.0:
-            ax, ay, az, part = brakes[k, 0], brakes[k, 1], brakes[k, 2], brakes[k, 3]
+        if brakes[k].part < 1.0:
+            ax, ay, az, part = brakes[k].axis[0], brakes[k].axis[1], brakes[k].axis[2], brakes[k].part
             room = 2.0 * (1.0 - FREE_PART) * limits[k]
             back = softness * (1.0 - part * part) / (part * part * room)
-            press = max(ax * x + ay * y + az * z, 0.0) / part * (1.0 - brakes[k, 3])
+            press = max(ax * x + ay * y + az * z, 0.0) / part * (1.0 - brakes[k].part)
             for a in range(3):
-                system[3 * k + a, size] -= back * part * brakes[k, a]
+                system[3 * k + a, size] -= back * part * brakes[k].axis[a]
             x, y, z = x - press * part * ax, y - press * part * ay, z - press * part * az
             across = press / (2.0 * math.sqrt(turned[k, 0] ** 2 + turned[k, 1] ** 2 + turned[k, 2] ** 2))
             radial = max(press, back) / room - across
             for a in range(3):
                 system[3 * k + a, 3 * k + a] += across
                 for b in range(3):
-                    system[3 * k + a, 3 * k + b] += radial * brakes[k, a] * brakes[k, b]
+                    system[3 * k + a, 3 * k + b] += radial * brakes[k].axis[a] * brakes[k].axis[b]
         squared += own[3 * k] * (x * x + y * y + z * z)
     return math.sqrt(squared)
 

@@ -36,6 +36,7 @@ from studio.core.kernels.rotation import (
     rotation_vector_to_matrix,
 )
 from studio.core.kernels.stiffness import carry_leg
+from studio.core.kernels.tasks import ACTIVE, FREE, PINNED_TURN
 from studio.core.kernels.turns import product, put_turn, shortest, turn_in, turn_of_gibbs
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
@@ -43,8 +44,6 @@ ENGAGED = 1e-6
 """Metres into a forbidden area from which on a point counts as in it."""
 OUTLINED = 2
 """What an idle limb becomes once its points alone were put where they are to be."""
-TURN = 2
-"""What ``pinned`` is where a look is held to its turn, rather than to what it misses."""
 AGAIN = 3
 """Times that limbs are placed once more because a point entered an area or a distance was not shared well."""
 
@@ -129,8 +128,8 @@ def note_idle(tasks, slots, spine_count, out_idle):
         out_idle[limb] = 1 if slots[upper] < 0 and (limb < 2 or not stays) else 0
     for c in range(tasks.shape[0]):
         for end in range(2):
-            segment = tasks[c].ends[end, 1]
-            if tasks[c].ends[end, 0] >= 0 and segment >= spine_count + 2:
+            segment = tasks[c].segments[end]
+            if tasks[c].points[end] >= 0 and segment >= spine_count + 2:
                 out_idle[(segment - spine_count - 2) // 4] = 0
 
 
@@ -168,13 +167,13 @@ def place_limbs(level, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if counts(row) and row.rank <= level:
-            follows = row.kind != DISTANCE and row.ends[1, 0] >= 0
+            follows = row.kind != DISTANCE and row.points[1] >= 0
             moving = moving or follows or row.kind == DISTANCE or row.kind == AREA or row.kind == LOOK_AT
             row.engaged = 0
             for end in range(2):
-                if row.ends[end, 2] >= 0 and row.wanted == 1:
-                    busy |= 1 << row.ends[end, 2]
-                    stiff |= row.stiff << row.ends[end, 2]
+                if row.limbs[end] >= 0 and row.status == ACTIVE:
+                    busy |= 1 << row.limbs[end]
+                    stiff |= row.stiff << row.limbs[end]
     for attempt in range(1 + AGAIN):
         if moving:
             follow(level, False, problem)
@@ -210,20 +209,20 @@ def follow(level, solved, problem):
         row = tasks[c]
         if not counts(row) or row.rank > level:
             continue
-        if row.kind != DISTANCE and row.ends[1, 0] >= 0:
+        if row.kind != DISTANCE and row.points[1] >= 0:
             follow_body(row, areas[c], pose, problem)
         if row.kind == DISTANCE and not solved:
             end_place(row, 0, pose, points[0])
             second_place(row, pose, points[1])
             part_to(points[0], points[1], row.distance, row.shares, row.places)
-        elif row.kind == LOOK_AT and row.pinned != TURN:
-            rotation = pose.rotations[row.ends[0, 1]]
+        elif row.kind == LOOK_AT and row.pinned != PINNED_TURN:
+            rotation = pose.rotations[row.segments[0]]
             end_place(row, 0, pose, points[0])
             gaze_goal(row.places[1], row.places[0], points[0], row.distance, points[1])
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
             turn = shortest(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z)
             put_turn(product(turn, turn_in(rotation)), row.turn)
-        elif row.kind == AREA and row.wanted == 1 and not row.engaged and not solved:
+        elif row.kind == AREA and row.status == ACTIVE and not row.engaged and not solved:
             engage_one(c, problem)
 
 
@@ -233,17 +232,17 @@ def follow_body(row, area, pose, problem):
     search, start = problem.search, problem.start
     place, point, turn, vector = search.points[0], search.points[1], search.turns[0], search.points[7]
     end_place(row, 1, pose, place)
-    axes = pose.rotations[row.ends[1, 1]]
-    if row.kind == POSITION and row.pinned:
+    axes = pose.rotations[row.segments[1]]
+    if row.kind == POSITION and row.pinned != FREE:
         add_rotated(place, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.places[0])
     elif row.kind == POSITION:
         end_place(row, 0, start, point)
         ease_goal(point, place, row.share, row.places[0])
     elif row.kind == ORIENTATION:
         multiply(axes, row.relative, search.turns[1])
-        turn_error(search.turns[1], start.rotations[row.ends[0, 1]], turn, vector)
+        turn_error(search.turns[1], start.rotations[row.segments[0]], turn, vector)
         rotation_vector_to_matrix(row.share * vector[0], row.share * vector[1], row.share * vector[2], turn)
-        multiply(turn, start.rotations[row.ends[0, 1]], row.turn)
+        multiply(turn, start.rotations[row.segments[0]], row.turn)
     elif row.kind == LOOK_AT:
         copy_point(place, row.places[0])
     elif row.kind == BALANCE:
@@ -267,8 +266,8 @@ def falls_short(level, problem):
     short = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        follows = row.ends[0, 2] >= 0 and row.ends[1, 0] >= 0 and row.kind <= ORIENTATION
-        if (row.kind == DISTANCE or follows) and row.wanted == 1 and row.rank <= level:
+        follows = row.limbs[0] >= 0 and row.points[1] >= 0 and row.kind <= ORIENTATION
+        if (row.kind == DISTANCE or follows) and row.status == ACTIVE and row.rank <= level:
             short = short or miss_of(c, problem) > CLOSE_ENOUGH
     return short
 
@@ -280,7 +279,7 @@ def engage(level, problem):
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.kind == AREA and row.wanted == 1 and row.rank <= level and not row.engaged:
+        if row.kind == AREA and row.status == ACTIVE and row.rank <= level and not row.engaged:
             found = engage_one(c, problem) or found
     return found
 
@@ -307,7 +306,7 @@ def miss_of(c, problem):
     tasks, areas, body, search, pose = problem.tasks, problem.areas, problem.body, problem.search, problem.pose
     row, point, other = tasks[c], search.points[0], search.points[1]
     if row.kind == ORIENTATION or row.kind == LOOK_AT:
-        turn_error(row.turn, pose.rotations[row.ends[0, 1]], search.turns[0], point)
+        turn_error(row.turn, pose.rotations[row.segments[0]], search.turns[0], point)
         return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
     if row.kind == BALANCE:
         centre_of_mass(body.shares, pose.positions, point)

@@ -99,9 +99,9 @@ def stiffen_rows(count, jacobian, brakes):
     the step.
     """
     for k in range(brakes.shape[0]):
-        if brakes[k, 3] < 1.0:
+        if brakes[k].part < 1.0:
             for row in range(count):
-                brake(brakes[k, 3], brakes[k], jacobian[row, k])
+                brake(brakes[k].part, brakes[k].axis, jacobian[row, k])
 
 
 @kernel
@@ -141,8 +141,8 @@ def solve_rows(held, count, damping, rows, chain, equations, positions):
 def brake_way(brakes, way):
     """Shorten a way (N, 3) by the root of what the brakes leave."""
     for k in range(brakes.shape[0]):
-        if brakes[k, 3] < 1.0:
-            brake(brakes[k, 3], brakes[k], way[k])
+        if brakes[k].part < 1.0:
+            brake(brakes[k].part, brakes[k].axis, way[k])
 
 
 @kernel
@@ -263,9 +263,9 @@ def press_on_limits(far_off, held, count, rows, limits, steps, normal):
     """
     jacobian, errors, brakes = rows.jacobian, rows.errors, rows.brakes
     for k in range(brakes.shape[0]):
-        if brakes[k, 3] >= 1.0:
+        if brakes[k].part >= 1.0:
             continue
-        x, y, z, root = brakes[k, 0], brakes[k, 1], brakes[k, 2], brakes[k, 3]
+        x, y, z, root = brakes[k].axis[0], brakes[k].axis[1], brakes[k].axis[2], brakes[k].part
         push = 0.0
         for q in range(held, count):
             pull = min(max(errors[q], -LONGEST_ERROR), LONGEST_ERROR)
@@ -305,7 +305,7 @@ def add_curvature(held, count, kept, rows, joints, equations, positions):
             push = 0.0
             for j in range(held, count):
                 push -= system[place - 1, kept + 1 + j - held] * min(max(errors[j], -LONGEST_ERROR), LONGEST_ERROR)
-        if push > 0.0 and pulls[q, 7] >= 0.0:
+        if push > 0.0 and pulls[q].carrier >= 0.0:
             bend(push, pulls[q], held, count, steps, joints, normal, scratch, positions)
 
 
@@ -386,7 +386,7 @@ def length_of(joints, way):
     longest = 0.0
     for k in range(joints.shape[0]):
         squared = way[k, 0] ** 2 + way[k, 1] ** 2 + way[k, 2] ** 2
-        longest = max(longest, squared if joints[k, 0] == ROOT else 0.25 * squared)
+        longest = max(longest, squared if joints[k].segment == ROOT else 0.25 * squared)
     return math.sqrt(longest)
 
 
@@ -420,14 +420,14 @@ def move_joints(least, chain, carried, way, turned):
         return 0.0
     for k in range(joints.shape[0]):
         x, y, z = scale * way[k, 0], scale * way[k, 1], scale * way[k, 2]
-        if joints[k, 0] == ROOT:
+        if joints[k].segment == ROOT:
             turned[k, 0], turned[k, 1], turned[k, 2] = (
                 rounded(turned[k, 0] + x),
                 rounded(turned[k, 1] + y),
                 rounded(turned[k, 2] + z),
             )
         elif x != 0.0 or y != 0.0 or z != 0.0:
-            turn_further(x, y, z, carried[joints[k, 4]], limits[k], turned[k])
+            turn_further(x, y, z, carried[joints[k].carrier], limits[k], turned[k])
     return scale * longest
 
 

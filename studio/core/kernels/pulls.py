@@ -25,8 +25,8 @@ def note_pull(pull, x, y, z, span, point, carrier):
 
     ``span`` is 0 for a point, below 0 for a limb that is to be longer; ``carrier`` is -1 where nothing is noted.
     """
-    pull[0], pull[1], pull[2], pull[3] = x, y, z, span
-    pull[4], pull[5], pull[6], pull[7] = point[0], point[1], point[2], carrier
+    pull.error[0], pull.error[1], pull.error[2], pull.span = x, y, z, span
+    pull.point[0], pull.point[1], pull.point[2], pull.carrier = point[0], point[1], point[2], carrier
 
 
 @kernel
@@ -36,20 +36,20 @@ def bent_away(pull, rates, joints, positions):
     With v, a the velocity and acceleration of the pulled point, e . H is -e . a, and for a limb of length ``span``
     + |e| / span times v^2 across it (to be shortened, or - to be lengthened).
     """
-    carrier = int(pull[7])
+    carrier = pull.carrier
     vx = vy = vz = ax = ay = az = wx = wy = wz = 0.0
     for k in range(joints.shape[0]):
         gx, gy, gz = rates[k, 0], rates[k, 1], rates[k, 2]
-        if joints[k, 0] == ROOT:
+        if joints[k].segment == ROOT:
             vx, vy, vz = vx + gx, vy + gy, vz + gz
-        elif joints[k, 2] <= carrier < joints[k, 3]:
-            origin = joints[k, 1]
-            rx, ry, rz = pull[4] - positions[origin, 0], pull[5] - positions[origin, 1], pull[6] - positions[origin, 2]
+        elif joints[k].first <= carrier < joints[k].past:
+            place, pivot = pull.point, positions[joints[k].pivot]
+            rx, ry, rz = place[0] - pivot[0], place[1] - pivot[1], place[2] - pivot[2]
             ux, uy, uz = gy * rz - gz * ry, gz * rx - gx * rz, gx * ry - gy * rx
             sx, sy, sz = gx + 2.0 * wx, gy + 2.0 * wy, gz + 2.0 * wz
             ax, ay, az = ax + sy * uz - sz * uy, ay + sz * ux - sx * uz, az + sx * uy - sy * ux
             vx, vy, vz, wx, wy, wz = vx + ux, vy + uy, vz + uz, wx + gx, wy + gy, wz + gz
-    ex, ey, ez, span = pull[0], pull[1], pull[2], pull[3]
+    ex, ey, ez, span = pull.error[0], pull.error[1], pull.error[2], pull.span
     gets_nearer = ex * vx + ey * vy + ez * vz
     bent = -(ex * ax + ey * ay + ez * az)
     squared = vx * vx + vy * vy + vz * vz
@@ -58,7 +58,7 @@ def bent_away(pull, rates, joints, positions):
         along = gets_nearer * gets_nearer / (size * size)
         bent += size / span * (squared - along)
         squared = along
-    w = pull[8]
+    w = pull.weight
     return w * gets_nearer, w * bent, w * squared, math.sqrt(ax * ax + ay * ay + az * az)
 
 
@@ -73,8 +73,8 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
 
     METHOD (23).
     """
-    own, carrier, weight = count - held, int(pull[7]), push * pull[8]
-    ux, uy, uz, span = pull[0], pull[1], pull[2], pull[3]
+    own, carrier, weight = count - held, pull.carrier, push * pull.weight
+    ux, uy, uz, span = pull.error[0], pull.error[1], pull.error[2], pull.span
     size = max(math.sqrt(ux * ux + uy * uy + uz * uz), 1e-12)
     ux, uy, uz = ux / size, uy / size, uz / size
     for i in range(own):
@@ -82,12 +82,12 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
             scratch[i, column] = 0.0
     before = -1
     for k in range(joints.shape[0]):
-        if joints[k, 0] == ROOT:
+        if joints[k].segment == ROOT:
             for i in range(own):
                 for axis in range(3):
                     scratch[i, axis] += ways[held + i, k, axis]
-        elif joints[k, 2] <= carrier < joints[k, 3] and moves(k, held, count, ways):
-            origin = joints[k, 1]
+        elif joints[k].first <= carrier < joints[k].past and moves(k, held, count, ways):
+            origin = joints[k].pivot
             if before >= 0:
                 dx, dy, dz = (
                     positions[origin, 0] - positions[before, 0],
@@ -100,7 +100,8 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
                     scratch[i, 3 + axis] += ways[held + i, k, axis]
             before = origin
     if before >= 0:
-        dx, dy, dz = pull[4] - positions[before, 0], pull[5] - positions[before, 1], pull[6] - positions[before, 2]
+        place, last = pull.point, positions[before]
+        dx, dy, dz = place[0] - last[0], place[1] - last[1], place[2] - last[2]
         bend_link(size, ux, uy, uz, dx, dy, dz, own, scratch)
     stretch = weight * size / span if span > 0.0 else 0.0
     for i in range(own):
@@ -177,13 +178,15 @@ def part_of_step(held, count, slope, roles, pulls, way, joints, positions):
     """
     third = fourth = worst = 0.0
     for row in range(count):
-        if pulls[row, 7] < 0.0 or (row < held and roles[row] == BOUND):
+        if pulls[row].carrier < 0.0 or (row < held and roles[row] == BOUND):
             continue
         nearer, bent, _, swerve = bent_away(pulls[row], way, joints, positions)
         if row < held:
             worst = max(worst, swerve)
             continue
-        size = pulls[row, 8] * max(pulls[row, 0] ** 2 + pulls[row, 1] ** 2 + pulls[row, 2] ** 2, 1e-24)
+        size = pulls[row].weight * max(
+            pulls[row].error[0] ** 2 + pulls[row].error[1] ** 2 + pulls[row].error[2] ** 2, 1e-24
+        )
         third, fourth = third + nearer * bent / size, fourth + bent * bent / size
     slope = max(slope, 1e-15)
     third, fourth = third / slope, fourth / slope
@@ -204,6 +207,6 @@ def begin_row(task_rows, count, owner, error):
 @small_kernel
 def note_row(task_rows, count, owner, error):
     """Start a row that asks, but for its levers."""
-    task_rows.pulls[count, 7], task_rows.pulls[count, 8] = -1.0, 1.0
+    task_rows.pulls[count].carrier, task_rows.pulls[count].weight = -1, 1.0
     task_rows.errors[count], task_rows.owners[count] = error, owner
     task_rows.roles[count], task_rows.rooms[count] = ASK, 0.0

@@ -39,7 +39,7 @@ class Chain(NamedTuple):
     mobilities: Array
     """(C + L, N) of each task, and after them of each level any down to it."""
     joints: Array
-    """(N, 5) as ``kernels.joints`` has them."""
+    """(N,) records of ``JOINT``."""
     slots: Array
     """(S + 1,) the joint of each segment, of the root last; -1 none."""
     limits: Array
@@ -127,9 +127,9 @@ class TaskRows(NamedTuple):
     roles: Array
     """(R,) whether it is held, asks, or is a bound (``kernels.pulls``)."""
     brakes: Array
-    """(N, 4) of ``kernels.joints``."""
+    """(N,) records of ``BRAKE``."""
     pulls: Array
-    """(R, 9) of ``kernels.pulls``: what the second derivatives of each row come from."""
+    """(R,) records of ``PULL``."""
     rooms: Array
     """(R,) metres that a bound has to spare."""
 
@@ -394,6 +394,25 @@ class Scratch(NamedTuple):
     kept: KeptStage
 
 
+JOINT = np.dtype([(name, np.int64) for name in ("segment", "pivot", "first", "past", "carrier")], align=True)
+"""A joint that a search may turn: the segment it turns (-1 for the root's translation), the point about which, the
+first and past the last of the segments that turn with it, and the segment that carries it (S none).
+"""
+BRAKE = np.dtype([("axis", np.float64, (3,)), ("part", np.float64)], align=True)
+"""The world axis of a joint's turn, and the root of the part of its mobility that is left about it."""
+PULL = np.dtype(
+    [
+        ("error", np.float64, (3,)),
+        ("span", np.float64),
+        ("point", np.float64, (3,)),
+        ("weight", np.float64),
+        ("carrier", np.int64),
+    ],
+    align=True,
+)
+"""What the second derivatives of a row come from (``kernels.pulls``): an error in metres, of a point of the segment
+``carrier`` (-1 none), or of a limb of length ``span`` from there; how much it counts.
+"""
 LAST_STEP = np.dtype(
     [("missed", np.float64), ("moved", np.float64), ("held", np.int64), ("rows", np.int64), ("suffices", np.int64)],
     align=True,

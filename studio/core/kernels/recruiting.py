@@ -11,6 +11,7 @@ from studio.core.kernels.goals import BALANCE
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.joints import may_turn
 from studio.core.kernels.limb import soft_reach
+from studio.core.kernels.tasks import ACTIVE
 from studio.core.kernels.vectors import copy_point
 
 MASS_COMFORT, MASS_REACH = 0.5, 0.65
@@ -48,7 +49,7 @@ def note_balances(level, problem):
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.kind != BALANCE or row.wanted != 1 or row.rank != level:
+        if row.kind != BALANCE or row.status != ACTIVE or row.rank != level:
             continue
         found = True
         copy_point(row.places[0], row.places[1])

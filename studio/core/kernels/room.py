@@ -14,6 +14,7 @@ from studio.core.kernels.limb_constraints import limb_indices
 from studio.core.kernels.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.stance import keep_feet_in_reach
 from studio.core.kernels.steps import MET
+from studio.core.kernels.tasks import ACTIVE
 from studio.core.kernels.vectors import copy_points
 
 STEPS = 14
@@ -61,8 +62,8 @@ def cramped_leg(level, problem):
         return -1
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        limb = row.ends[0, 2]
-        asks = row.kind == POSITION and row.wanted == 1 and row.rank == level and chain.mobilities[c, root] > 0.0
+        limb = row.limbs[0]
+        asks = row.kind == POSITION and row.status == ACTIVE and row.rank == level and chain.mobilities[c, root] > 0.0
         if asks and limb >= 2 and limits[limb].acts == c + 1:
             return c
     return -1
@@ -73,7 +74,7 @@ def go_back(miss, row, root, problem):
     """Move the root ``miss`` metres, level, away from the target of ``row`` across what is missed, as feet allow."""
     body, search, start, pose = problem.body, problem.search, problem.start, problem.pose
     point, way, goal = search.points[3], search.points[4], row.places[0]
-    hip = pose.positions[limb_indices(row.ends[0, 2], pose.positions.shape[0] - 23)[0]]
+    hip = pose.positions[limb_indices(row.limbs[0], pose.positions.shape[0] - 23)[0]]
     end_place(row, 0, pose, point)
     along = 0.0
     for axis in range(3):

@@ -7,7 +7,7 @@ import math
 
 from studio.core.kernels.balance import let_arm_reach, set_balance_rows, sum_masses
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, GIVEN_UP, LOOK_AT, ORIENTATION, POSITION, end_place
+from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
 from studio.core.kernels.joints import add_point_row, add_turn_row, may_turn
 from studio.core.kernels.limb_constraints import limb_indices
 from studio.core.kernels.limb_rows import (
@@ -23,6 +23,7 @@ from studio.core.kernels.means import within_means
 from studio.core.kernels.placing import turn_error
 from studio.core.kernels.pulls import BOUND, HOLD, begin_row, note_pull, note_row
 from studio.core.kernels.stance import leash_of
+from studio.core.kernels.tasks import ACTIVE, GIVEN_UP
 from studio.core.kernels.vectors import distance
 
 TURN_ARM = 0.3
@@ -71,13 +72,13 @@ def add_rows(c, level, owner, is_held, count, problem):
         count = add_balance_rows(row, level, owner, is_held, count, problem)
     else:
         for end in range(2):
-            if row.ends[end, 0] < 0:
+            if row.points[end] < 0:
                 continue
-            free = row.ends[end, 2] >= 0 and row.freedoms[end, 0] > 0.0
-            if row.wanted == GIVEN_UP and row.ends[end, 2] >= 0:
+            free = row.limbs[end] >= 0 and row.freedoms[end, 0] > 0.0
+            if row.status == GIVEN_UP and row.limbs[end] >= 0:
                 count = add_idle_row(c, level, end, owner, count, problem)
                 continue
-            if is_held and row.kind != AREA and row.ends[1, 0] >= 0 and row.kept_miss > HARDLY_MISSED:
+            if is_held and row.kind != AREA and row.points[1] >= 0 and row.kept_miss > HARDLY_MISSED:
                 if end == 0:
                     count = add_apart_row(c, owner, count, problem)
                 continue
@@ -95,7 +96,7 @@ def add_rows(c, level, owner, is_held, count, problem):
         scale = math.sqrt(row.weight)
         for other in range(first, count):
             task_rows.errors[other] *= scale
-            task_rows.pulls[other, 8] = row.weight
+            task_rows.pulls[other].weight = row.weight
             for joint in range(task_rows.jacobian.shape[1]):
                 for axis in range(3):
                     task_rows.jacobian[other, joint, axis] *= scale
@@ -110,8 +111,8 @@ def add_turn_rows(row, owner, is_held, count, problem):
     A look that is held keeps what it misses of its target, wherever the eyes go, unless it looks away.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
-    turn, vector, segment = problem.search.turns[0], problem.search.points[0], row.ends[0, 1]
-    if row.ends[0, 2] >= 0:
+    turn, vector, segment = problem.search.turns[0], problem.search.points[0], row.segments[0]
+    if row.limbs[0] >= 0:
         if not is_held or row.kept_miss <= HARDLY_MISSED:
             return count
         turn_error(row.turn, pose.rotations[segment], turn, vector)
@@ -152,8 +153,8 @@ def add_balance_rows(row, level, owner, is_held, count, problem):
     set_balance_rows(row.axes, masses, sums, chain.joints, positions, rows)
     for c in range(tasks.shape[0]):
         other = tasks[c]
-        if other.kind == POSITION and other.wanted == 1 and other.rank <= level and not other.second:
-            limb = other.ends[0, 2]
+        if other.kind == POSITION and other.status == ACTIVE and other.rank <= level and not other.second:
+            limb = other.limbs[0]
             if not 0 <= limb < 2 or other.freedoms[0, 0] == 0.0:
                 continue
             if not may_turn(down_to, limb_indices(limb, spine_count)[1], chain):
@@ -169,11 +170,11 @@ def add_idle_row(c, level, end, owner, count, problem):
     """
     tasks, chain, pose, task_rows = problem.tasks, problem.chain, problem.pose, problem.search.rows
     row, point = tasks[c], problem.search.points[0]
-    if row.kind != POSITION or row.ends[end, 2] >= 2:
+    if row.kind != POSITION or row.limbs[end] >= 2:
         return count
     for other in tasks:
-        poses = other.ends[0, 2] == row.ends[end, 2] or other.ends[1, 2] == row.ends[end, 2]
-        if poses and other.wanted == 1 and other.rank <= level:
+        poses = other.limbs[0] == row.limbs[end] or other.limbs[1] == row.limbs[end]
+        if poses and other.status == ACTIVE and other.rank <= level:
             return count
     end_place(row, end, pose, point)
     goal = row.places[end]
@@ -181,9 +182,9 @@ def add_idle_row(c, level, end, owner, count, problem):
     size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     begin_row(task_rows, count, owner, size - row.kept_miss)
     add_point_row(
-        point, x / size, y / size, z / size, row.ends[end, 1], chain.joints, pose.positions, task_rows.jacobian[count]
+        point, x / size, y / size, z / size, row.segments[end], chain.joints, pose.positions, task_rows.jacobian[count]
     )
-    note_pull(task_rows.pulls[count], 0.0, 0.0, 0.0, 0.0, point, row.ends[end, 1])
+    note_pull(task_rows.pulls[count], 0.0, 0.0, 0.0, 0.0, point, row.segments[end])
     return count + 1
 
 
@@ -194,8 +195,8 @@ def add_place_rows(row, end, owner, is_held, count, problem):
     point = points[0]
     end_place(row, end, pose, point)
     wanted = row.kept_places[end] if is_held else row.places[end]
-    segment = row.ends[end, 1]
-    first, follows = count, row.kind == POSITION and row.ends[1, 0] >= 0
+    segment = row.segments[end]
+    first, follows = count, row.kind == POSITION and row.points[1] >= 0
     if is_held and not follows and holds_already(point, segment, count, task_rows):
         return count
     if row.kind == POSITION and end == 0 and not is_held:
@@ -215,6 +216,6 @@ def add_place_rows(row, end, owner, is_held, count, problem):
             x, y, z = (1.0 if axis == 0 else 0.0), (1.0 if axis == 1 else 0.0), (1.0 if axis == 2 else 0.0)
             x, y, z = -row.share * x, -row.share * y, -row.share * z
             add_point_row(
-                point, x, y, z, row.ends[1, 1], chain.joints, pose.positions, task_rows.jacobian[first + axis]
+                point, x, y, z, row.segments[1], chain.joints, pose.positions, task_rows.jacobian[first + axis]
             )
     return count

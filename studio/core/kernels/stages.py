@@ -16,7 +16,7 @@ import numpy as np
 from studio.core.kernels.clearance import PROBES, clear_arm, copy_arm, move_arm, place_capsules
 from studio.core.kernels.clearing import hold_arm, measure_side, note_lacking
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.edges import IN_PART, blend_kept, blend_limb, note_turns
+from studio.core.kernels.edges import blend_kept, blend_limb, note_turns
 from studio.core.kernels.goals import DISTANCE, POSITION, counts, end_place
 from studio.core.kernels.joint_limits import limb_parts
 from studio.core.kernels.joints import hang_limb
@@ -25,6 +25,7 @@ from studio.core.kernels.placing import carry_body, follow, miss_of
 from studio.core.kernels.records import KeptStage, Pose
 from studio.core.kernels.rotation import add_rotated
 from studio.core.kernels.steps import KEPT
+from studio.core.kernels.tasks import INACTIVE, ON_EDGE
 from studio.core.kernels.vectors import copy_matrix, copy_point, copy_points
 
 BOTH, WHOLE, PLAIN = 2, 3, 4
@@ -92,7 +93,7 @@ def keep_stage(stage, first, frame, clip, problem):
         if first or own == stage:
             kept.own[each] = kept.now[each]
     for c in range(count):
-        if tasks[c].wanted and tasks[c].ends[0, 0] >= 0:
+        if tasks[c].status != INACTIVE and tasks[c].points[0] >= 0:
             note_spot(tasks[c], problem.search, problem.pose, kept.spots[c])
 
 
@@ -112,7 +113,7 @@ def change_of(stage, frame, clip):
     tasks, clearance, own = clip.asked.tasks, clip.clearance, clip.kept.own
     count, clears, most = tasks.shape[0], clearance.wanted.shape[0], 0.0
     for c in range(count):
-        if tasks[c].wanted and clearance.stages[clears + c] < stage:
+        if tasks[c].status != INACTIVE and clearance.stages[clears + c] < stage:
             most = max(most, abs(clip.residuals[c, frame] - own[c]))
     for q in range(clears):
         if clearance.activations[q, frame] > 0.0 and clearance.stages[q] < stage:
@@ -192,7 +193,7 @@ def go_part(share, how, stage, frame, clip, problem):
     blend_kept(1.0 - share if how >= WHOLE else 0.0, search)
     if how == WHOLE:
         for joint in range(chain.joints.shape[0]):
-            if spine_count <= chain.joints[joint, 0] < spine_count + 2:
+            if spine_count <= chain.joints[joint].segment < spine_count + 2:
                 copy_point(search.before[joint], search.state[joint])
     if how >= WHOLE:
         for limb in range(4):
@@ -223,9 +224,9 @@ def tell(share, stage, frame, clip, problem):
     follow(tasks.shape[0], True, problem)
     measure_rooms(frame, clip, problem.pose)
     for c in range(tasks.shape[0]):
-        if tasks[c].wanted:
+        if tasks[c].status != INACTIVE:
             miss = miss_of(c, problem)
-            if tasks[c].wanted == IN_PART:
+            if tasks[c].status == ON_EDGE:
                 miss = told_between(share, clip.asked.activations[stage, c, frame] * miss, kept.first[c], kept.now[c])
             residuals[c, frame] = miss
     return change_of(stage, frame, clip)
@@ -237,8 +238,8 @@ def wish_above(side, stage, clip, spine_count):
     tasks, stages, clears = clip.asked.tasks, clip.clearance.stages, clip.clearance.wanted.shape[0]
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        places = (row.kind == POSITION or row.kind == DISTANCE) and row.ends[0, 2] == side
-        reaches = row.ends[0, 0] >= spine_count + 6 + 5 * side  # from the wrist on
+        places = (row.kind == POSITION or row.kind == DISTANCE) and row.limbs[0] == side
+        reaches = row.points[0] >= spine_count + 6 + 5 * side  # from the wrist on
         if places and reaches and stages[clears + c] < stage and counts(row):
             return c
     return -1
@@ -252,9 +253,9 @@ def bring_back(side, c, clip, problem):
     _, upper, shoulder = limb_parts(side, spine_count)
     end_place(row, 0, pose, point)
     copy_point(spot, place)
-    if row.ends[1, 0] >= 0:
+    if row.points[1] >= 0:
         end_place(row, 1, pose, other)
-        add_rotated(other, pose.rotations[row.ends[1, 1]], spot[0], spot[1], spot[2], place)
+        add_rotated(other, pose.rotations[row.segments[1]], spot[0], spot[1], spot[2], place)
     for axis in range(3):
         place[axis] -= point[axis]
     saved = clip.clearing.saved
@@ -268,9 +269,9 @@ def note_spot(row, search, pose, out_spot):
     point, other = search.points[0], search.points[1]
     end_place(row, 0, pose, point)
     copy_point(point, out_spot)
-    if row.ends[1, 0] >= 0:
+    if row.points[1] >= 0:
         end_place(row, 1, pose, other)
-        axes = pose.rotations[row.ends[1, 1]]
+        axes = pose.rotations[row.segments[1]]
         x, y, z = point[0] - other[0], point[1] - other[1], point[2] - other[2]
         for axis in range(3):
             out_spot[axis] = axes[0, axis] * x + axes[1, axis] * y + axes[2, axis] * z
@@ -299,5 +300,5 @@ def is_named(limb, tasks):
     named = False
     for c in range(tasks.shape[0]):
         for end in range(2):
-            named = named or (tasks[c].wanted > 0 and tasks[c].ends[end, 2] == limb)
+            named = named or (tasks[c].status != INACTIVE and tasks[c].limbs[end] == limb)
     return named

@@ -14,6 +14,7 @@ from studio.core.kernels.newton import refine_step
 from studio.core.kernels.priorities import find_step, go_on
 from studio.core.kernels.pulls import BOUND, part_of_step
 from studio.core.kernels.rows import add_feet_rows, add_rows
+from studio.core.kernels.tasks import ACTIVE
 
 MET = 1.2e-4
 """Metres of error at which a wish is met."""
@@ -99,7 +100,7 @@ def add_own_rows(level, count, problem):
     """Rows of what a level asks itself; their new number."""
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
-        if tasks[c].wanted == 1 and tasks[c].rank == level:
+        if tasks[c].status == ACTIVE and tasks[c].rank == level:
             count = add_rows(c, level, c, False, count, problem)
     return count
 

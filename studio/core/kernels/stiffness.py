@@ -12,6 +12,7 @@ from studio.core.kernels.body import turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.joints import carry_point
 from studio.core.kernels.rotation import matrix_to_rotation_vector, multiply_by_transposed
+from studio.core.kernels.tasks import ACTIVE
 from studio.core.kernels.turns import product, put_turn, turn_by, turn_in
 from studio.core.kernels.vectors import copy_matrix
 
@@ -25,7 +26,7 @@ def free_stiff(level, tasks):
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.stiff and row.rank == level and row.wanted == 1:
+        if row.stiff and row.rank == level and row.status == ACTIVE:
             found = True
             for end in range(2):
                 for joint in range(2):
@@ -38,7 +39,7 @@ def stiffen(level, tasks):
     """From now on they may do their parts of what they did: p c / (1 - p^32) (METHOD (19))."""
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.stiff and row.rank == level and row.wanted == 1:
+        if row.stiff and row.rank == level and row.status == ACTIVE:
             for end in range(2):
                 for joint in range(2):
                     part = row.parts[end, joint]

@@ -1,27 +1,35 @@
 """The tasks of the solver: one record a constraint, with room for what it wants at the frame being solved.
 
-For all frames: ``kind`` (``kernels.goals``); ``rank``, its priority level; ``ends`` (2, 3) point, segment and limb (-1
-none) of each of its points, point -1 for one that is not; ``offsets`` (2, 3) from those points; ``freedoms`` (2, 2) of
-limb and end segment; the second end of all but a distance is what it follows on its own body, ``relative`` (3, 3) its
-turn in that segment's axes; ``blends`` whether its edges blend what is solved (``kernels.edges``); ``weight`` among its
-equals; ``shares`` (2,) of each end in a distance; ``axes`` 3 when balance counts heights too.
-For one frame: ``share`` its activation; ``wanted`` 1 where it acts, 2 where it has been given up; ``second`` whether
-another wish stands before it on its limb; ``engaged`` whether an area is entered; ``pinned`` 1 where it is held to what
-it has, and 2 where that is a look's turn rather than what it misses (``kernels.easing``; of a place that follows the
-own body ``relative`` is then where it is, in that segment's axes);
-``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be, ``begin`` (3,) where the unsolved pose has
-the centre of mass; ``helped`` whether joints beside
-its limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that
-which they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest but for ``slack``
-(2,) metres, ``easings`` (2,) the metres below which they fold ever less.
+For all frames: ``kind`` (``kernels.goals``); ``rank``, its priority level; ``points``, ``segments`` and ``limbs`` (2,)
+of its two ends: the point of the body (-1 for an end that is none), the segment that it moves with, and the limb (-1
+none); ``offsets`` (2, 3) from those points; ``freedoms`` (2, 2) of limb and end segment; the second end of all but a
+distance is what it follows on its own body, ``relative`` (3, 3) its turn in that segment's axes; ``blends`` whether its
+edges blend what is solved (``kernels.edges``); ``weight`` among its equals; ``shares`` (2,) of each end in a distance;
+``axes`` 3 when balance counts heights too.
+For one frame: ``share`` its activation; its ``status``, and whether it is ``pinned`` to what it has (of a place that
+follows the own body ``relative`` is then where it is, in that segment's axes); ``second`` whether another wish stands
+before it on its limb; ``engaged`` whether an area is entered; ``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where
+things are to be, ``begin`` (3,) where the unsolved pose has the centre of mass; ``helped`` whether joints beside its
+limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that which
+they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest but for ``slack`` (2,)
+metres, ``easings`` (2,) the metres below which they fold ever less.
 ``stiff`` whether upper or lower segment of a limb are, with ``parts``, ``change``, ``most`` (2, 2) and ``own`` (2,) of
 ``kernels.stiffness``.
-On edges (``kernels.edges``): its miss ``blended``, and ``wanted`` 3 where it is not to be solved any more.
+On edges (``kernels.edges``): its miss ``blended``.
 Once its level is solved: ``kept_miss``, ``kept_places`` (2, 3), ``kept_roots`` (2, 3) of its limbs and ``kept_turn``
 (3, 3) are what the levels below have to leave as they are.
 """
 
 import numpy as np
+
+INACTIVE, ACTIVE, GIVEN_UP, ON_EDGE = 0, 1, 2, 3
+"""The ``status`` of a task at a frame: one that is given up is left as it is for those above it; one on the edge of its
+activation, or out of reach in what is blended, is not solved any more.
+"""
+FREE, PINNED, PINNED_TURN = 0, 1, 2
+"""Whether a task is ``pinned`` to what it has (``kernels.easing``): a look that looks away to its turn, rather than to
+what it misses.
+"""
 
 _FLAG, _REAL = np.int64, np.float64
 
@@ -29,7 +37,9 @@ TASK = np.dtype(
     [
         ("kind", _FLAG),
         ("rank", _FLAG),
-        ("ends", _FLAG, (2, 3)),
+        ("points", _FLAG, (2,)),
+        ("segments", _FLAG, (2,)),
+        ("limbs", _FLAG, (2,)),
         ("offsets", _REAL, (2, 3)),
         ("freedoms", _REAL, (2, 2)),
         ("relative", _REAL, (3, 3)),
@@ -38,7 +48,7 @@ TASK = np.dtype(
         ("shares", _REAL, (2,)),
         ("axes", _FLAG),
         ("share", _REAL),
-        ("wanted", _FLAG),
+        ("status", _FLAG),
         ("second", _FLAG),
         ("engaged", _FLAG),
         ("pinned", _FLAG),

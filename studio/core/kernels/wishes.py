@@ -8,6 +8,7 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, ease_goal, end_place, second_place
 from studio.core.kernels.placing import follow_body, turn_error
 from studio.core.kernels.rotation import multiply, rotation_vector_to_matrix
+from studio.core.kernels.tasks import ACTIVE, FREE, INACTIVE
 from studio.core.kernels.vectors import copy_matrix, copy_point, distance
 
 
@@ -25,13 +26,13 @@ def set_goals(least, frame, activations, targets, problem):
         if share < 1.0 and row.blends:
             share = 1.0 if share >= least else 0.0
         row.share = share
-        row.wanted, row.pinned = 1 if share > 0.0 else 0, 0
+        row.status, row.pinned = ACTIVE if share > 0.0 else INACTIVE, FREE
         if share <= 0.0:
             continue
         acts = True
         wish = places[c, frame if places.shape[1] > 1 else 0]
         if row.kind == ORIENTATION:
-            begin = pose.rotations[row.ends[0, 1]]
+            begin = pose.rotations[row.segments[0]]
             turn_error(turns[c, frame if turns.shape[1] > 1 else 0], begin, turn, point)
             rotation_vector_to_matrix(share * point[0], share * point[1], share * point[2], turn)
             multiply(turn, begin, row.turn)
@@ -44,7 +45,7 @@ def set_goals(least, frame, activations, targets, problem):
         elif row.kind == LOOK_AT:
             copy_point(wish, row.places[0])
             for axis in range(3):
-                row.places[1, axis] = pose.rotations[row.ends[0, 1], axis, 0]
+                row.places[1, axis] = pose.rotations[row.segments[0], axis, 0]
             row.distance = share
         elif row.kind == AREA:
             row.distance = share
@@ -59,6 +60,6 @@ def set_goals(least, frame, activations, targets, problem):
         else:
             end_place(row, 0, pose, point)
             ease_goal(point, wish, share, row.places[0])
-        if row.kind != DISTANCE and row.ends[1, 0] >= 0:
+        if row.kind != DISTANCE and row.points[1] >= 0:
             follow_body(row, areas[c], pose, problem)
     return acts

@@ -35,13 +35,13 @@ _USUAL = {
 @dataclass(frozen=True, eq=False)
 class FreeJoints:
     """The joints that any of some chains frees, as ``kernels.joints`` takes them: ``mobilities`` (C + L, N) what each
-    chain makes of them and each level any down to it, ``joints`` (N, 5), ``slots`` (S + 1,), ``limits`` (N,) the
+    chain makes of them and each level any down to it, ``joints`` (N,), ``slots`` (S + 1,), ``limits`` (N,) the
     tan of half the angle that each may turn in all. ``recruited`` (n,) of them are shoulders and hips, of ``limbs``
     (n,).
     """
 
     mobilities: FloatArray
-    joints: NDArray[np.int64]
+    joints: NDArray[np.void]
     slots: NDArray[np.int64]
     limits: FloatArray
     recruited: NDArray[np.int64]

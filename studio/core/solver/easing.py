@@ -75,14 +75,14 @@ def reach_of(levels: int) -> float:
 class Solve:
     """What ``kernels.adapt.solve_frames`` notes of a stretch of F frames, and is given to pose some of them anew.
 
-    ``joints`` (N, 5) of the search, ``limbs`` (4,) that constraints are about, ``carriers`` of every segment that
+    ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``carriers`` of every segment that
     counts as source (legs only where constraints are about them), ``states`` (F, N, 3) of the search, and as in
     ``kernels.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
     """
 
     layout: BodyLayout
     rate: float
-    joints: IntArray
+    joints: NDArray[np.void]
     limbs: IntArray
     carriers: IntArray
     states: FloatArray
@@ -91,7 +91,9 @@ class Solve:
     held: int
 
     @staticmethod
-    def of(layout: BodyLayout, rate: float, frames: int, joints: IntArray, limbs: IntArray, held: int) -> "Solve":
+    def of(
+        layout: BodyLayout, rate: float, frames: int, joints: NDArray[np.void], limbs: IntArray, held: int
+    ) -> "Solve":
         """``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are contacts'."""
         named = set(limbs.ravel().tolist())
         wished = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
@@ -287,7 +289,7 @@ class Easing:
         joints = level.solve.joints
         back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))
-        states[:, joints[:, 0] == ROOT] += back[:, None]
+        states[:, joints["segment"] == ROOT] += back[:, None]
         return states, values
 
     def _bump(self, number: int, poses: Pose, around: float, parts: FloatArray = EASED) -> FloatArray:

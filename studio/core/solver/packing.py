@@ -41,7 +41,9 @@ than within 0.2 mm, for a search ends when its weighted errors are small.
 _PLACES = {part: place for place, part in enumerate(BodyPart)}
 _BLANK = np.zeros(1, dtype=TASK)
 """What is asked where nothing is."""
-_BLANK["ends"], _BLANK["axes"] = -1, 2
+for _end in ("points", "segments", "limbs"):
+    _BLANK[_end] = -1
+_BLANK["axes"] = 2
 _BLANK.setflags(write=False)
 _NO_PLACE, _NO_TURN, _NO_DISTANCE = np.full((1, 3), np.nan), np.zeros((1, 3, 3)), np.zeros(1)
 
@@ -68,7 +70,8 @@ class Rows:
         if not isinstance(target, FollowBody):
             return False
         row = self.asked[c]
-        row["ends"][1] = *point_indices(target.point, self.layout), -1
+        row["points"][1], row["segments"][1] = point_indices(target.point, self.layout)
+        row["limbs"][1] = -1
         row["offsets"][1], row["relative"] = target.point.offset, to_matrix(np.array(target.turn))
         return True
 
@@ -152,7 +155,8 @@ def _begun(point: BodyPoint, chain: Chain, layout: BodyLayout) -> bytes:
 def _put_end(row: np.void, end: int, point: BodyPoint, chain: Chain, layout: BodyLayout) -> None:
     """One end of a constraint: a point of the body and the freedom of its limb."""
     limb = limb_of(point.part)
-    row["ends"][end] = *point_indices(point, layout), limb
+    row["points"][end], row["segments"][end] = point_indices(point, layout)
+    row["limbs"][end] = limb
     row["offsets"][end] = point.offset
     helped, parts, freedom = _means_of(point.part, chain)
     row["freedoms"][end] = freedom, chain.end_segment
@@ -166,7 +170,7 @@ def _blend_what_takes_limbs(rows: Rows, c: int, chain: Chain) -> None:
     """Blend whatever is asked below a balance of a limb that it turns: that is not in the motion's own pose."""
     recruited = [limb for limb, part in enumerate((*UPPER_ARMS, *THIGHS)) if chain.recruited(part) > 0.0]
     below = rows.asked["rank"] > rows.asked["rank"][c]
-    rows.asked["blends"] |= below & np.isin(rows.asked["ends"][:, :, 2], recruited).any(axis=1)
+    rows.asked["blends"] |= below & np.isin(rows.asked["limbs"], recruited).any(axis=1)
 
 
 def _position(rows: Rows, c: int, constraint: PositionConstraint) -> None:
@@ -203,7 +207,7 @@ def _look_at(rows: Rows, c: int, constraint: LookAtConstraint) -> None:
     rows.asked["kind"][c] = goals.LOOK_AT
     if not rows.put_followed(c, constraint.target):
         rows.places[c] = rows.targets.places(constraint.target)
-    rows.asked["ends"][c, 0, 2] = -1
+    rows.asked["limbs"][c, 0] = -1
 
 
 def _distance(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
@@ -212,11 +216,11 @@ def _distance(rows: Rows, c: int, constraint: DistanceConstraint) -> None:
     if isinstance(constraint.other, BodyPoint):
         _put_end(row, 1, constraint.other, constraint.chain, rows.layout)
         # A leg comes to meet a hand only when it is asked for itself: the own thigh stays where it is.
-        if row["ends"][0, 2] < 2 <= row["ends"][1, 2]:
+        if row["limbs"][0] < 2 <= row["limbs"][1]:
             row["freedoms"][1] = 0.0
     else:
         rows.places[c] = rows.targets.places(constraint.other)
-    free = np.array([row["ends"][end, 2] >= 0 and row["freedoms"][end, 0] > 0.0 for end in range(2)], dtype=float)
+    free = np.array([row["limbs"][end] >= 0 and row["freedoms"][end, 0] > 0.0 for end in range(2)], dtype=float)
     row["shares"] = free / max(free.sum(), 1.0)
 
 

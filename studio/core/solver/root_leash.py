@@ -41,16 +41,16 @@ class RootLeash:
         own = np.linalg.norm(hips - ankles[..., :3], axis=2)
         return RootLeash(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(leashes * legs, own))
 
-    def pulled(self, states: FloatArray, joints: NDArray[np.int64], width: int) -> FloatArray:
+    def pulled(self, states: FloatArray, joints: NDArray[np.void], width: int) -> FloatArray:
         """(F, 3) by how much the root must come back when joints (N, 5) are at ``states`` (F, N, 3).
 
         What is missing is taken at its greatest over ``width`` frames on either side, and averaged over as many.
         """
         back = np.zeros_like(self.places)
-        found = np.flatnonzero(joints[:, 0] == ROOT)
+        found = np.flatnonzero(joints["segment"] == ROOT)
         if not len(found):
             return back
-        pelvis, hips = np.flatnonzero(joints[:, 0] == 0), self.hips
+        pelvis, hips = np.flatnonzero(joints["segment"] == 0), self.hips
         if len(pelvis):
             gibbs = states[:, pelvis[0]]
             turns = Rotation.from_quat(np.concatenate([gibbs, np.ones((len(gibbs), 1))], axis=1))

@@ -179,14 +179,14 @@ def _told(near: Sequence[Spots], contact: ContactInterval) -> FloatArray:
     return np.ascontiguousarray(np.concatenate(told, axis=2))
 
 
-def arms_asked(ends: NDArray[np.int64], activations: FloatArray, body: AnyMorphology) -> FloatArray:
-    """(F, 2, 2) how far constraints with ``ends`` (C, 2, 3) have the wrist, and the elbow, of each arm.
+def arms_asked(tasks: NDArray[np.void], activations: FloatArray, body: AnyMorphology) -> FloatArray:
+    """(F, 2, 2) how far ``tasks`` (C,) of the kernels have the wrist, and the elbow, of each arm.
 
     ``activations`` (C, F); what has but the hand leaves the elbow free.
     """
     asked = np.zeros((activations.shape[1], 2, 2))
     for side in range(2):
-        of_arm, hand = ends[:, :, 2] == side, ends[:, :, 0] >= body.layout.wrist(side)
+        of_arm, hand = tasks["limbs"] == side, tasks["points"] >= body.layout.wrist(side)
         asked[:, side, 0] = activations[of_arm.any(axis=1)].max(axis=0, initial=0.0)
         asked[:, side, 1] = activations[(of_arm & ~hand).any(axis=1)].max(axis=0, initial=0.0)
     return asked

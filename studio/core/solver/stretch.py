@@ -93,7 +93,7 @@ class Stretch:
         if not len(self._joints.limbs):
             return np.zeros((0, 0, 1))
         standing, wishes, (_, _, bound) = self.standing, self._rows.asked[self._held :], self._asked
-        contacts, limbs = standing.contacts if bound.by_contacts else (), wishes["ends"][:, :, 2]
+        contacts, limbs = standing.contacts if bound.by_contacts else (), wishes["limbs"]
         free = limb_freedoms(limbs, wishes["rank"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
         free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, self.window)
@@ -114,7 +114,7 @@ class Stretch:
             return True
         if wishes["rank"][0] == wishes["rank"][-1]:
             return False
-        legs, first = wishes["ends"][:, :, 2] >= 2, wishes["rank"] == wishes["rank"][0]
+        legs, first = wishes["limbs"] >= 2, wishes["rank"] == wishes["rank"][0]
         return bool((wishes["kind"] == AREA).any() or (legs.any() and not legs[first].any()))
 
     @cached_property
@@ -154,7 +154,7 @@ class Stretch:
 
     def _solve_of(self, level: int | None = None) -> Solve:
         """To note what is solved down to a ``level``, or of all."""
-        ends = self._rows.asked["ends"][:, :, 2]
+        ends = self._rows.asked["limbs"]
         if level is not None:
             ends = ends[self._ranks[: len(ends)] <= level]
         motion, layout = self.standing.motion, self.standing.morphology.layout
@@ -258,7 +258,7 @@ class Stretch:
                 self._rotations,
             )  # fmt: skip
         if standing.self_contact is not None:
-            asked = arms_asked(self._rows.asked["ends"], self._activations, standing.morphology)
+            asked = arms_asked(self._rows.asked, self._activations, standing.morphology)
             standing.self_contact.close(self.window, asked, self._positions, self._rotations)
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]

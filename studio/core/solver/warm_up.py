@@ -13,6 +13,7 @@ from studio.core.ground import Ground
 from studio.core.grounds.surface_mesh import SurfaceMesh
 from studio.core.joint_limits import limits_of
 from studio.core.kernels import layout as at
+from studio.core.kernels.records import JOINT
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rest_pose import rest_pose
@@ -48,7 +49,7 @@ def warm_up_easing(morphology: Morphology) -> None:
     """What only frames that jolt are given to."""
     charts = LimbCharts(morphology.layout, np.stack([rest_pose(morphology)[1]] * FRAMES), limits_of(morphology))
     turns = charts.turns(charts.within(np.zeros((FRAMES, 16, 3))))
-    joints, states = np.zeros((1, 5), np.int64), np.zeros((FRAMES, 1, 3))
+    joints, states = np.zeros(1, JOINT), np.zeros((FRAMES, 1, 3))
     Solve.of(morphology.layout, 30.0, FRAMES, joints, np.zeros((1, 2), np.int64), 0).jolts_of(states, turns)
 
 

@@ -58,7 +58,7 @@ def _path(
     """What one wish asks (F, n), and the lever over which it turns a bone."""
     row, count = rows.asked[c], len(positions)
     wish = np.broadcast_to(rows.places[c], (count, 3))
-    (point, segment, _), (other, axes, _) = row["ends"]
+    (point, other), (segment, axes) = row["points"], row["segments"]
     place = positions[:, point] + rotations[:, segment] @ row["offsets"][0]
     followed = positions[:, other] + rotations[:, axes] @ row["offsets"][1]
     if row["kind"] == goals.ORIENTATION:
