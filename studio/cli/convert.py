@@ -11,6 +11,7 @@ from studio.cli.export_options import add_export_options, export_options
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json
+from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.io.character_file import actor_character
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
@@ -70,6 +71,7 @@ def _take_of(source: Path, options: ImportOptions) -> Take:
         read = load_character(source, options)
         standing = take_of_standing(read.character)
         return replace(standing, capture=replace(standing.capture, guesses=read.guesses, repairs=read.repairs))
+    tell_what_reading_waits_for()
     capture = load_capture(source, options)
     return take_of_capture(capture, load_annotations(source, capture, MOTION_ID))
 
@@ -112,6 +114,7 @@ def _convert_character(arguments: Namespace) -> int:
 def _character_of(source: Path, options: ImportOptions) -> ReadCharacter:
     if format_of(source, "capture_reader", "character_reader").character_reader:
         return load_character(source, options)
+    tell_what_reading_waits_for()
     ready = ready_capture(source, options)
     capture = ready.capture
     return ReadCharacter(actor_character(capture.name, ready.actor.morphology), capture.guesses, capture.repairs)

@@ -13,6 +13,7 @@ import numpy as np
 from studio.cli.adaptation import MOTION_ID, cleaning_records, spans_by_foot
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
+from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.capture import Capture, Guess
 from studio.core.character_skeleton import character_body_map, character_skeleton
 from studio.core.errors import StudioError
@@ -84,6 +85,7 @@ def _describer(path: Path) -> Callable[[Path, ImportOptions], Record]:
 
 
 def _capture(path: Path, options: ImportOptions) -> Record:
+    tell_what_reading_waits_for()
     capture = load_capture(path, options)
     annotations = load_annotations(path, capture, MOTION_ID)
     return {

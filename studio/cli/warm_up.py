@@ -33,8 +33,8 @@ HALVES = (("first_run", "run_standing"), ("first_run", "run_constraints"))
 FAR_BEHIND = 10
 """How much nicer than the window's the processes are that compile the solver: it is to be used meanwhile."""
 CHILD = (sys.executable, "-m", "studio.cli.warm_up")
-LONGEST_TO_COMPILE = "adapt.solve_frames-*.nbc"
-"""What stands in a cache that is full."""
+LONGEST_TO_COMPILE, LAST_TO_READ = "adapt.solve_frames-*.nbc", "normalize.encode_frames-*.nbc"
+"""What stands in a cache that is full, and in one of which a capture has been read."""
 
 
 class WarmUp:
@@ -137,10 +137,16 @@ def compile_first() -> None:
     tell(1.0, "The solver is ready")
 
 
-def is_cold() -> bool:
-    """Whether most kernels are still to be compiled."""
+def tell_what_reading_waits_for() -> None:
+    """Say on standard error that what reads captures is compiled, where it is not there yet: that takes a while."""
+    if is_cold(LAST_TO_READ):
+        print("What reads motions is compiled, once on this machine: some ten seconds.", file=sys.stderr)
+
+
+def is_cold(kernel: str = LONGEST_TO_COMPILE) -> bool:
+    """Whether a kernel is still to be compiled; by itself that with which most are."""
     folder = os.environ.get("NUMBA_CACHE_DIR")
-    return folder is not None and not any(Path(folder).rglob(LONGEST_TO_COMPILE))
+    return folder is not None and not any(Path(folder).rglob(kernel))
 
 
 def ready_share() -> float:

@@ -9,6 +9,8 @@ from studio.timeline.tracks import clip, constraint, contacts, plot, ruler
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
+FOLDING = ("constraints", "lane")
+"""Kinds of rows of which each can be folded by itself."""
 
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
@@ -16,11 +18,12 @@ def rows_of(shown: Shown) -> tuple[Row, ...]:
     players = shown.project.performers if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
+    lanes = contacts.rows_with(touching)
     tall = constraint.height(len(shown.subject.bodies))
     heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
     heights = [
         *(("clip", key, clip.HEIGHT) for key in players),
-        *(("lane", row, contacts.HEIGHT) for row in contacts.rows_with(touching)),
+        *(("lane", row, contacts.FOLDED if ("lane", row) in shown.folded else contacts.HEIGHT) for row in lanes),
         *(("constraints", key, high) for key, high in heights_of.items()),
     ]
     rows, y = [], 0
@@ -97,7 +100,7 @@ class Sheet:
         return self._hit_row(row, position) if row else Hit("", "", Part.EMPTY)
 
     def _hit_row(self, row: Row, position: QPointF) -> Hit:
-        if position.x() < FOLD_WIDTH and (row.kind == "constraints" or self._folds(row)):
+        if position.x() < FOLD_WIDTH and (row.kind in FOLDING or self._folds(row)):
             return Hit(row.kind, row.id, Part.FOLD)
         if position.x() < LABEL_WIDTH:
             return Hit("performers" if row.kind == "clip" else row.kind, row.id, Part.LABEL)

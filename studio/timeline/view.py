@@ -16,7 +16,7 @@ from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import Quantity
 from studio.timeline.gestures.gesture import Gesture
 from studio.timeline.picture import PLOT, Picture
-from studio.timeline.sheet import RIGHT_MARGIN, Sheet, rows_of
+from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, Sheet, rows_of
 from studio.timeline.shown import LABEL_WIDTH, Part, Shown
 from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
@@ -150,7 +150,7 @@ class TrackView(QWidget):
             self.scroll_bar.setValue(max(min(self.scroll_bar.value(), high), low))
 
     def fold(self, kind: str, row_id: str = "") -> None:
-        """Make a constraint's row, or the plot, a line high, or as high as it was; rows of performers one, or all."""
+        """Make a row of ``FOLDING``, or the plot, a line high, or as high as it was; rows of performers one, or all."""
         if kind == "clip":
             self.apart = not (self.shown and self.shown.apart)
         else:
@@ -160,7 +160,7 @@ class TrackView(QWidget):
     def fold_all(self) -> None:
         """Fold every row that can be; where all are, unfold them."""
         rows = self.sheet.rows if self.sheet else ()
-        foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind == "constraints"})
+        foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind in FOLDING})
         self.folded = frozenset() if foldable <= self.folded else foldable
         self.lay_out()
 

@@ -1,14 +1,19 @@
 """What the viewport shows over a range of time, drawn without it: see ``film_child``."""
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import replace
 
 from PySide6.QtGui import QImage, QPainter
 
 from studio.cli.render import performances
 from studio.core.errors import StudioError
+from studio.core.project import Project
+from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import as_recorded
 from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
+from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.figure import bone_pairs
+from studio.viewport.following import gone_on, way_place
 from studio.viewport.overlay import Overlay
 from studio.viewport.paths import stage_paths
 from studio.viewport.scene import Pixels, StageScene
@@ -28,18 +33,33 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
         asked = made[view.ghost_of].request
         assert asked.actor is not None
         source = as_recorded(asked.motion, asked.actor)
+    cameras = _cameras(project, results, view)
     scene = StageScene()
     try:
         for time in shots.times:
             posed = posed_performers(project, results.get, time)
             seen = posed | resting_performers(project, posed)
             scene.sync(project, seen, view.bones, stage_paths(project, posed, view.trail))
-            picture = smooth_picture(scene, view.camera, shots.size, FILM_SAMPLES)
+            own = replace(view, camera=cameras(time))
+            picture = smooth_picture(scene, own.camera, shots.size, FILM_SAMPLES)
             if source is not None and view.ghost_of in posed:
-                _paint_ghost(picture, pose_of(project, posed[view.ghost_of].performer, source, time), view)
+                _paint_ghost(picture, pose_of(project, posed[view.ghost_of].performer, source, time), own)
             yield picture
     finally:
         scene.close()
+
+
+def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View) -> Callable[[float], OrbitCamera]:
+    """Where the camera stands at a time: it goes with the performer whom the view follows."""
+    motion = results.get(view.followed or "")
+    if motion is None:
+        return lambda time: view.camera
+
+    def place(time: float) -> FloatArray:
+        return way_place(pose_of(project, project.performers[view.followed or ""], motion, time))
+
+    begin = place(view.time)
+    return lambda time: gone_on(view.camera, place(time) - begin)
 
 
 def _paint_ghost(picture: Pixels, ghost: Posed, view: View) -> None:

@@ -24,9 +24,14 @@ class Follower:
             return camera
         place = way_place(pose)
         before, self._last = self._last, (performer_id, place)
-        aim = np.array(camera.target)
-        aim[:2] += place - (before[1] if before is not None and before[0] == performer_id else aim[:2])
-        return replace(camera, target=tuple(aim.tolist()))
+        known = before is not None and before[0] == performer_id
+        return gone_on(camera, place - (before[1] if before is not None and known else camera.target[:2]))
+
+
+def gone_on(camera: OrbitCamera, way: FloatArray) -> OrbitCamera:
+    """``camera`` moved along a way (2,) over the ground."""
+    x, y, z = camera.target
+    return replace(camera, target=(x + float(way[0]), y + float(way[1]), z))
 
 
 def way_place(pose: Posed) -> FloatArray:

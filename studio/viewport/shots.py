@@ -33,6 +33,10 @@ class View:
     trail: BodyPoint | None = None
     ghost_of: str | None = None
     """The performer whose source is seen as a ghost."""
+    followed: str | None = None
+    """The performer with whom the camera goes."""
+    time: float = 0.0
+    """Seconds at which the camera stands as it does."""
 
 
 @dataclass(frozen=True, eq=False)

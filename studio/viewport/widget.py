@@ -357,8 +357,9 @@ class Viewport(Canvas):
     @property
     def view(self) -> View:
         """What is seen of the stage now, but for what serves only to edit it."""
-        ghost_of = self._document.active_performer_id if self.ghost_shown else None
-        return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of)
+        active, now = self._document.active_performer_id, self._document.playhead.time
+        ghost_of, followed = active if self.ghost_shown else None, active if self.following else None
+        return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now)
 
     def _trail_point(self) -> BodyPoint | None:
         """The point whose paths are drawn: the selected constraint's, else the picked joint's."""

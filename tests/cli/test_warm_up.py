@@ -10,6 +10,7 @@ import pytest
 
 from studio.cli import first_run, warm_up
 from studio.core.kernels.adapt import place_frames, solve_frames
+from studio.core.kernels.normalize import encode_frames
 
 
 def test_following_the_warm_up_reports_rising_shares_until_it_is_done(monkeypatch):
@@ -63,6 +64,14 @@ def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
     assert cold == ["most", "rest"]
 
 
+def test_who_only_reads_says_so_where_that_is_still_to_be_compiled_and_else_nothing(cold, tmp_path, capsys):
+    warm_up.tell_what_reading_waits_for()
+    assert capsys.readouterr().err == "What reads motions is compiled, once on this machine: some ten seconds.\n"
+    (tmp_path / warm_up.LAST_TO_READ.replace("*", "1")).touch()
+    warm_up.tell_what_reading_waits_for()
+    assert capsys.readouterr().err == ""
+
+
 def test_what_another_process_fails_in_is_done_and_told_here(cold, monkeypatch):
     monkeypatch.setattr(warm_up, "CHILD", (sys.executable, "-c", "raise SystemExit(3)"))
     warm_up.WarmUp().join()
@@ -112,7 +121,8 @@ def test_a_process_whose_listener_is_gone_ends_without_a_word():
 
 
 def test_the_name_by_which_a_full_cache_is_known_is_that_of_the_kernel():
-    assert solve_frames._cache._impl.filename_base.startswith(warm_up.LONGEST_TO_COMPILE.removesuffix("*.nbc"))
+    for kernel, name in ((solve_frames, warm_up.LONGEST_TO_COMPILE), (encode_frames, warm_up.LAST_TO_READ)):
+        assert kernel._cache._impl.filename_base.startswith(name.removesuffix("*.nbc"))
 
 
 def test_both_halves_compile_exactly_what_the_whole_needs():

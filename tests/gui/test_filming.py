@@ -103,6 +103,21 @@ def test_where_bones_are_seen_bones_are_filmed(window, viewport):
     assert differing(filmed[bones], viewport) < 0.002 < differing(filmed[skin], viewport)
 
 
+def test_a_film_of_a_camera_that_follows_goes_with_the_character(qtbot, window, viewport):
+    document = window.bench.document
+    viewport.set_following(True)
+    viewport.grab_image()
+    view = viewport.view
+    document.playhead.set_frame(18)
+    viewport.grab_image()
+    there = document.playhead.time
+    assert viewport.camera.target != view.camera.target
+    filmed = next(render_shots(Shots(document.project, view, (there,), (640, 360))))
+    assert differing(filmed, viewport) < 0.002
+    still = next(render_shots(Shots(document.project, replace(view, followed=None), (there,), (640, 360))))
+    assert differing(still, viewport) > 0.002
+
+
 def test_the_range_of_the_timeline_becomes_a_film(qtbot, window, tmp_path):
     filming.film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
     idle(qtbot, window)

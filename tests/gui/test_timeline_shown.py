@@ -16,7 +16,7 @@ from studio.engine.empty_stage import HIDDEN
 from studio.timeline.curves import Quantity
 from studio.timeline.hover import hover_text
 from studio.timeline.strips import StripState
-from studio.timeline.tracks import constraint
+from studio.timeline.tracks import constraint, contacts
 from tests.builders import make_constraint
 from tests.gui.hand import LEFT, NONE, RATE, frames, pixels
 
@@ -233,6 +233,22 @@ def test_a_body_of_which_a_constraint_is_not_asked_is_neither_hatched_nor_counte
     document.replace("constraints", "kick", replace(kick, scope=Scope(performer_id="performer 0")), "Scope")
     assert timeline.strip_state("kick", "performer 1", 40) == StripState.INACTIVE
     assert constraint.verdict(timeline.tracks.shown, "kick")[0] == "held"
+
+
+def test_rows_of_contacts_are_folded_by_their_arrow_and_contacts_are_still_dragged(document, timeline, hand):
+    tall = timeline.row_rect("lane", "left foot")
+    hand.drag(QPoint(6, tall.center().y()), 0)
+    low = timeline.row_rect("lane", "left foot")
+    assert low.height() == contacts.FOLDED < tall.height()
+    assert (
+        timeline.row_rect("constraints", "kick").top()
+        < timeline.row_rect("lane", "left foot").top() + 2 * tall.height()
+    )
+    end = contacts.contact_bar(timeline.tracks.shown, low, document.project.contacts["early"])
+    hand.drag(QPointF(end.right(), end.center().y()).toPoint(), pixels(timeline, 3))
+    assert document.project.contacts["early"].last == 18
+    hand.drag(QPoint(6, low.center().y()), 0)
+    assert timeline.row_rect("lane", "left foot") == tall
 
 
 def test_rows_are_folded_by_their_arrow_or_all_at_once_and_unfolded_again(document, timeline, hand, live):

@@ -7,10 +7,11 @@ from PySide6.QtGui import QColor, QPainter
 from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
 from studio.timeline.shown import EDGES, Hit, Part, Shown, label_area
-from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
+from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, translucent
 
-HEIGHT = 24
-LINE = 7
+HEIGHT, FOLDED = 24, 13
+LINE, THIN_LINE = 7, 3
+"""Pixels of a row, and of one of its lines, as high as it is and folded."""
 EDGE_REACH = 5.0
 LEAST_BAR = 3.0
 LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
@@ -44,10 +45,15 @@ def row_of(point: ContactPoint | Touch) -> str:
 
 def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
     """The height at which a point's contacts lie in its row."""
-    lanes = LANES[row_of(point)]
+    lanes, line = LANES[row_of(point)], THIN_LINE if is_folded(row) else LINE
     middle = row.top() + row.height() / 2
-    top = middle - LINE / 2 if len(lanes) == 1 else middle + 0.5 - (LINE + 1) * (1 - lanes.index(point))
-    return QRectF(row.left(), round(top), row.width(), LINE)
+    top = middle - line / 2 if len(lanes) == 1 else middle + 0.5 - (line + 1) * (1 - lanes.index(point))
+    return QRectF(row.left(), round(top), row.width(), line)
+
+
+def is_folded(row: QRect) -> bool:
+    """Whether a row is as low as can be."""
+    return row.height() <= FOLDED
 
 
 def contact_bar(shown: Shown, row: QRect, contact: ContactInterval) -> QRectF:
@@ -101,7 +107,10 @@ def seen_bars(shown: Shown, spans: list[tuple[int, int]]) -> list[tuple[float, f
 
 def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
     """What touches; the lines are named when pointed at."""
-    paint_label(painter, label_area(row), row_id.capitalize(), colours.TEXT)
+    folded = is_folded(row)
+    paint_fold(painter, row, folded)
+    colour, pixels = (colours.TEXT_SECOND, 10) if folded else (colours.TEXT, 12)
+    paint_label(painter, label_area(row), row_id.capitalize(), colour, pixels)
 
 
 def contacts_hit(shown: Shown, row: QRect, row_id: str, point: QPointF) -> Hit:
