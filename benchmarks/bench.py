@@ -1,7 +1,7 @@
 """The whole measurement in one run: ``make bench``, or ``python -m benchmarks.bench [--quick]``.
 
 Writes what it found to ``docs/benchmark.json``, tables to ``docs/benchmark.md`` and into the marked places of
-``docs/method.md``, the growth of the cost to ``docs/pictures/growth.svg``, and prints the tables.
+``docs/evidence.md``, the growth of the cost to ``docs/pictures/growth.svg``, and prints the tables.
 """
 
 import json

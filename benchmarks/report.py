@@ -13,7 +13,7 @@ AIMS = "aims: 0.2 mm, 0.2 mm, 1 mm, 15 mm, 3"
 
 HEADER = """# Measured speed and quality
 
-Written by `make bench`; nothing here is written by hand. [method.md](method.md) explains what is measured.
+Written by `make bench`; nothing here is written by hand. [evidence.md](evidence.md) explains what is measured.
 [window.md](window.md) has the window under a hand: how far the bodies are behind it, and what pictures cost.
 
 """
@@ -134,16 +134,16 @@ PARTS: dict[str, Callable[[Record], str]] = {
     "peers": peers,
     "start": start,
 }
-"""What ``method.md`` shows between its marks."""
+"""What ``evidence.md`` shows between its marks."""
 
 
 def fill(record: Record, docs: Path) -> None:
-    """Write ``benchmark.md``, and the marked places of ``method.md``."""
+    """Write ``benchmark.md``, and the marked places of ``evidence.md``."""
     (docs / "benchmark.md").write_text(HEADER + tables(record), encoding="utf-8")
-    text = (docs / "method.md").read_text(encoding="utf-8")
+    text = (docs / "evidence.md").read_text(encoding="utf-8")
     for name, make in PARTS.items():
         text = replaced(text, name, make(record))
-    (docs / "method.md").write_text(text, encoding="utf-8")
+    (docs / "evidence.md").write_text(text, encoding="utf-8")
 
 
 def replaced(text: str, name: str, new: str) -> str:

@@ -20,8 +20,8 @@ def test_the_page_of_the_benchmark_is_what_was_measured(record):
 
 
 @pytest.mark.parametrize("name", PARTS)
-def test_the_method_shows_what_was_measured(record, name):
-    text = (DOCS / "method.md").read_text(encoding="utf-8")
+def test_the_evidence_shows_what_was_measured(record, name):
+    text = (DOCS / "evidence.md").read_text(encoding="utf-8")
     assert f"<!-- measured: {name} -->" in text
     assert replaced(text, name, PARTS[name](record)) == text
 
