@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from studio.app import casting, recovery
 from studio.app.marker_dialog import has_markers, open_markers
 from studio.app.striking import show_strikes
-from studio.app.verbs import clips, editing, files, playback, view
-from studio.app.verbs.constraining import add_box, adder, load_area_mesh, selected_area
+from studio.app.verbs import clips, editing, files, playback, props, view
+from studio.app.verbs.constraining import adder, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
 from studio.core.clip_row import players_of
 from studio.library.scenes import SCENES
@@ -169,8 +169,13 @@ CONSTRAINT = (
     Action("add_clear", "Constraint", "Keep clear of body", adder("clear"),
            tooltip="Keep both arms of the active body out of its trunk, head and thighs", enabled=_picked,
            ends_group=True),
-    Action("add_box", "Constraint", "Add box", add_box, tooltip="A prop ahead of the body, for targets to follow",
-           enabled=_viewing),
+    Action("add_box", "Constraint", "Add box", props.add_box,
+           tooltip="A prop ahead of the body, for targets to follow", enabled=_viewing),
+    Action("add_prop", "Constraint", "Add prop…", props.choose,
+           tooltip="A box, ball, stick, table, stairs or a mesh file ahead of the body", enabled=_viewing),
+    Action("hold_prop", "Constraint", "Hold prop in both hands", props.hold,
+           tooltip="The active body carries the selected prop, a hand on either side, at any size",
+           enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
     Action("find_strike", "Constraint", "Find a strike…", show_strikes, ("Ctrl+F",),
            "Which clip of the motion library hits a box best, and why", _performing, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),

@@ -16,6 +16,8 @@ from studio.core.placement import Placement
 from studio.core.project import Clip, Performer, new_id
 from studio.core.scope import Scope
 from studio.core.solver.rows import timing_of
+from studio.engine.performance import posed_performers
+from studio.engine.props import prop_at
 from studio.io.importing import GUESS_ALL
 from studio.library.clips import Kind, Limb, hit_point
 from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, READY, Strikes
@@ -127,7 +129,10 @@ class Striking:
         row = slice(frame, frame + 1)
         body = adapted.morphology
         pose = encode(adapted.positions[row], adapted.rotations[row], body, adapted.frame_rate)
-        place = Placement.of(performer).to_motion(prop.position)
+        time = document.playhead.time
+        posed = posed_performers(document.project, self.bench.live.result, time)
+        centre = prop_at(document.project, posed, panel.target_id or "", time)
+        place = Placement.of(performer).to_motion(centre.place)
         limbs = [panel.limb.value] if isinstance(panel.limb.value, Limb) else []
         kinds = [panel.kind.value] if isinstance(panel.kind.value, Kind) else []
         return Asked(pose, body, place, limbs, kinds)

@@ -179,4 +179,6 @@ def places_of(task: Task, constraint: PositionConstraint) -> FloatArray:
     """(F, 3) where a task's position is wanted."""
     if not isinstance(constraint.target, FollowTracked):
         raise TypeError(f"'{constraint.name}' is no target of a task.")
-    return task.request.tracks[constraint.target].places
+    track = task.request.tracks[constraint.target]
+    assert isinstance(track, Track)
+    return track.places

@@ -11,9 +11,10 @@ from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.placement import Placement
-from studio.core.project import Prop
+from studio.core.prop import Prop
 from studio.core.solver.adapt import adapt
-from studio.core.solver.following import performer_track, prop_track, tracked_track
+from studio.core.solver.following import performer_track, tracked_track
+from studio.core.solver.props import seen_from, stage_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.stage import concerning
 from studio.core.solver.tracks import Track
@@ -36,7 +37,7 @@ def with_tracks(
             )
     leaders = _leaders(constraints, requests)
     asked = {
-        key: replace(request, constraints=tuple(_concerning(key, constraints, requests)))
+        key: replace(request, constraints=tuple(_concerning(key, constraints, requests, props)))
         for key, request in requests.items()
     }
     bare = {key: adapt(replace(asked[key], constraints=())) for key in leaders} if len(leaders) > 1 else {}
@@ -48,11 +49,11 @@ def with_tracks(
 
 
 def _concerning(
-    key: str, constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest]
+    key: str, constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest], props: Mapping[str, Prop]
 ) -> Iterator[Constraint]:
     """What of the file is asked of one character: of all, or of it alone."""
     for each in constraints:
-        concerned = concerning(each, key, requests) if each.scope.includes(key, "") else None
+        concerned = concerning(each, key, requests, props) if each.scope.includes(key, "") else None
         if concerned is not None:
             yield concerned
 
@@ -88,7 +89,8 @@ def _following(
                     rows = range(motion.frame_count)
                     tracks[follow] = performer_track(follow.point, follow.turn, motion, rows, there, places[key])
                 case FollowProp():
-                    tracks[follow] = prop_track(follow, props[follow.prop_id], places[key])
+                    prop = props[follow.prop_id]
+                    tracks[follow] = seen_from(follow, prop, stage_track(prop, request.motion.times, None), places[key])
                 case FollowTracked():
                     try:
                         tracks[follow] = tracked_track(follow, capture)

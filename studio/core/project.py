@@ -14,11 +14,12 @@ from typing import Any, Self
 
 from studio.core.capture import Capture
 from studio.core.character import Character
-from studio.core.constraints.base import Constraint, Vector, finite_vector
+from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.target import follows_of
 from studio.core.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.ground import Ground
+from studio.core.prop import Prop
 from studio.core.scope import Scope, meant_for, narrowest
 
 GROUND_ID = "ground"
@@ -110,23 +111,6 @@ class Performer:
             raise ValueError(f"'{self.name}': a place on the stage is made of finite numbers.")
 
 
-@dataclass(frozen=True)
-class Prop:
-    """A box on the stage: ``size`` metres, centred at ``position``, turned by ``heading`` about Z."""
-
-    name: str
-    size: Vector = (0.4, 0.4, 0.4)
-    position: Vector = (0.0, 0.0, 0.2)
-    heading: float = 0.0
-
-    def __post_init__(self) -> None:
-        for measure in ("size", "position"):
-            vector = finite_vector(getattr(self, measure), f"'{self.name}': a {measure}")
-            object.__setattr__(self, measure, vector)
-        if not math.isfinite(self.heading) or min(self.size) <= 0.0:
-            raise ValueError(f"'{self.name}': a prop needs a finite heading and sides longer than zero.")
-
-
 Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Ground | Prop
 
 COLLECTIONS = (
@@ -174,6 +158,8 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
         case Constraint():
             followed = (pair for each in follows_of(entity) for pair in _followed(each))
             return (("motions", entity.motion_id), *_scoped(entity.scope), *followed)
+        case Prop() if entity.holder:
+            return (("performers", entity.holder),)
     return ()
 
 

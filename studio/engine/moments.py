@@ -19,6 +19,7 @@ from studio.core.solver.request import Unasked
 from studio.core.solver.rows import carry_of
 from studio.core.solver.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.engine.performance import Posed
+from studio.engine.props import prop_at
 
 FloatArray = NDArray[np.float64]
 
@@ -78,13 +79,22 @@ class Moment:
         return target.moved(self.performer_id, (x, y, z))
 
     @cached_property
+    def time(self) -> float:
+        """Seconds of the stage."""
+        composite, frame = self.pose.motion.composite, self.pose.row + self.pose.motion.first_frame
+        if composite is None:
+            return frame / self.pose.motion.frame_rate
+        return composite.timing.begin + frame / composite.timing.frame_rate
+
+    @cached_property
     def performer_id(self) -> str:
         """Whose pose it is."""
         return next(key for key, pose in self.posed.items() if pose is self.pose)
 
     def track(self, follow: Follow | OwnPlace) -> Track | None:
         """Where a followed thing is now, in the space of this performer's motion."""
-        from studio.core.solver.following import performer_track, prop_track, tracked_track  # loads kernels
+        from studio.core.solver.following import performer_track, tracked_track  # loads kernels
+        from studio.core.solver.props import seen_from
 
         pose, own = self.pose, self.pose.clip_placement
         match follow:
@@ -101,8 +111,11 @@ class Moment:
                     return None
                 return performer_track(follow.point, follow.turn, other.motion, [other.row], other.placement, own)
             case FollowProp():
-                prop = self.project.props.get(follow.prop_id)
-                return None if prop is None else prop_track(follow, prop, own)
+                if follow.prop_id not in self.project.props:
+                    return None
+                placed = prop_at(self.project, self.posed, follow.prop_id, self.time)
+                track = Track(placed.place[None], placed.axes[None])
+                return seen_from(follow, placed.prop, track, own)
             case FollowTracked():
                 motion = self.project.motions.get(pose.motion_id or "")
                 capture = self.project.captures.get(motion.capture_id) if motion else None

@@ -26,7 +26,7 @@ from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.contacts import CONTACT_POINTS, ContactInterval, contact_point
 from studio.core.errors import StudioError
-from studio.core.project import Prop
+from studio.core.prop import Prop
 from studio.io.beside import refuse_devices
 from studio.io.entity_json import CONSTRAINT_KINDS, Members, entity_of, entity_record
 from studio.io.json_text import json_of

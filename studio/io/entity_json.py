@@ -30,7 +30,9 @@ from studio.io.json_text import json_of
 from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 2
-ENTITY_SCHEMAS = {**dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 2, "contacts": 3}
+ENTITY_SCHEMAS = {
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 3, "contacts": 3, "props": 2,
+}  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
 CONSTRAINT_KINDS: Mapping[str, type] = {
     kind.kind: kind

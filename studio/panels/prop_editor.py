@@ -1,41 +1,178 @@
-"""The form of a prop: where the box stands, how large it is."""
+"""The form of a prop: what it is, how large, and where it stands or with whom it goes."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
+from PySide6.QtWidgets import QLineEdit, QWidget
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.live import Live
+from studio.engine.performance import posed_performers
+from studio.engine.point_names import POINTS, point_words
+from studio.engine.props import PropPose, heading_of, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section
+from studio.panels.fields import Choice, NumberField, Section, press_button
 
 LEAST = 0.001
+STAYS, KEYED = "stays", "keyed"
+WHERE = (
+    (STAYS, "Stays where it is"),
+    (KEYED, "Keyed over time"),
+    (InHand.kind, "In a hand, or on a body"),
+    (Carried.kind, "Carried in both hands"),
+)
+RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
 
 
 class PropEditor(Editor):
-    """Place on the stage, edges, heading."""
+    """Shape, size, place on the stage; numbers are those at the playhead."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Prop")
-        self._position = VectorRow(self, section, "Centre", lambda place: self._set("Move", position=place))
+        self._name = QLineEdit()
+        self._name.editingFinished.connect(self._rename)
+        section.add_row("Name", self._name)
+        self._shape = Choice("Shape", ())
+        self._shape.chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))
+        section.add_row("Shape", self._shape)
         self._size = VectorRow(self, section, "Size", lambda size: self._set("Resize", size=size))
         self._size.set_least(LEAST)
-        self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._set_heading)
-        section.add_row("Heading", self._heading)
+        self._where = Choice("Where", WHERE)
+        self._where.chosen.connect(self._place)
+        section.add_row("Where", self._where)
+        self._holder = Choice("By whom", ())
+        self._holder.chosen.connect(self._give)
+        self._holder_row = section.add_row("By whom", self._holder)
+        self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINTS.items()])
+        self._point.chosen.connect(self._fix)
+        self._point_row = section.add_row("Point", self._point)
+        self._position = VectorRow(self, section, "Centre", self._move)
+        self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
+        self._heading_row = section.add_row("Heading", self._heading)
+        self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
+        self._keys_row = section.add_row("Keys", *self._keys)
+        document.playhead.changed.connect(self._playhead_moved)
         self.column.addWidget(section)
         self.finish()
 
+    @property
+    def pose(self) -> PropPose:
+        """Where it is at the playhead."""
+        project, time = self.document.project, self.document.playhead.time
+        return prop_at(project, posed_performers(project, self.live.result, time), self.entity_id, time)
+
     def refresh(self) -> None:
         """Fetch everything."""
-        prop = self.entity
-        if prop is not None:
-            self._position.show_values(prop.position)
-            self._size.show_values(prop.size)
-            self._heading.show_value(math.degrees(prop.heading))
+        prop: Prop | None = self.entity
+        if prop is None:
+            return
+        self._name.setText(prop.name)
+        shapes = [each for each in PropShape if each is not PropShape.MESH or prop.mesh is not None]
+        self._shape.offer([(each, each.value.capitalize()) for each in shapes])
+        self._shape.show_value(prop.shape)
+        self._size.show_values(prop.size)
+        self._where.show_value(where_of(prop))
+        self._holder.offer([(key, each.name) for key, each in self.document.project.performers.items()])
+        self._holder.show_value(prop.holder)
+        if isinstance(prop.held, InHand):
+            place = (prop.held.point.part, prop.held.point.at_end)
+            if not self._point.offers(place):
+                self._point.add(place, point_words(prop.held.point).capitalize())
+            self._point.show_value(place)
+        self._show(prop.held is not None, self._holder_row, self._holder)
+        self._show(isinstance(prop.held, InHand), self._point_row, self._point)
+        self._show(where_of(prop) == KEYED, self._keys_row, *self._keys)
+        self._show(not isinstance(prop.held, Carried), self._heading_row, self._heading)
+        self._refresh_moment()
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """It may go with a performer."""
+        return super().concerns(collection, entity_id) or collection == "performers"
+
+    def _refresh_moment(self) -> None:
+        pose = self.pose
+        self._position.show_values(pose.place.tolist())
+        self._heading.show_value(math.degrees(heading_of(pose)))
+
+    def _playhead_moved(self, _: float) -> None:
+        if self.entity is not None and where_of(self.entity) != STAYS:
+            self._refresh_moment()
+
+    def _show(self, shown: bool, *widgets: QWidget) -> None:
+        for widget in widgets:
+            widget.setVisible(shown)
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        if name and name != self.entity.name:
+            self.change(f"Rename {self.entity.name}", name=name)
 
     def _set(self, verb: str, **values: Any) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
-    def _set_heading(self, degrees: float) -> None:
-        self._set("Turn", heading=math.radians(degrees))
+    def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
+        self.put(make, f"{verb} {self.entity.name}")
+
+    def _move(self, place: tuple[float, ...]) -> None:
+        import numpy as np
+
+        self._put_made("Move", lambda: moved_prop(self.pose, np.array(place)))
+
+    def _turn(self, degrees: float) -> None:
+        pose = self.pose
+        self._put_made("Turn", lambda: turned_prop(pose, math.radians(degrees) - heading_of(pose)))
+
+    def _place(self, where: str) -> None:
+        if where in (STAYS, KEYED):
+            self._put_made("Let go of", lambda: unheld(self.pose, keyed=where == KEYED))
+        else:
+            self._hold(where, self.document.active_performer_id or "")
+
+    def _give(self, performer_id: str) -> None:
+        self._hold(where_of(self.entity), performer_id)
+
+    def _hold(self, where: str, performer_id: str, point: BodyPoint = RIGHT_HAND) -> None:
+        project = self.document.project
+        holder = posed_performers(project, self.live.result, self.document.playhead.time).get(performer_id)
+        if holder is None:
+            self.document.problem.emit("Nobody is there yet who could hold it. Show a body that plays a motion first.")
+            self.refresh()
+        elif where == Carried.kind:
+            self._set("Hold", held=Carried(performer_id))
+        else:
+            self._put_made("Hold", lambda: in_hand(self.pose, performer_id, point, holder))
+
+    def _fix(self, choice: tuple[BodyPart, bool]) -> None:
+        self._hold(InHand.kind, self.entity.holder, BodyPoint(choice[0], at_end=choice[1]))
+
+    def _set_key(self) -> None:
+        self._put_made("Key", lambda: turned_prop(self._keyed_here(), 0.0))
+
+    def _keyed_here(self) -> PropPose:
+        pose = self.pose
+        return PropPose(moved_prop(pose, pose.place), pose.place, pose.axes, pose.time)
+
+    def _delete_key(self) -> None:
+        """The key at the playhead, as long as one is left."""
+        changes: dict[str, Any] = {}
+        for name in ("position", "heading"):
+            keyed = getattr(self.entity, name)
+            place = keyed.key_at(self.document.playhead.time) if isinstance(keyed, KeyedPlace | KeyedNumber) else None
+            if place is not None and len(keyed.times) > 1:
+                changes[name] = keyed.without_key(place)
+        if changes:
+            self._set("Delete key of", **changes)
+
+
+def where_of(prop: Prop) -> str:
+    """Which of ``WHERE`` it is."""
+    if prop.held is not None:
+        return prop.held.kind
+    return KEYED if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, KeyedNumber) else STAYS

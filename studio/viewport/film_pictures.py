@@ -11,6 +11,7 @@ from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import as_recorded
 from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
+from studio.engine.props import props_at
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.figure import bone_pairs
 from studio.viewport.following import gone_on, way_place
@@ -39,7 +40,8 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
         for time in shots.times:
             posed = posed_performers(project, results.get, time)
             seen = posed | resting_performers(project, posed)
-            scene.sync(project, seen, view.bones, stage_paths(project, posed, view.trail))
+            props = props_at(project, posed, time)
+            scene.sync(project, seen, props, view.bones, stage_paths(project, posed, view.trail))
             own = replace(view, camera=cameras(time))
             picture = smooth_picture(scene, own.camera, shots.size, FILM_SAMPLES)
             if source is not None and view.ghost_of in posed:

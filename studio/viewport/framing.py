@@ -6,6 +6,7 @@ import numpy as np
 
 from studio.document.document import Document
 from studio.engine.performance import Posed
+from studio.engine.props import PropPose
 from studio.viewport.camera import FloatArray
 from studio.viewport.handles import Handle
 
@@ -13,12 +14,14 @@ ROOM_AROUND_TARGET = 0.6
 """Metres shown round a framed constraint or prop."""
 
 
-def selected_points(document: Document, posed: Mapping[str, Posed], handles: Iterable[Handle]) -> list[FloatArray]:
+def selected_points(
+    document: Document, posed: Mapping[str, Posed], props: Mapping[str, PropPose], handles: Iterable[Handle]
+) -> list[FloatArray]:
     """Points (N, 3) of the stage round the selected constraints and props, else of the selected bodies."""
     around = ROOM_AROUND_TARGET * np.concatenate([np.eye(3), -np.eye(3)])
-    selection, props = document.selection, document.project.props
+    selection = document.selection
     chosen = [one for one in handles if one.main and one.constraint_id in selection.of("constraints")]
     things = [one.extent for one in chosen]
-    things += [np.array([props[key].position]) for key in selection.of("props") if key in props]
+    things += [props[key].place[None] for key in selection.of("props") if key in props]
     bodies = [posed[key].points for key in selection.of("performers") if key in posed]
     return [(thing[:, None] + around).reshape(-1, 3) for thing in things] or bodies

@@ -82,7 +82,7 @@ def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
 
 def _select_body_or_prop(viewport: Viewport, document: Document, where: tuple) -> None:
     performer_id = picking.body_at(viewport.posed, *where)
-    prop_id = None if performer_id else picking.prop_at(document.project, *where)
+    prop_id = None if performer_id else picking.prop_under(viewport.props, *where)
     if performer_id:
         document.selection.set(("performers", performer_id))
     elif prop_id:

@@ -1,6 +1,7 @@
 """What a gizmo can move: a constraint's place, a prop, a performer. Each knows its axes and tells the document."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Protocol
 
@@ -10,12 +11,16 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.placement import Placement
-from studio.core.project import Performer, Prop
+from studio.core.project import Performer
+from studio.core.prop import Carried, Prop
 from studio.document.document import Document
 from studio.engine.moments import HELD_BY, Moment
 from studio.engine.performance import Posed
-from studio.viewport.camera import FloatArray
+from studio.engine.props import moved_prop, prop_at, turned_prop, wrapped
+from studio.viewport.camera import FloatArray, OrbitCamera
+from studio.viewport.gizmo import Gizmo
 from studio.viewport.handle_places import handle_place, is_flat
+from studio.viewport.handles import floor_under
 
 HANDLES = {"distance": "other end", "area": "centre", "balance": "place"}
 """What the handle of a kind is called; of the others it is the target."""
@@ -100,36 +105,40 @@ class Target:
 
 
 class PlacedProp:
-    """A prop on the stage."""
+    """A prop where it is now: a drag moves it, sets a key, or gives it another place in the hands that hold it."""
 
-    flat, turns, yields = False, True, False
+    flat = yields = False
 
-    def __init__(self, document: Document, prop_id: str) -> None:
+    def __init__(self, document: Document, prop_id: str, posed: Mapping[str, Posed]) -> None:
         self._document, self._id = document, prop_id
-        self.placement, self._begin = Placement(), self._prop
+        self.placement, self._begin = Placement(), document.project.props[prop_id]
+        self._pose = prop_at(document.project, posed, prop_id, document.playhead.time)
 
     @property
-    def _prop(self) -> Prop:
-        return self._document.project.props[self._id]
+    def turns(self) -> bool:
+        """Carried between two hands, it faces as the chest does."""
+        return not isinstance(self._begin.held, Carried)
 
     @property
     def place(self) -> FloatArray:
         """(3,) centre on the stage."""
-        return np.array(self._prop.position)
+        return self._pose.place
 
     def move(self, place: FloatArray, gesture: int) -> None:
         """Put its centre at ``place``."""
-        new = replace(self._prop, position=tuple(place.tolist()))
-        self._document.replace("props", self._id, new, f"Move {self._prop.name}", gesture)
+        verb = "Key" if isinstance(self._begin.position, KeyedPlace) and not self._begin.held else "Move"
+        self._put(moved_prop(self._pose, place), verb, gesture)
 
     def turn(self, angle: float, gesture: int) -> None:
         """Turn it about its centre."""
-        new = replace(self._begin, heading=wrapped(self._begin.heading + angle))
-        self._document.replace("props", self._id, new, f"Turn {self._prop.name}", gesture)
+        self._put(turned_prop(self._pose, angle), "Turn", gesture)
 
     def put_back(self, gesture: int) -> None:
         """Where it was."""
-        self._document.replace("props", self._id, self._begin, f"Move {self._begin.name}", gesture)
+        self._put(self._begin, "Move", gesture)
+
+    def _put(self, prop: Prop, verb: str, gesture: int) -> None:
+        self._document.replace("props", self._id, prop, f"{verb} {prop.name}", gesture)
 
 
 class PlacedPerformer:
@@ -167,23 +176,32 @@ class PlacedPerformer:
         self._document.replace("performers", self._id, performer, f"{verb} {performer.name} on the stage", gesture)
 
 
-def wrapped(angle: float) -> float:
-    """The same turn, within half a turn to either side."""
-    return math.remainder(angle, 2.0 * math.pi)
+def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
+    """What the gizmo stands on: the current selection, if it can be moved.
 
-
-def selected_movable(document: Document, moment: Moment | None, floor: float) -> Movable | None:
-    """What the gizmo stands on: the current selection, if it can be moved."""
+    A body is not while a joint of it is picked, beside which its handle would lie.
+    """
+    project, pose = document.project, posed.get(document.active_performer_id or "")
     collection, entity_id = document.selection.current or ("", "")
-    if collection == "props" and entity_id in document.project.props:
-        return PlacedProp(document, entity_id)
+    if collection == "props" and entity_id in project.props:
+        return PlacedProp(document, entity_id, posed)
+    if pose is None:
+        return None
+    floor = floor_under(project, pose)
     if collection == "performers":
-        return PlacedPerformer(document, entity_id, moment.pose, floor) if moment else None
-    constraint = document.project.constraints.get(entity_id) if collection == "constraints" else None
-    now = moment.fixed(constraint) if constraint and moment else None
-    if moment is None or now is None or handle_place(now) is None:
+        return None if picking else PlacedPerformer(document, entity_id, pose, floor)
+    moment = Moment(project, posed, pose)
+    constraint = project.constraints.get(entity_id) if collection == "constraints" else None
+    now = moment.fixed(constraint) if constraint else None
+    if now is None or handle_place(now) is None:
         return None
     return Target(document, entity_id, moment, floor)
+
+
+def gizmo_on(movable: Movable, camera: OrbitCamera, size: tuple[float, float], pixels: float) -> Gizmo:
+    """The gizmo by which a thing is moved, with arrows of so many ``pixels``."""
+    origin, axes = movable.placement.to_stage(movable.place), movable.placement.rotation.T
+    return Gizmo(origin, axes, camera, size, pixels, movable.flat, movable.turns)
 
 
 def is_keyed(constraint: Constraint) -> bool:

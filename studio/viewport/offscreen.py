@@ -5,6 +5,7 @@ from collections.abc import Generator, Iterable, Mapping
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.performance import posed_performers
+from studio.engine.props import props_at
 from studio.viewport.opening import opening_camera
 from studio.viewport.scene import Pixels, StageScene
 from studio.viewport.stills import FILM_SAMPLES, SAMPLES, smooth_picture
@@ -36,7 +37,7 @@ def _frames(
         for time in times:
             posed = posed_performers(project, results.get, time)
             camera = camera or opening_camera(posed, size)
-            scene.sync(project, posed)
+            scene.sync(project, posed, props_at(project, posed, time))
             yield smooth_picture(scene, camera, size, samples)
     finally:
         scene.close()

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studio.core.placement import Placement
-from studio.core.project import Project
 from studio.engine.performance import Posed
+from studio.engine.props import PropPose
 from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.figure import bone_pairs
@@ -61,15 +60,14 @@ def body_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: floa
     return min(found)[1] if found else None
 
 
-def prop_at(project: Project, camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
+def prop_under(props: Mapping[str, PropPose], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
     """The prop whose box the ray of sight through pixel (x, y) meets first (slab test in the box's axes)."""
     origin, sight = camera.ray(x, y, size)
     found: list[tuple[float, str]] = []
-    for prop_id, prop in project.props.items():
-        turn = Placement(heading=prop.heading).rotation
-        begin, way = (origin - np.array(prop.position)) @ turn, sight @ turn
+    for prop_id, pose in props.items():
+        begin, way = (origin - pose.place) @ pose.axes, sight @ pose.axes
         way = np.where(np.abs(way) < 1e-12, 1e-12, way)
-        half = np.array(prop.size) / 2
+        half = np.array(pose.prop.size) / 2
         walls = np.sort(np.stack([(-half - begin) / way, (half - begin) / way]), axis=0)
         enter, leave = float(walls[0].max()), float(walls[1].min())
         if enter <= leave and leave > 0:

@@ -14,6 +14,7 @@ from studio.core.character import Character
 from studio.core.ground import Ground
 from studio.core.project import Project
 from studio.engine.performance import Posed
+from studio.engine.props import PropPose
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
 from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
@@ -21,6 +22,7 @@ from studio.viewport.ground_visual import GroundVisual
 from studio.viewport.live_mesh import LiveLines, flat_actor
 from studio.viewport.material import SkyShading, light_like_a_studio
 from studio.viewport.paths import StagePath
+from studio.viewport.prop_figures import unit_mesh
 
 Pixels = NDArray[np.uint8]
 PROP_COLOUR = "#8a8f96"
@@ -38,6 +40,7 @@ class StageScene:
         self._shading = SkyShading()
         self._bodies: dict[str, BodyVisual] = {}
         self._props: dict[str, Any] = {}
+        self._looks: dict[str, Any] = {}
         self._shadows = SoftShadows()
         self._plane, self._grid = flat_actor(make_plane()), flat_actor(make_lines())
         self._plane.prop.culling = "back"
@@ -52,6 +55,7 @@ class StageScene:
         self,
         project: Project,
         posed: Mapping[str, Posed],
+        props: Mapping[str, PropPose],
         bones: bool = False,
         paths: Sequence[StagePath] = (),
         moving: bool = False,
@@ -67,7 +71,7 @@ class StageScene:
         self._lines.show_paths(paths)
         self._shadows.cast([(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground)
         self._sync_ground(project.ground)
-        self._sync_props(project)
+        self._sync_props(project, props)
 
     def render(self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)) -> Pixels:
         """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel."""
@@ -152,16 +156,19 @@ class StageScene:
             actor.SetVisibility(ground.is_level)
             actor.SetPosition(0.0, 0.0, ground.height)
 
-    def _sync_props(self, project: Project) -> None:
+    def _sync_props(self, project: Project, props: Mapping[str, PropPose]) -> None:
         for prop_id in [key for key in self._props if key not in project.props]:
             self._remove(self._props.pop(prop_id))
         for prop_id, prop in project.props.items():
-            actor = self._props.get(prop_id)
+            actor, looks = self._props.get(prop_id), (prop.shape, prop.mesh)
             if actor is None:
-                box = pv.Cube(clean=False)  # faces share no corners, so edges are sharp
-                actor = self._props[prop_id] = pv.Actor(mapper=pv.DataSetMapper(box))
+                actor = self._props[prop_id] = pv.Actor(mapper=pv.DataSetMapper(unit_mesh(prop)))
                 actor.prop.color = PROP_COLOUR
                 self._add_shaded(actor)
-            actor.SetScale(*prop.size)
-            actor.SetOrientation(0.0, 0.0, math.degrees(prop.heading))
-            actor.SetPosition(*prop.position)
+            elif self._looks.get(prop_id) != looks:
+                actor.mapper.dataset = unit_mesh(prop)
+            self._looks[prop_id] = looks
+            matrix = np.eye(4)
+            matrix[:3, :3] = props[prop_id].axes * np.array(prop.size)
+            matrix[:3, 3] = props[prop_id].place
+            actor.user_matrix = matrix

@@ -17,6 +17,7 @@ from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
 from studio.engine.moments import Moment
 from studio.engine.performance import Posed, has_moved_on, pose_of, posed_performers, resting_performers
+from studio.engine.props import PropPose, props_at
 from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
@@ -28,8 +29,8 @@ from studio.viewport.framing import selected_points
 from studio.viewport.gestures import Gesture
 from studio.viewport.gizmo import ARROW_PIXELS, Gizmo, arrow_pixels
 from studio.viewport.glide import Glide
-from studio.viewport.handles import Handle, constraint_handles, floor_under
-from studio.viewport.movables import Movable, selected_movable
+from studio.viewport.handles import Handle, constraint_handles
+from studio.viewport.movables import Movable, gizmo_on, selected_movable
 from studio.viewport.opening import is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
@@ -56,6 +57,7 @@ class Viewport(Canvas):
         self.tool = "move"
         self.posed: dict[str, Posed] = {}
         self.resting: dict[str, Posed] = {}
+        self.props: dict[str, PropPose] = {}
         self._progress = ("", 0.0)
         self.joint_picked: PickedJoint | None = None
         self.joint_hovered: PickedJoint | None = None
@@ -112,7 +114,7 @@ class Viewport(Canvas):
 
     def frame_selection(self) -> None:
         """Show what is selected, else all performers."""
-        points = selected_points(self._document, self.posed, self.handles())
+        points = selected_points(self._document, self.posed, self.props, self.handles())
         if points:
             self._frame(np.concatenate(points))
         else:
@@ -232,26 +234,16 @@ class Viewport(Canvas):
 
     def gizmo(self) -> Gizmo | None:
         """The gizmo on what is selected, as seen now."""
-        movable, pose = self.movable(), self.posed.get(self._document.active_performer_id or "")
+        movable = self.movable()
         if movable is None or self.tool != "move":
             return None
-        return Gizmo(
-            movable.placement.to_stage(movable.place),
-            movable.placement.rotation.T,
-            self.camera,
-            self.view_size,
-            arrow_pixels(self.camera.height(pose.points, self.view_size)) if pose else ARROW_PIXELS,
-            movable.flat,
-            movable.turns,
-        )
+        pose = self.posed.get(self._document.active_performer_id or "")
+        pixels = arrow_pixels(self.camera.height(pose.points, self.view_size)) if pose else ARROW_PIXELS
+        return gizmo_on(movable, self.camera, self.view_size, pixels)
 
     def movable(self) -> Movable | None:
-        """What the gizmo moves; nothing while a joint is picked, beside which it would lie."""
-        if self.joint_picked is not None and (self._document.selection.current or ("",))[0] == "performers":
-            return None
-        pose = self.posed.get(self._document.active_performer_id or "")
-        floor = floor_under(self._document.project, pose) if pose else 0.0
-        return selected_movable(self._document, self._moment(pose) if pose else None, floor)
+        """What the gizmo moves."""
+        return selected_movable(self._document, self.posed, picking=self.joint_picked is not None)
 
     def _moment(self, pose: Posed) -> Moment:
         return Moment(self._document.project, self.posed, pose)
@@ -287,8 +279,9 @@ class Viewport(Canvas):
         pose = self.posed.get(active)
         self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
         self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
+        self.props = props_at(project, self.posed, time)
         coarse = self.moving and not self._glide.moving
-        scene.sync(project, self.posed | self.resting, self._bones, self._paths(), coarse)
+        scene.sync(project, self.posed | self.resting, self.props, self._bones, self._paths(), coarse)
         if self.moving:
             self._pace.picture(self._live.asked_at(active) if self._live.interactive else None)
         else:

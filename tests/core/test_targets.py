@@ -27,10 +27,11 @@ from studio.core.metrics import centre_of_mass, contact_quality
 from studio.core.morphology import Morphology
 from studio.core.normalized.normalize import normalize
 from studio.core.placement import Placement
-from studio.core.project import Prop
+from studio.core.prop import Prop
 from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, hold, place_of, stand
-from studio.core.solver.following import performer_track, prop_track, tracked_track
+from studio.core.solver.following import performer_track, tracked_track
+from studio.core.solver.props import seen_from, stage_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.stage import concerning
 from studio.core.solver.support import outlines, smoothed, standing_points, support_margins
@@ -82,8 +83,8 @@ def test_where_a_body_has_its_own_place_nothing_moves_and_an_offset_goes_by_its_
 def test_a_performer_s_own_offset_is_its_alone() -> None:
     place = OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1), (("tall", (0.0, 0.2, 0.0)),))
     asked = ask(PositionConstraint, RIGHT, target=place)
-    assert concerning(asked, "tall", ()).target == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
-    assert concerning(asked, "child", ()).target == OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1))  # type: ignore[attr-defined]
+    assert concerning(asked, "tall", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
+    assert concerning(asked, "child", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1))  # type: ignore[attr-defined]
     with pytest.raises(ValueError, match="two offsets"):
         OwnPlace(RIGHT, 0.5, own=(("tall", (0.0, 0.0, 0.0)), ("tall", (0.0, 0.0, 0.1))))
 
@@ -154,7 +155,7 @@ def test_following_an_unmoved_prop_is_a_fixed_target(body: Morphology) -> None:
     stage = own.to_stage(place)
     prop = Prop("Box", position=tuple(stage - [0.0, 0.0, 0.1]), heading=0.3)
     follow = FollowProp("box", (0.0, 0.0, 0.1))
-    tracks = {follow: prop_track(follow, prop, own)}
+    tracks = {follow: seen_from(follow, prop, stage_track(prop, [0.0], None), own)}
     same(
         solved(body, ask(PositionConstraint, RIGHT, ALL, target=follow), tracks=tracks, frames=(25, 40)),
         solved(body, ask(PositionConstraint, RIGHT, ALL, target=tuple(place)), frames=(25, 40)),

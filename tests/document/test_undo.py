@@ -16,7 +16,8 @@ from studio.core.constraints.keyed import KeyedPlace
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.ground import Ground
-from studio.core.project import GROUND_ID, Clip, Motion, Prop
+from studio.core.project import GROUND_ID, Clip, Motion
+from studio.core.prop import Prop
 from studio.document.document import Document
 from studio.io.entity_json import project_json
 from tests.builders import make_capture, make_constraint, make_contact, make_project

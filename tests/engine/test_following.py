@@ -11,7 +11,8 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.placement import Placement
-from studio.core.project import Motion, Project, Prop
+from studio.core.project import Motion, Project
+from studio.core.prop import Prop
 from studio.core.scope import Scope
 from studio.core.solver.adapt import place_of
 from studio.core.solver.stage import asked_of, in_order, leaders_of

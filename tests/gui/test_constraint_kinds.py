@@ -15,7 +15,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.metrics import centre_of_mass
-from studio.core.project import Prop
+from studio.core.prop import Prop
 from studio.document.document import Document
 from studio.engine.moments import HELD_BY, Moment
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Prop
+from studio.core.prop import Prop
 from studio.library.clips import Limb
 from studio.panels import strikes
 from studio.resources_folder import example_captures_folder

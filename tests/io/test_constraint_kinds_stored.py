@@ -21,7 +21,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
-from studio.core.project import Prop
+from studio.core.prop import Prop
 from studio.core.triangle_mesh import TriangleMesh
 from studio.io.constraint_file import constraint_of, constraint_record, read_constraints
 from studio.io.entity_json import CONSTRAINT_KINDS, entity_record, project_json, project_of

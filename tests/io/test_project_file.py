@@ -12,7 +12,8 @@ from random import Random
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.project import Project, Prop
+from studio.core.project import Project
+from studio.core.prop import Prop
 from studio.core.scope import EVERYONE
 from studio.io.archive import stamp
 from studio.io.entity_json import project_json

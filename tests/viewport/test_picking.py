@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
 
-from studio.core.project import Prop
+from studio.core.prop import Prop
 from studio.engine.performance import posed_performers
+from studio.engine.props import props_at
 from studio.viewport.body_points import body_joints, point_path
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.picking import body_at, joint_at, prop_at
+from studio.viewport.picking import body_at, joint_at, prop_under
 from tests.builders import make_project
 from tests.viewport.standing import results_of
 
@@ -50,5 +51,6 @@ def test_the_nearer_of_two_boxes_in_line_is_hit():
     near, far = (Prop(name, position=tuple(CAMERA.eye * share)) for name, share in (("near", 0.6), ("far", 0.1)))
     project = make_project().with_entity("props", "far", far).with_entity("props", "near", near)
     pixel = CAMERA.project(near.position, SIZE)[0][0]
-    assert prop_at(project, CAMERA, SIZE, *pixel) == "near"
-    assert prop_at(project, CAMERA, SIZE, 2.0, 2.0) is None
+    props = props_at(project, {}, 0.0)
+    assert prop_under(props, CAMERA, SIZE, *pixel) == "near"
+    assert prop_under(props, CAMERA, SIZE, 2.0, 2.0) is None

@@ -1,22 +1,14 @@
-"""New constraints, one verb for all kinds, and props for them to follow."""
+"""New constraints, one verb for all kinds."""
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-
-import numpy as np
 
 from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
-from studio.core.names import free_name
-from studio.core.project import Prop
 from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
-
-AHEAD = 0.6
-"""Metres from a body's root to a new box."""
 
 
 def adder(kind: str) -> Callable[[Workbench], None]:
@@ -27,22 +19,6 @@ def adder(kind: str) -> Callable[[Workbench], None]:
             raise StudioError("Click a joint in the viewport first: that is what the constraint will be about.")
 
     return add
-
-
-def add_box(bench: Workbench) -> None:
-    """A box on the ground ahead of the active body, or in the middle of the stage."""
-    document = bench.document
-    size = Prop("").size
-    pose = bench.viewport.posed.get(document.active_performer_id or "")
-    x, y, heading = 0.0, 0.0, 0.0
-    if pose is not None:
-        ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
-        heading = math.atan2(ahead[1], ahead[0])
-        x, y = (pose.points[0, :2] + AHEAD * np.array([math.cos(heading), math.sin(heading)])).tolist()
-    floor = float(document.project.ground.height_at((x, y, 0.0)))
-    name = free_name("Box", {prop.name for prop in document.project.props.values()})
-    prop = Prop(name, size, (x, y, floor + size[2] / 2), heading)
-    document.selection.set(("props", document.add("props", prop, f"Add {name}")))
 
 
 def load_area_mesh(bench: Workbench) -> None:

@@ -40,15 +40,20 @@ class FollowPerformer:
 
 @dataclass(frozen=True)
 class FollowProp:
-    """A place fixed to a prop: ``offset`` in metres from its centre, ``turn``, both in the prop's axes."""
+    """A place fixed to a prop, in its axes: ``offset`` metres from its centre, or from where ``share`` says.
+
+    ``share`` is in halves of its size: (0, 1, 0) is the middle of its left side, whatever its size.
+    """
 
     kind: ClassVar[str] = "follow_prop"
     prop_id: str
     offset: Vector = (0.0, 0.0, 0.0)
     turn: Quaternion = UNTURNED
+    share: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from a prop"))
+        object.__setattr__(self, "share", finite_vector(self.share, "A share of a prop's size"))
         object.__setattr__(self, "turn", unit_quaternion(self.turn))
 
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.capture import Capture
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.follow import UNTURNED, FollowProp, FollowTracked
+from studio.core.constraints.follow import UNTURNED, FollowTracked
 from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.kinematics import joint_world
@@ -16,7 +16,6 @@ from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.compose import Composite
 from studio.core.placement import Placement
 from studio.core.pose import PoseSequence
-from studio.core.project import Prop
 from studio.core.rotations import to_matrix
 from studio.core.solver.packing import point_indices
 from studio.core.solver.request import AdaptedMotion, Unasked
@@ -63,14 +62,6 @@ def performer_track(
     begin, end = Rotation.from_matrix(track.rotations[before]), Rotation.from_matrix(track.rotations[after])
     axes = (begin * Rotation.from_rotvec(share * (begin.inv() * end).as_rotvec())).as_matrix()
     return Track(own.to_motion(placement.to_stage(places)), own.rotation.T @ placement.rotation @ axes)
-
-
-def prop_track(follow: FollowProp, prop: Prop, own: Placement) -> Track:
-    """A place fixed to a prop of the stage, as who stands at ``own`` sees it: one frame for all."""
-    stands = Placement((prop.position[0], prop.position[1]), prop.heading)
-    place = stands.to_stage(np.array(follow.offset) + np.array([0.0, 0.0, prop.position[2]]))
-    axes = own.rotation.T @ stands.rotation @ to_matrix(np.array(follow.turn))
-    return Track(own.to_motion(place)[None], axes[None])
 
 
 def tracked_track(follow: FollowTracked, capture: Capture, frame: int | None = None) -> Track:

@@ -1,6 +1,6 @@
 """Performers on one stage: what each is asked, whom it follows, and where that is at each of its frames."""
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
@@ -8,14 +8,19 @@ import numpy as np
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedNumber
+from studio.core.constraints.objections import objection
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
+from studio.core.errors import StudioError
 from studio.core.normalized.compose import Composite
 from studio.core.placement import Placement
 from studio.core.project import Performer, Project
+from studio.core.prop import Carried, InHand, Prop
+from studio.core.rotations import multiply, to_matrix
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.rows import Asked, timing_of
-from studio.core.solver.tracks import Track, Tracks
+from studio.core.solver.tracks import OwnPath, Track, Tracks
 from studio.core.timing import Timing
 
 
@@ -25,7 +30,7 @@ class Followed:
 
     follow: Follow
     depends_on: tuple[Any, ...]
-    make: Callable[[Composite], Track] = field(compare=False)
+    make: Callable[[Composite], Track | OwnPath] = field(compare=False)
 
 
 def asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
@@ -47,7 +52,8 @@ def _asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
         Asked(key, concerned, place, repeat)
         for place, clip in enumerate(clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
-        if constraint.enabled and (concerned := concerning(constraint, performer_id, playing)) is not None
+        if constraint.enabled
+        and (concerned := concerning(constraint, performer_id, playing, project.props)) is not None
         for repeat in range(clip.repeats)
     ]
     return tuple(sorted(asked, key=lambda each: each.constraint.priority))
@@ -57,9 +63,11 @@ def leaders_of(project: Project, performer_id: str) -> set[str]:
     """The other performers that a performer follows."""
     known = project.known.get((leaders_of, performer_id))
     if known is None:
-        follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
-        known = {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
-        project.known[leaders_of, performer_id] = known
+        follows = [follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint)]
+        leaders = {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
+        holders = {project.props[follow.prop_id].holder for follow in follows if isinstance(follow, FollowProp)}
+        playing = {key for key in holders if key and project.performers[key].clips}
+        known = project.known[leaders_of, performer_id] = (leaders | playing) - {performer_id}
     return cast(set[str], known)
 
 
@@ -116,10 +124,22 @@ def followed_by(
     """
     performer = project.performers[performer_id]
     found: dict[Follow, Followed] = {}
+    leaders = leaders_of(project, performer_id)
     for follow in (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint)):
         match follow:
             case FollowProp():
-                found[follow] = _prop(follow, project, Placement.of(performer))
+                prop = project.props[follow.prop_id]
+                holder = prop.holder or ""
+                if holder in circle and holder != performer_id:
+                    name = project.performers[holder].name
+                    raise StudioError(
+                        f"'{performer.name}' follows '{prop.name}', which goes with '{name}', who follows"
+                        f" '{performer.name}'. Let one of the two follow something else."
+                    )
+                result = result_of(holder) if holder in leaders else None
+                if holder in leaders and result is None:
+                    return None
+                found[follow] = _prop(follow, project, performer_id, result)
             case FollowTracked():
                 found[follow] = _tracked(follow, project, performer)
             case FollowPerformer() if follow.performer_id not in circle:
@@ -135,15 +155,29 @@ def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
     return {each.follow: each.make(composite) for each in followed}
 
 
-def _prop(follow: FollowProp, project: Project, own: Placement) -> Followed:
-    prop = project.props[follow.prop_id]
+def _prop(follow: FollowProp, project: Project, performer_id: str, result: AdaptedMotion | None) -> Followed:
+    """A prop for one performer; ``result`` is the motion of another one with whom it goes."""
+    prop, own = project.props[follow.prop_id], Placement.of(project.performers[performer_id])
+    leader = project.performers[prop.holder] if prop.holder and result is not None else None
+    timing = timing_of(project, leader) if leader else None
 
-    def make(_composite: Composite) -> Track:
-        from studio.core.solver.following import prop_track  # here and below: it loads kernels
+    def make(composite: Composite) -> Track | OwnPath:
+        from studio.core.solver.props import Holder, carried_track, seen_from, stage_track  # here: it loads kernels
 
-        return prop_track(follow, prop, own)
+        held = prop.held
+        if isinstance(held, Carried) and held.performer_id == performer_id:
+            return OwnPath(
+                lambda unasked, body: seen_from(follow, prop, carried_track(held, unasked, body), Placement())
+            )
+        seconds = composite.timing.begin + np.arange(composite.motion.frame_count) / composite.timing.frame_rate
+        holder = None
+        if result is not None and timing is not None and leader is not None:
+            holder = Holder(result, timing.frames_at(seconds) - result.first_frame, Placement.of(leader))
+        return seen_from(follow, prop, stage_track(prop, seconds, holder), own)
 
-    return Followed(follow, (prop, own), make)
+    moving = prop.held is not None or not isinstance(prop.position, tuple) or isinstance(prop.heading, KeyedNumber)
+    depends = (result, timing, project.performers[performer_id].clips) if moving else ()
+    return Followed(follow, (prop, own, leader and Placement.of(leader), *depends), make)
 
 
 def _tracked(follow: FollowTracked, project: Project, performer: Performer) -> Followed:
@@ -187,15 +221,23 @@ def leader_track(
     return performer_track(follow.point, follow.turn, result, rows, placement, own)
 
 
-def concerning(constraint: Constraint, performer_id: str, playing: Collection[str]) -> Constraint | None:
+def concerning(
+    constraint: Constraint, performer_id: str, playing: Collection[str], props: Mapping[str, Prop]
+) -> Constraint | None:
     """A constraint as one performer has it, of those that are ``playing``; None where nothing is asked of it.
 
-    See ``asked_of``.
+    See ``asked_of``. A prop in the performer's own hand is a point of that hand.
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
         if isinstance(value, OwnPlace) and value.own:
             changes[name] = value.of(performer_id)
+        if isinstance(value, FollowProp):
+            prop = props[value.prop_id]
+            if isinstance(prop.held, InHand) and prop.holder == performer_id:
+                changes[name] = on_own_body(value, prop, prop.held)
+                if changes[name].point == constraint.point or objection(replace(constraint, **changes), ()):
+                    return None
         if not isinstance(value, FollowPerformer):
             continue
         if value.performer_id not in playing:
@@ -205,6 +247,14 @@ def concerning(constraint: Constraint, performer_id: str, playing: Collection[st
                 return None
             changes[name] = FollowBody(value.point, value.turn)
     return replace(constraint, **changes) if changes else constraint
+
+
+def on_own_body(follow: FollowProp, prop: Prop, held: InHand) -> FollowBody:
+    """What is followed of a prop in one's own hand."""
+    way = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
+    x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ way).tolist()
+    qx, qy, qz, qw = multiply(np.array(held.turn), np.array(follow.turn)).tolist()
+    return FollowBody(replace(held.point, offset=(x, y, z)), (qx, qy, qz, qw))
 
 
 def _is_at_itself(constraint: Constraint, follow: FollowPerformer) -> bool:

@@ -35,7 +35,7 @@ from studio.core.solver.recruiting import leg_room, limb_freedoms
 from studio.core.solver.root_leash import RootLeash
 from studio.core.solver.self_contact import arms_asked
 from studio.core.solver.support import mass_path, standing_points, support_path
-from studio.core.solver.tracks import Targets, Track, Tracks
+from studio.core.solver.tracks import OwnPath, Targets, Track, Tracks
 from studio.core.solver.wished import brought
 
 if TYPE_CHECKING:
@@ -275,6 +275,8 @@ def targets_of(standing: "Standing", constraints: Sequence[Constraint], window: 
             known[place] = own_track(place, standing.unasked, standing.morphology, motion.frame_rate)
         for follow in follows_of(constraint):
             track = tracks.get(follow)
+            if isinstance(track, OwnPath):
+                track = track.make(standing.unasked, standing.morphology)
             if track is not None:
                 known[follow] = track.within(window)
             elif not isinstance(follow, FollowBody):

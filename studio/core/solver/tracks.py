@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,11 @@ from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTr
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import Place, Turn
+from studio.core.morphology import AnyMorphology
 from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
+
+if TYPE_CHECKING:
+    from studio.core.solver.request import Unasked
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +35,14 @@ class Track:
         return self if len(self.places) == 1 else Track(self.places[window], self.rotations[window])
 
 
-Tracks = Mapping[Follow | OwnPlace | Support, Track]
+@dataclass(frozen=True, eq=False)
+class OwnPath:
+    """What goes with the body itself as it stands before any constraint: known once that is."""
+
+    make: "Callable[[Unasked, AnyMorphology], Track]"
+
+
+Tracks = Mapping[Follow | OwnPlace | Support, Track | OwnPath]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +52,7 @@ class Targets:
     """
 
     times: FloatArray
-    tracks: Tracks
+    tracks: Mapping[Follow | OwnPlace | Support, Track]
     masses: Callable[[], FloatArray]
 
     def places(self, target: Place | Support) -> FloatArray:

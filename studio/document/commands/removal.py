@@ -3,11 +3,15 @@
 from dataclasses import replace
 
 from studio.core.project import Performer, Project
+from studio.core.prop import Prop
 from studio.document.commands.replace import Edit, applied
 
 
 def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ...]:
-    """The edits that remove an entity and what refers to it; a performer only loses its clips of a motion."""
+    """The edits that remove an entity and what refers to it; a performer only loses its clips of a motion.
+
+    A prop is let go.
+    """
     edits: list[Edit] = []
     for name, key in project.referring_to(collection, entity_id):
         old = project.get(name, key)
@@ -16,6 +20,8 @@ def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ..
         if collection == "motions" and isinstance(old, Performer):
             kept = tuple(clip for clip in old.clips if clip.motion_id != entity_id)
             steps: tuple[Edit, ...] = (Edit(name, key, old, replace(old, clips=kept)),)
+        elif collection == "performers" and isinstance(old, Prop):
+            steps = (Edit(name, key, old, replace(old, held=None)),)
         else:
             steps = removal(project, name, key)
         edits += steps

@@ -54,6 +54,12 @@ SCENES = (
         "papers.wrist_before_elbow",
     ),
     Scene(
+        "One carry, three boxes",
+        "One walk on three bodies, each with a box of another size between its hands, from a hand's breadth to broader"
+        " than its shoulders. Select a box and change its size: the wrists stay on its sides.",
+        "carrying.three_boxes",
+    ),
+    Scene(
         "Walk on a slope",
         "Feet lie on the slope and stay where they stand. Change the angle while it plays.",
         "papers.slope",

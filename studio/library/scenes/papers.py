@@ -22,12 +22,12 @@ REACHING = Chain(trunk=1.0, root=1.0)
 
 def five_bodies() -> Project:
     """One walk on five bodies (figure 2)."""
-    return _row(material(walk=("Walk and turn", "walk_turn")), "walk", 5, apart=1.3)
+    return row(material(walk=("Walk and turn", "walk_turn")), "walk", 5, apart=1.3)
 
 
 def table() -> Project:
     """Wrists above a table whose height is changed (figure 6)."""
-    project = _row(material(reach=("Reach", "reach_grasp")), "reach", 3)
+    project = row(material(reach=("Reach", "reach_grasp")), "reach", 3)
     asked = {
         f"table {place}": AreaConstraint(
             "reach", f"{('Left', 'Right')[place]} wrist above the table", wrist, Chain(), 0, ALWAYS,
@@ -40,7 +40,7 @@ def table() -> Project:
 
 def balance() -> Project:
     """The same far reach with balance and without (figure 12)."""
-    project = _row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
+    project = row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
     kept, free = project.performers
     renamed = {kept: "With balance", free: "Without balance"}
     performers = {key: replace(project.performers[key], name=name) for key, name in renamed.items()}
@@ -62,7 +62,7 @@ FAR = 250
 
 def wrist_before_elbow() -> Project:
     """The wrist's place comes before the elbow's; for one body both are within reach (figure 13)."""
-    project = _row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
+    project = row(material(reach=("Reach", "reach_grasp")), "reach", 2, same=True)
     near, far = project.performers
     asked: dict[str, Constraint] = {
         "wrist": PositionConstraint(
@@ -80,11 +80,11 @@ def wrist_before_elbow() -> Project:
 
 def slope() -> Project:
     """A walk over a slope (section 7)."""
-    project = _row(material(walk=("Walk and turn", "walk_turn")), "walk", 5, apart=1.3)
+    project = row(material(walk=("Walk and turn", "walk_turn")), "walk", 5, apart=1.3)
     return replace(project, grounds={GROUND_ID: Slope(angle=0.14)})
 
 
-def _row(stuff: Material, motion_id: str, count: int, apart: float = 1.15, same: bool = False) -> Project:
+def row(stuff: Material, motion_id: str, count: int, apart: float = 1.15, same: bool = False) -> Project:
     """Performers beside each other who play one motion, on bodies of their own or all on the ``same``."""
     characters = bodies(1 if same else count)
     names = list(characters) * (count if same else 1)

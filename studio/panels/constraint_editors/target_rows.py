@@ -30,6 +30,15 @@ KINDS = (
     (FollowProp.kind, "Follows a prop"),
     (FollowTracked.kind, "Follows the capture"),
 )
+SPOTS = (
+    ((0.0, 0.0, 0.0), "Centre"),
+    ((0.0, 1.0, 0.0), "Left side"),
+    ((0.0, -1.0, 0.0), "Right side"),
+    ((1.0, 0.0, 0.0), "Front"),
+    ((-1.0, 0.0, 0.0), "Back"),
+    ((0.0, 0.0, 1.0), "Top"),
+    ((0.0, 0.0, -1.0), "Bottom"),
+)
 NARROW = 30
 """Pixels of a button with one sign."""
 WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
@@ -49,6 +58,10 @@ class TargetRows:
         self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINTS.items()])
         self._point.chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Its point", self._point)
+        self._spot = Choice("Place on the prop", SPOTS)
+        self._spot.setToolTip("Where on the prop, whatever its size; the offset counts from there.")
+        self._spot.chosen.connect(self._choose_spot)
+        self._spot_caption = section.add_row("Its place", self._spot)
         self._apart = QCheckBox()
         self._apart.setToolTip("Its handle then moves for this character alone.")
         self._apart.clicked.connect(self._set_apart)
@@ -98,6 +111,10 @@ class TargetRows:
             if not self._point.offers((point.part, point.at_end)):
                 self._point.add((point.part, point.at_end), point_words(point).capitalize())
             self._point.show_value((point.part, point.at_end))
+        for row in (self._spot, self._spot_caption):
+            row.setVisible(isinstance(target, FollowProp) and not self._turns)
+        if isinstance(target, FollowProp):
+            self._spot.show_value(target.share)
         self._show_apart(target)
         self._keys.refresh(known)
 
@@ -197,6 +214,9 @@ class TargetRows:
 
     def _choose_point(self, choice: tuple[BodyPart, bool]) -> None:
         self._change(replace(self.target, point=BodyPoint(choice[0], at_end=choice[1])), "Choose point that it follows")
+
+    def _choose_spot(self, share: tuple[float, float, float]) -> None:
+        self._change(replace(self.target, share=share, offset=(0.0, 0.0, 0.0)), "Choose place on the prop")
 
     def _change(self, target: Any, text: str) -> None:
         self._editor.change(f"{text}: {self._editor.entity.name}", **{self._field: target})

@@ -1,0 +1,109 @@
+"""Props: new ones, of a shape or a mesh, and hands that hold them."""
+
+import math
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from studio.app.file_dialogs import ask_file
+from studio.app.workbench import Workbench
+from studio.core.errors import StudioError
+from studio.core.holding import grips
+from studio.core.names import free_name
+from studio.core.prop import Carried, Prop, PropShape
+from studio.core.triangle_mesh import TriangleMesh
+from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
+
+AHEAD = 0.6
+"""Metres from a body's root to a new prop."""
+SIZES = {
+    PropShape.BOX: (0.4, 0.4, 0.4),
+    PropShape.BALL: (0.22, 0.22, 0.22),
+    PropShape.STICK: (0.03, 0.03, 1.2),
+    PropShape.TABLE: (0.8, 1.2, 0.75),
+    PropShape.STAIRS: (1.2, 1.0, 0.68),
+}
+"""Metres of a new prop, as things of its kind are."""
+
+
+def add_box(bench: Workbench) -> None:
+    """A box on the ground ahead of the active body, or in the middle of the stage."""
+    add_shape(bench, PropShape.BOX)
+
+
+def choose(bench: Workbench) -> None:
+    """A prop of the shape that the user chooses."""
+    shapes = [((shape.value.capitalize(), _words(shape)), partial(add_shape, bench, shape)) for shape in SIZES]
+    bench.window.choose("Add a prop", [*shapes, (("Mesh file…", "OBJ, STL or PLY"), partial(ask_mesh, bench))])
+
+
+def _words(shape: PropShape) -> str:
+    return " × ".join(f"{side:g}" for side in SIZES[shape]) + " m"
+
+
+def add_shape(bench: Workbench, shape: PropShape) -> None:
+    """A prop of a shape, in a usual size."""
+    _add(bench, Prop(shape.value.capitalize(), SIZES[shape], shape=shape))
+
+
+def _add(bench: Workbench, prop: Prop) -> None:
+    document = bench.document
+    pose = bench.viewport.posed.get(document.active_performer_id or "")
+    x, y, heading = 0.0, 0.0, 0.0
+    if pose is not None:
+        ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
+        heading = math.atan2(ahead[1], ahead[0])
+        away = AHEAD + max(prop.size[0] / 2 - 0.2, 0.0)
+        x, y = (pose.points[0, :2] + away * np.array([math.cos(heading), math.sin(heading)])).tolist()
+    floor = float(document.project.ground.height_at((x, y, 0.0)))
+    name = free_name(prop.name, {each.name for each in document.project.props.values()})
+    placed = replace(prop, name=name, position=(x, y, floor + prop.size[2] / 2), heading=heading)
+    document.selection.set(("props", document.add("props", placed, f"Add {name}")))
+
+
+def ask_mesh(bench: Workbench) -> None:
+    """Ask for the file of a mesh, which becomes a prop."""
+    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
+    ask_file(bench, "Load mesh for a prop", kinds, lambda path: add_mesh(bench, path))
+
+
+def add_mesh(bench: Workbench, path: Path) -> None:
+    """Read a mesh in the background, then put it on the stage in its own size; one undo step."""
+
+    def done(file: MeshFile) -> None:
+        _add(bench, Prop(path.stem, extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
+        bench.said.emit(f"{path.name}: {file.guesses}.")
+
+    bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
+
+
+def extent(mesh: TriangleMesh) -> tuple[float, float, float]:
+    """Metres of a mesh in each direction; a millimetre where it is flat."""
+    x, y, z = np.maximum(mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0), 0.001).tolist()
+    return x, y, z
+
+
+def selected_prop(bench: Workbench) -> str | None:
+    """The selected prop."""
+    props = bench.document.project.props
+    return next((key for key in bench.document.selection.of("props") if key in props), None)
+
+
+def hold(bench: Workbench) -> None:
+    """The active body carries the selected prop, a hand on either side of it, as long as it plays its clip."""
+    document, prop_id = bench.document, selected_prop(bench)
+    performer_id, clip = document.active_performer_id, document.active_clip
+    if prop_id is None or performer_id is None or clip is None:
+        raise StudioError("Select a prop, while a body that is shown plays something.")
+    prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
+    text = f"{performer.name} holds {prop.name}"
+    with document.group(text):
+        if not isinstance(prop.held, Carried) or prop.holder != performer_id:
+            document.replace("props", prop_id, replace(prop, held=Carried(performer_id)), text)
+        others = document.project.constraints_of(clip.motion_id).values()
+        last = max((each.priority for each in others), default=-1) + 1
+        rate = document.project.frame_rate_of(clip)
+        seconds = clip.first / rate, clip.last / rate
+        document.add_all("constraints", grips(clip.motion_id, performer_id, prop_id, prop.name, seconds, last), text)

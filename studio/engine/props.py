@@ -1,0 +1,112 @@
+"""Where props are at a moment of the stage, for every view."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint, Vector
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.project import Project
+from studio.core.prop import Carried, InHand, Prop
+from studio.core.rotations import from_matrix, multiply, to_matrix
+from studio.engine.performance import Posed
+
+FloatArray = NDArray[np.float64]
+
+HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
+
+
+@dataclass(frozen=True, eq=False)
+class PropPose:
+    """A prop whose centre is at ``place`` (3,) on the stage at ``time``, along the columns of ``axes`` (3, 3)."""
+
+    prop: Prop
+    place: FloatArray
+    axes: FloatArray
+    time: float = 0.0
+    leg_length: float = 1.0
+    """Metres, of who carries it."""
+
+
+def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: float) -> PropPose:
+    """A prop at stage ``time``, at which ``posed`` are all who perform."""
+    from studio.core.solver.props import Holder, stage_track  # not before it is needed: it loads kernels
+
+    prop = project.props[prop_id]
+    pose = posed.get(prop.holder or "")
+    holder = Holder(pose.motion, [pose.row], pose.placement) if pose else None
+    track = stage_track(prop, [time], holder)
+    leg = pose.motion.body.leg_length if pose else 1.0
+    return PropPose(prop, track.places[0], track.rotations[0], time, leg)
+
+
+def props_at(project: Project, posed: Mapping[str, Posed], time: float) -> dict[str, PropPose]:
+    """All props at a moment, by id."""
+    return {key: prop_at(project, posed, key, time) for key in project.props}
+
+
+def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
+    """The prop with its centre at ``place`` (3,) then: there for good, by a key, or in another place of the hands."""
+    prop, way = pose.prop, place - pose.place
+    match prop.held:
+        case InHand() as held:
+            x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ pose.axes.T @ way).tolist()
+            return replace(prop, held=replace(held, point=replace(held.point, offset=(x, y, z))))
+        case Carried() as carried:
+            x, y, z = (np.array(carried.offset) + pose.axes.T @ way / pose.leg_length).tolist()
+            return replace(prop, held=replace(carried, offset=(x, y, z)))
+    x, y, z = place.tolist()
+    if isinstance(prop.position, KeyedPlace):
+        return replace(prop, position=prop.position.with_key(pose.time, (x, y, z)))
+    return replace(prop, position=(x, y, z))
+
+
+def turned_prop(pose: PropPose, angle: float) -> Prop:
+    """The prop turned by ``angle`` radians about Z through its centre."""
+    prop = pose.prop
+    if isinstance(prop.held, InHand):
+        about = np.array([0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2)])
+        turn = multiply(np.array(prop.held.turn), from_matrix(pose.axes.T @ to_matrix(about) @ pose.axes))
+        return replace(prop, held=replace(prop.held, turn=tuple(turn.tolist())))
+    if isinstance(prop.heading, KeyedNumber):
+        return replace(prop, heading=prop.heading.with_key(pose.time, heading_of(pose) + angle))
+    return replace(prop, heading=wrapped(prop.heading + angle))
+
+
+def heading_of(pose: PropPose) -> float:
+    """Radians by which it is turned about Z."""
+    return math.atan2(pose.axes[1, 0], pose.axes[0, 0])
+
+
+def wrapped(angle: float) -> float:
+    """The same turn, within half a turn to either side."""
+    return math.remainder(angle, 2.0 * math.pi)
+
+
+def unheld(pose: PropPose, *, keyed: bool) -> Prop:
+    """The prop as it is then, by itself: for good, or with a first key."""
+    x, y, z = pose.place.tolist()
+    position: Vector | KeyedPlace = (x, y, z)
+    heading: float | KeyedNumber = heading_of(pose)
+    if keyed:
+        position, heading = KeyedPlace((pose.time,), ((x, y, z),)), KeyedNumber((pose.time,), (heading_of(pose),))
+    return replace(pose.prop, position=position, heading=heading, held=None)
+
+
+def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> Prop:
+    """The prop fixed to a point of a body, at the middle of the palm where that is a hand, turned as it is."""
+    motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
+    from studio.core.solver.packing import point_indices  # loads kernels
+
+    origin, segment = point_indices(point, layout)
+    axes = motion.rotations[row, segment]
+    far, _ = point_indices(replace(point, at_end=not point.at_end), layout)
+    middle = (motion.positions[row, far] - motion.positions[row, origin]) / 2 if point.part in HANDS else np.zeros(3)
+    x, y, z = (axes.T @ middle).tolist()
+    turn = from_matrix((holder.placement.rotation @ axes).T @ pose.axes)
+    held = InHand(performer_id, replace(point, offset=(x, y, z)), tuple(turn.tolist()))
+    return replace(pose.prop, held=held)

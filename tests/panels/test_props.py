@@ -1,0 +1,153 @@
+"""Props in their form, on the menu and in the file."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtWidgets import QComboBox, QPushButton
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import FollowProp
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.prop import Carried, InHand, Prop, PropShape
+from studio.core.triangle_mesh import TriangleMesh
+from studio.document.document import Document
+from studio.engine.performance import posed_performers
+from studio.engine.props import moved_prop, prop_at, turned_prop
+from studio.io.project_file import new_document_id, read_project, write_project
+from studio.panels.inspector import Inspector
+from studio.viewport.prop_figures import unit_mesh
+from tests.builders import make_constraint, make_project
+from tests.viewport.standing import StandingLive
+
+SECOND = "performer 1"
+WAY = np.array([0.1, 0.2, 0.3])
+TETRAHEDRON = TriangleMesh(
+    np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 4.0]]),
+    np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
+)
+
+
+@pytest.fixture
+def document(qapp):
+    project = make_project(characters=2, constraints=0).with_entity("props", "box", Prop("Box", heading=0.4))
+    document = Document(project)
+    document.selection.set(("props", "box"))
+    yield document
+    document.close()
+
+
+@pytest.fixture
+def live(document):
+    return StandingLive(document)
+
+
+@pytest.fixture
+def form(document, live, qtbot):
+    inspector = Inspector(document, live)
+    qtbot.addWidget(inspector)
+    yield inspector.current_form()
+    inspector.deleteLater()  # which the form would not outlive
+
+
+def choose(form, name, text):
+    field = next(each for each in form.findChildren(QComboBox) if each.accessibleName() == name)
+    field.setCurrentIndex(field.findText(text))
+    field.activated.emit(field.currentIndex())
+
+
+def at(document, live, time):
+    posed = posed_performers(document.project, live.result, time)
+    return prop_at(document.project, posed, "box", time)
+
+
+def test_a_prop_is_keyed_where_it_is_and_gets_keys_at_the_playhead(document, form, live):
+    choose(form, "Where", "Keyed over time")
+    document.playhead.set_time(0.3)
+    form._position.fields[0].setValue(1.5)
+    prop = document.project.props["box"]
+    assert prop.position.times == (0.0, pytest.approx(0.3))
+    assert at(document, live, 0.3).place[0] == pytest.approx(1.5)
+    assert at(document, live, 0.0).place[0] == pytest.approx(0.0)
+    next(each for each in form.findChildren(QPushButton) if each.text() == "Delete key").click()
+    assert len(document.project.props["box"].position.times) == 1
+    while document.undo_stack.canUndo():
+        document.undo_stack.undo()
+    assert document.project.props["box"] == Prop("Box", heading=0.4)
+
+
+def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form, live):
+    choose(form, "Where", "In a hand, or on a body")
+    choose(form, "By whom", document.project.performers[SECOND].name)
+    held = document.project.props["box"].held
+    assert isinstance(held, InHand)
+    assert held.performer_id == SECOND
+    begin, end = (at(document, live, time).place for time in (0.0, 0.3))
+    assert end[0] - begin[0] > 0.1  # the body slides forward
+    document.playhead.set_time(0.3)
+    choose(form, "Where", "Stays where it is")
+    prop = document.project.props["box"]
+    assert prop.held is None
+    assert prop.position == pytest.approx(end)
+    assert prop.heading == pytest.approx(0.4)
+
+
+def test_dragging_a_prop_that_is_held_moves_it_in_the_hand(document, form, live):
+    for held in (InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9)), Carried(SECOND)):
+        document.replace("props", "box", replace(document.project.props["box"], held=held), "")
+        pose = at(document, live, 0.2)
+        document.replace("props", "box", moved_prop(pose, pose.place + WAY), "")
+        assert at(document, live, 0.2).place == pytest.approx(pose.place + WAY)
+
+
+def test_turning_a_prop_turns_it_about_z_wherever_it_is(document, live):
+    for changes in ({}, {"held": InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))}):
+        document.replace("props", "box", replace(document.project.props["box"], **changes), "")
+        pose = at(document, live, 0.2)
+        document.replace("props", "box", turned_prop(pose, 0.5), "")
+        turned = at(document, live, 0.2)
+        turn = turned.axes @ pose.axes.T
+        assert turned.place == pytest.approx(pose.place)
+        assert turn[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
+        assert np.arctan2(turn[1, 0], turn[0, 0]) == pytest.approx(0.5)
+
+
+def test_a_target_is_given_a_place_on_the_prop_that_goes_with_its_size(document, live, qtbot):
+    constraint = document.add("constraints", make_constraint(target=FollowProp("box", (0.1, 0.0, 0.0))), "")
+    document.selection.set(("performers", "performer 0"), ("constraints", constraint))
+    inspector = Inspector(document, live)
+    qtbot.addWidget(inspector)
+    choose(inspector.current_form(), "Place on the prop", "Left side")
+    assert document.project.constraints[constraint].target == FollowProp("box", share=(0.0, 1.0, 0.0))
+
+
+def test_who_is_removed_lets_go_of_what_it_held_and_undo_gives_it_back(document):
+    document.replace("props", "box", replace(document.project.props["box"], held=Carried(SECOND)), "")
+    before = document.project
+    document.remove("performers", SECOND, "Remove")
+    assert document.project.props["box"].held is None
+    document.undo_stack.undo()
+    assert document.project.props == before.props
+
+
+@pytest.mark.parametrize("shape", PropShape)
+def test_every_shape_fills_its_size(shape):
+    mesh = unit_mesh(Prop("Thing", shape=shape, mesh=TETRAHEDRON if shape is PropShape.MESH else None))
+    assert np.array(mesh.bounds) == pytest.approx([-0.5, 0.5] * 3, abs=0.01)
+
+
+def test_props_of_every_kind_are_saved_and_read_again(tmp_path):
+    project = make_project(characters=1)
+    hand = BodyPoint(BodyPart.LEFT_HAND, (0.0, 0.1, 0.0))
+    keyed = KeyedPlace((0.0, 1.0), ((0, 0, 0), (1, 2, 3)))
+    props = {
+        "keyed": Prop("Ball", position=keyed, heading=KeyedNumber((0.5,), (1.0,)), shape=PropShape.BALL),
+        "stick": Prop("Stick", shape=PropShape.STICK, held=InHand("performer 0", hand, (0.0, 0.0, 0.6, 0.8))),
+        "box": Prop("Box", held=Carried("performer 0", (0.4, 0.0, 0.3))),
+        "mesh": Prop("Chair", (2.0, 1.0, 4.0), shape=PropShape.MESH, mesh=TETRAHEDRON),
+    }
+    for key, prop in props.items():
+        project = project.with_entity("props", key, prop)
+    write_project(tmp_path / "props.studio", project, new_document_id())
+    assert dict(read_project(tmp_path / "props.studio").project.props) == props
