@@ -1,10 +1,13 @@
 """The application: window first, then 3D and kernels, then the sample or the files that were named."""
 
 import gc
+import logging
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
+from typing import NoReturn
 
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
@@ -22,8 +25,11 @@ from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Open the window with the files named in ``argv`` (without the program's name), else the sample; the exit code."""
+def main(argv: Sequence[str] | None = None) -> NoReturn:
+    """Open the window with the files named in ``argv`` (without the program's name), else the sample.
+
+    The process ends when the window is closed.
+    """
     names = list(sys.argv[1:] if argv is None else argv)
     gc.disable()  # what is loaded stays: looking for what is lost among it costs a tenth of the start
     start_log()
@@ -37,8 +43,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()
     problems.close()
-    warm_up.stop()
-    return code
+    end_process(code)
+
+
+def end_process(code: int) -> NoReturn:
+    """At once, when all is written: a thread inside a compiler or an import would be waited for by the interpreter."""
+    logging.shutdown()
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:  # a window started from a desktop icon may have none
+            stream.flush()
+    os._exit(code)
 
 
 def settle() -> None:

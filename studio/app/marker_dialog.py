@@ -75,6 +75,7 @@ class MarkerDialog(QDialog):
         self.steps.changed.connect(self._clean)
         bench.document.playhead.changed.connect(self._show_time)
         bench.document.entity_changed.connect(self._entity_changed)
+        bench.document.project_opened.connect(self.close)  # its capture is in the other project
         self._show_time(bench.document.playhead.time)
         self._clean()
 

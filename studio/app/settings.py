@@ -82,6 +82,7 @@ class Settings:
         """Keep the window as it is."""
         self._store.setValue("geometry", geometry)
         self._store.setValue(f"state {LAYOUT_VERSION}", state)
+        self._store.sync()  # the process ends at once
 
     def forget_layout(self) -> None:
         """The next window has the layout it was made with."""

@@ -75,11 +75,13 @@ class WarmUp:
         """Fetch the kernels, if it was held until now."""
         self._let_go.set()
 
-    def stop(self) -> None:
-        """End it, and the processes; a kernel that is just being compiled in this one is waited for."""
+    def stop(self, patience: float | None = None) -> None:
+        """End it, and the processes; a kernel that is compiled in this one is waited for, ``patience`` seconds."""
         self._stopped.set()
+        self._ready.set()
+        self._drawable.set()
         self.go_on()
-        self._thread.join()
+        self._thread.join(patience)
 
     def follow(self, report: Callable[[float, str], None]) -> None:
         """Tell how far it is until it is done: a job for the ``TaskRunner``."""

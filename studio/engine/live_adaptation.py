@@ -23,6 +23,7 @@ from studio.document.document import Document
 from studio.engine.frames import Frames, Solve
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
+from studio.engine.tasks import PATIENCE
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 
 if TYPE_CHECKING:
@@ -271,7 +272,7 @@ class LiveAdaptation(QObject):
         self._document.project_opened.disconnect(self._begin_anew)
         if self._warm_up is not None:
             self._scheduler.failed.disconnect(self._tell)  # workers wait for the kernels, and are told to give up
-            self._warm_up.stop()
+            self._warm_up.stop(PATIENCE)
         self._scheduler.close()
 
     def _schedule(self, _collection: str, _entity_id: str) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Qt, Signal
 
+from studio.engine.tasks import PATIENCE, join_all
+
 Stage = Callable[[], Any]
 
 
@@ -79,14 +81,13 @@ class SolveScheduler(QObject):
             self._waiting.pop(key, None)
             self._shown[key] = (self._order, 0)
 
-    def close(self) -> None:
-        """Drop what waits, let what runs end, join the threads. Nothing is emitted afterwards."""
+    def close(self, patience: float = PATIENCE) -> None:
+        """Drop what waits, give what runs ``patience`` seconds to end. Nothing is emitted afterwards."""
         with self._condition:
             self._closed = True
             self._waiting.clear()
             self._condition.notify_all()
-        for thread in self._threads:
-            thread.join()
+        join_all(self._threads, patience)
         self._done.disconnect(self._deliver)
 
     def _next(self) -> _Request | None:
@@ -125,6 +126,8 @@ class SolveScheduler(QObject):
         return self._shown.get(request.key, (0, 0))[0] > request.order
 
     def _deliver(self, answer: _Answer) -> None:
+        if self._closed:
+            return  # it was on its way
         key, newest = answer.request.key, (answer.request.order, answer.stage + 1)
         with self._condition:
             self._undelivered -= 1

@@ -3,7 +3,8 @@
 import itertools
 import logging
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -12,7 +13,17 @@ from PySide6.QtCore import QObject, Qt, Signal
 from studio.core.errors import StudioError
 
 Result = TypeVar("Result")
+PATIENCE = 0.25
+"""Seconds for which a closing window waits for threads: one inside a library's long call hears nothing, and holds
+nothing but values."""
 _log = logging.getLogger(__name__)
+
+
+def join_all(threads: Iterable[threading.Thread], patience: float) -> None:
+    """Wait for threads, ``patience`` seconds for all of them; who is not ready then ends with the process."""
+    end = time.monotonic() + patience
+    for thread in threads:
+        thread.join(max(end - time.monotonic(), 0.0))
 
 
 class CancelledError(Exception):
@@ -101,17 +112,18 @@ class TaskRunner(QObject):
         if task_id in self._tasks:
             self._tasks[task_id].progress.cancel()
 
-    def close(self) -> None:
-        """Cancel all jobs and wait for their threads; nothing is emitted afterwards."""
+    def close(self, patience: float = PATIENCE) -> None:
+        """Cancel all jobs and wait ``patience`` seconds for their threads; nothing is emitted afterwards."""
         self._ended.disconnect(self._end)
         for task in self._tasks.values():
             task.progress.cancel()
-        for task in self._tasks.values():
-            task.thread.join()
+        join_all((task.thread for task in self._tasks.values()), patience)
         self._tasks.clear()
 
     def _end(self, number: int, result: Any, error: Exception | None) -> None:
-        task = self._tasks.pop(number)
+        task = self._tasks.pop(number, None)
+        if task is None:
+            return  # it ended while the runner was closed
         task.thread.join()
         if isinstance(error, CancelledError):
             self.cancelled.emit(number)

@@ -3,6 +3,7 @@
 from PySide6.QtCore import QObject, Signal
 
 MAX_PIXELS_PER_FRAME = 80.0
+BEYOND = 1e6
 MARGIN = 10
 """Pixels before the first and after the last moment when everything is shown."""
 
@@ -21,8 +22,9 @@ class TimeAxis(QObject):
         self._fitted = True
 
     def x_of_time(self, seconds: float) -> float:
-        """Pixel of a time."""
-        return self.left + (seconds - self.start) * self.scale
+        """Pixel of a time; painting counts in 32 bits, so what is far off is ``BEYOND`` pixels beyond the view."""
+        x = self.left + (seconds - self.start) * self.scale
+        return min(max(x, self.left - BEYOND), self.right + BEYOND)
 
     def time_at(self, x: float) -> float:
         """Seconds at a pixel."""

@@ -70,6 +70,7 @@ class Viewport(Canvas):
         self._opening: OrbitCamera | None = None
         self._opening_size = self.view_size
         self._played = document.project.motions_played
+        self._posed_in = document.project
         self._follower = Follower()
         self._pace = Pace()
         self._problem: Problem | None = None
@@ -263,6 +264,7 @@ class Viewport(Canvas):
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
         project, time = self._document.project, self._document.playhead.time
+        self._posed_in = project
         if not self._live.bring(time):
             self.show_soon()
         self.posed = posed_performers(project, self._live.shown, time, self._live.result)
@@ -411,8 +413,9 @@ class Viewport(Canvas):
         self.show_again()
 
     def _playhead_moved(self, time: float) -> None:
-        """Playback ticks faster than captures were recorded: only another frame is another picture."""
-        if not self.posed or has_moved_on(self._document.project, self.posed, time):
+        """Playback ticks faster than captures were recorded: only another frame, or project, is another picture."""
+        project = self._document.project
+        if project is not self._posed_in or not self.posed or has_moved_on(project, self.posed, time):
             self.show_again()
 
     def _adapted(self, performer_id: str) -> None:

@@ -1,10 +1,12 @@
 """Jobs tell how far they are, stop when asked, and fail in one way."""
 
 import threading
+import time
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from PySide6.QtCore import QCoreApplication
 
 from studio.core.errors import StudioError
 from studio.engine.tasks import Progress, TaskRunner
@@ -74,3 +76,27 @@ def test_closing_cancels_what_runs(qapp: Any) -> None:
     runner.run("Import", until_cancelled)
     runner.close()
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("task-")]
+
+
+def test_a_job_that_hears_nothing_does_not_hold_up_the_end(qapp: Any) -> None:
+    runner, going_on, done = TaskRunner(), threading.Event(), list[int]()
+    runner.run("Import", lambda _progress: going_on.wait(20.0), done.append)
+    begun = time.monotonic()
+    runner.close()
+    assert time.monotonic() - begun < 5.0
+    going_on.set()
+    for thread in threading.enumerate():
+        if thread.name.startswith("task-"):
+            thread.join()
+    QCoreApplication.processEvents()
+    assert done == []
+
+
+def test_a_job_that_has_ended_when_the_runner_is_closed_is_not_told(qapp: Any) -> None:
+    runner, done = TaskRunner(), list[int]()
+    runner.run("Import", lambda _progress: 1, done.append)
+    while any(thread.name.startswith("task-") for thread in threading.enumerate()):
+        time.sleep(0.001)
+    runner.close()
+    QCoreApplication.processEvents()
+    assert done == []

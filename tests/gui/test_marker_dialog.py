@@ -182,6 +182,11 @@ def test_signals_and_events_are_plotted_and_a_click_moves_the_playhead(window, d
     assert signals._playhead.value() == pytest.approx(0.3)
 
 
+def test_with_another_project_it_closes(window, dialog) -> None:
+    window.bench.document.new(make_project())
+    assert not dialog.isVisible()
+
+
 def test_without_an_optical_capture_it_says_what_to_do(window) -> None:
     from studio.core.errors import StudioError
 

@@ -6,6 +6,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
+from studio.timeline.transport import LAST_FRAME
 from tests.gui.hand import RATE, frames, in_lane, pixels
 
 
@@ -223,3 +224,13 @@ def test_the_playhead_is_wiped_from_where_it_was_painted_last_also_by_a_zoom(doc
     monkeypatch.setattr(timeline.tracks, "update", lambda *area: wiped.extend(area))
     document.playhead.set_frame(60)
     assert any(area.contains(painted) for area in wiped)
+
+
+def test_a_range_as_long_as_its_field_takes_is_painted_from_very_near(document, timeline):
+    timeline.transport.last.setValue(LAST_FRAME)
+    document.playhead.set_frame(LAST_FRAME)
+    for factor in (1e9, 1e-9):
+        timeline.tracks.axis.zoom(factor, 700)
+        assert not timeline.grab().isNull()
+    document.playhead.set_frame(0)
+    assert not timeline.grab().isNull()

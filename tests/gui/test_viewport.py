@@ -615,3 +615,12 @@ def test_the_first_view_is_taken_anew_in_a_much_smaller_window_but_not_for_a_lin
     viewport.set_camera(looked_at)
     viewport.resize(900, 600)
     assert viewport.camera == looked_at
+
+
+def test_the_playhead_may_move_when_what_is_shown_is_gone(studio):
+    viewport, document, _ = studio
+    assert viewport.posed
+    document.new(make_project(characters=0, constraints=0, contacts=0))
+    document.playhead.set_time(0.1)
+    settle(viewport)
+    assert not viewport.posed

@@ -67,3 +67,14 @@ def test_a_moment_that_left_the_view_turns_the_page():
     start = axis.start
     axis.reveal(6.0)
     assert axis.start == start
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-9, 1e9))
+def test_any_time_at_any_zoom_has_a_pixel_that_can_be_painted(seconds, factor):
+    axis = make_axis(seconds=1e5)
+    axis.zoom(factor, 700.0)
+    x = axis.x_of_time(seconds)
+    assert abs(x) < 2**30
+    assert (axis.left <= x <= axis.right) == (axis.time_at(axis.left) <= seconds <= axis.time_at(axis.right)) or (
+        min(abs(x - axis.left), abs(x - axis.right)) < 1e-3
+    )

@@ -1,0 +1,546 @@
+"""A monkey at the real window: ``python -m tests.monkey [--events N] [--seed S]``, or ``make soak``.
+
+Seeded clicks, drags, keys, menus, fields, drops and answers to dialogs, in rounds; each round ends by closing the
+window at whatever moment it is, and the next one opens another. Told are exceptions, faults that the studio tells of
+itself, turns of the event loop that took more than a second, and memory that grew after the first rounds. The exit
+code is 1 when there was any.
+"""
+
+import argparse
+import gc
+import json
+import logging
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import time
+import traceback
+import warnings
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+from typing import Any
+
+EVENTS, ROUND = 100_000, 1000
+GAP = 1.0
+"""Seconds that a turn of the event loop may take of this process's own making."""
+SETTLED = 10
+"""Rounds after which memory is to be flat."""
+GROWTH = 50e6
+"""Bytes that the middle of the last rounds may lie above that of the first ones after ``SETTLED``."""
+BEAT, PATIENCE = 20, 0.3
+"""Milliseconds between two looks at the event loop; seconds after which an event is known to have a loop of its own."""
+FAULT = "by a fault of the program"
+NUMBERS = (
+    "0",
+    "1",
+    "-1",
+    "7",
+    "0.5",
+    "1e9",
+    "-1e308",
+    "9999999",
+    "nan",
+    "",
+    "12,5",
+    "90 cm",
+    "x" * 300,
+    "\u0661",
+    "😀",
+)
+
+
+@dataclass
+class Report:
+    """What was seen; ``faults`` are tracebacks and sentences, each with the event at which it came."""
+
+    events: int = 0
+    faults: list[str] = field(default_factory=list)
+    gaps: list[str] = field(default_factory=list)
+    memory: list[int] = field(default_factory=list)
+    """Bytes of the process after each round."""
+    kinds: Counter[str] = field(default_factory=Counter)
+    windows: Counter[str] = field(default_factory=Counter)
+    """Events by what was done, and by what stood in front then."""
+
+    @property
+    def growth(self) -> float:
+        """Bytes by which the process has grown since it was settled; 0 while there are too few rounds."""
+        flat = self.memory[SETTLED:]
+        part = len(flat) // 3
+        return sum(flat[-part:]) / part - sum(flat[:part]) / part if part else 0.0
+
+    @property
+    def right(self) -> bool:
+        return not self.faults and not self.gaps and self.growth < GROWTH
+
+
+def waited_for_a_processor(thread: int) -> float:
+    """Seconds in which a thread of this process could have run and was not let by others."""
+    try:
+        return int(Path(f"/proc/self/task/{thread}/schedstat").read_text().split()[1]) / 1e9
+    except (OSError, IndexError, ValueError):
+        return 0.0
+
+
+def resident() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+class Clock(threading.Thread):
+    """Looks from another thread at how long a turn takes, and keeps the stack of one that takes too long."""
+
+    def __init__(self) -> None:
+        super().__init__(daemon=True)
+        self.main, self.native = threading.get_ident(), threading.get_native_id()
+        self.begun, self.stack = time.monotonic(), ""
+        self.stopped = threading.Event()
+
+    def turn(self) -> tuple[float, str]:
+        """Seconds since the last turn without those for which others had the processor, and the stack of a long one."""
+        now, waited = time.monotonic(), waited_for_a_processor(self.native)
+        took = now - self.begun - (waited - self.waited)
+        stack, self.begun, self.waited, self.stack = self.stack, now, waited, ""
+        return took, stack
+
+    waited = 0.0
+
+    def run(self) -> None:
+        while not self.stopped.wait(0.05):
+            if time.monotonic() - self.begun > 0.7 * GAP and not self.stack:
+                frame = sys._current_frames().get(self.main)
+                self.stack = "".join(traceback.format_stack(frame)) if frame else ""
+
+
+def things_to_drop(folder: Path) -> list[Path]:
+    """Good files of every kind, spoilt ones, and what is no file at all."""
+    from tests.io.seeds import SEEDS, spoiled
+
+    found = []
+    for place, suffix in enumerate(sorted(SEEDS)):
+        path = folder / f"good{suffix}"
+        SEEDS[suffix](path)
+        found.append(path)
+        if suffix != ".fbx":
+            bad = folder / f"bad{suffix}"
+            bad.write_bytes(spoiled(Random(place), path.read_bytes()))
+            found.append(bad)
+    (folder / "empty.bvh").touch()
+    (folder / "zero.bvh").symlink_to("/dev/zero")
+    os.mkfifo(folder / "pipe.bvh")
+    (folder / "inner").mkdir()
+    return [*found, *(folder / name for name in ("empty.bvh", "zero.bvh", "pipe.bvh", "inner", "gone.studio"))]
+
+
+class Monkey:
+    """Does one thing a turn of the event loop, in whatever window is in front."""
+
+    def __init__(self, seed: int, folder: Path, report: Report) -> None:
+        from PySide6.QtCore import Qt
+
+        self.random, self.folder, self.report = Random(seed), folder, report
+        self.files = things_to_drop(folder)
+        self.window: Any = None
+        self.left = 0
+        self.held: tuple[Any, Any] | None = None
+        self.keys = [
+            *(Qt.Key(Qt.Key.Key_A + k) for k in range(26)), *(Qt.Key(Qt.Key.Key_0 + k) for k in range(10)),
+            *(getattr(Qt.Key, f"Key_{name}") for name in (
+                "Space", "Left", "Right", "Up", "Down", "Home", "End", "PageUp", "PageDown", "Tab", "Backtab", "Escape",
+                "Return", "Enter", "Delete", "Backspace", "F1", "F2", "F5",
+                "F10", "Comma", "Period", "Question", "Plus",
+                "Minus", "Menu", "Alt", "Control")),
+        ]  # fmt: skip
+        self.doings: list[tuple[int, Callable[[], object]]] = [
+            (30, self.click), (8, self.double_click), (8, self.right_click), (10, self.wheel), (12, self.press_or_move),
+            (10, self.release), (14, self.key), (6, self.type), (8, self.set_field), (6, self.action), (2, self.drop),
+            (3, self.answer), (2, self.seek), (1, self.resize),
+        ]  # fmt: skip
+
+    def step(self) -> None:
+        """One event."""
+        [doing] = self.random.choices([each for _, each in self.doings], [weight for weight, _ in self.doings])
+        self.report.kinds[doing.__name__] += 1
+        self.report.events += 1
+        doing()
+
+    # Where
+
+    def front(self) -> Any:
+        """The popup, dialog or window that has mouse and keys."""
+        from PySide6.QtWidgets import QApplication, QFileDialog
+
+        front = QApplication.activePopupWidget() or QApplication.activeModalWidget()
+        if front is None:
+            tops = [each for each in QApplication.topLevelWidgets() if each.isVisible() and each is not self.window]
+            front = self.random.choice(tops) if tops and self.random.random() < 0.3 else self.window
+        if isinstance(front, QFileDialog):  # what a file dialog can do to files is not ours to try
+            self.answer_files(front)
+            return None
+        self.report.windows[type(front).__name__] += 1
+        return front
+
+    def somewhere(self) -> tuple[Any, Any] | None:
+        """A widget that is seen, and a point in it."""
+        from PySide6.QtCore import QPoint
+        from PySide6.QtWidgets import QWidget
+
+        front = self.front()
+        if front is None:
+            return None
+        seen = [each for each in front.findChildren(QWidget) if each.isVisible() and each.window() is front]
+        if self.random.random() < 0.3 and front is self.window:
+            seen = [view for view in (self.window.bench.viewport, self.tracks()) if view is not None] or seen
+        widget = self.random.choice(seen) if seen else front
+        point = QPoint(*(self.random.randrange(max(size, 1)) for size in (widget.width(), widget.height())))
+        return widget, point
+
+    def tracks(self) -> Any:
+        timeline = self.window.bench.timeline
+        return timeline.tracks if timeline is not None else None
+
+    def modifiers(self) -> Any:
+        from PySide6.QtCore import Qt
+
+        kinds = Qt.KeyboardModifier
+        held = kinds.NoModifier
+        for modifier in (kinds.ShiftModifier, kinds.ControlModifier, kinds.AltModifier):
+            if self.random.random() < 0.12:
+                held |= modifier
+        return held
+
+    def button(self) -> Any:
+        from PySide6.QtCore import Qt
+
+        kinds = Qt.MouseButton
+        return self.random.choices([kinds.LeftButton, kinds.RightButton, kinds.MiddleButton], [8, 1, 1])[0]
+
+    def mouse(self, kind: str, widget: Any, point: Any, button: Any, held: Any) -> None:
+        """One event of the mouse at a point of a widget, if that is still there."""
+        from PySide6.QtCore import QEvent
+        from PySide6.QtGui import QMouseEvent
+        from PySide6.QtWidgets import QApplication
+        from shiboken6 import isValid
+
+        if isValid(widget):
+            where = widget.mapToGlobal(point.toPointF())
+            event = QMouseEvent(getattr(QEvent.Type, kind), point.toPointF(), where, button, held, self.modifiers())
+            QApplication.sendEvent(widget, event)
+
+    # What
+
+    def click(self) -> None:
+        from PySide6.QtCore import Qt
+
+        if place := self.somewhere():
+            button = self.button()
+            self.mouse("MouseButtonPress", *place, button, button)
+            self.mouse("MouseButtonRelease", *place, button, Qt.MouseButton.NoButton)
+
+    def double_click(self) -> None:
+        from PySide6.QtCore import Qt
+
+        if place := self.somewhere():
+            button, none = self.button(), Qt.MouseButton.NoButton
+            for kind in ("Press", "Release", "DblClick", "Release"):
+                self.mouse(f"MouseButton{kind}", *place, button, none if kind == "Release" else button)
+
+    def right_click(self) -> None:
+        from PySide6.QtGui import QContextMenuEvent
+        from PySide6.QtWidgets import QApplication
+
+        if place := self.somewhere():
+            widget, point = place
+            event = QContextMenuEvent(QContextMenuEvent.Reason.Mouse, point, widget.mapToGlobal(point))
+            QApplication.sendEvent(widget, event)
+
+    def wheel(self) -> None:
+        from PySide6.QtCore import QPoint, Qt
+        from PySide6.QtGui import QWheelEvent
+        from PySide6.QtWidgets import QApplication
+
+        if place := self.somewhere():
+            widget, point = place
+            turn = QPoint(0, self.random.choice([120, -120, 120, -120, 15, 12_000, -12_000]))
+            event = QWheelEvent(
+                point.toPointF(), widget.mapToGlobal(point.toPointF()), QPoint(), turn, Qt.MouseButton.NoButton,
+                self.modifiers(), Qt.ScrollPhase.NoScrollPhase, False,
+            )  # fmt: skip
+            QApplication.sendEvent(widget, event)
+
+    def press_or_move(self) -> None:
+        """What is pressed has the mouse until it is let go, wherever that is by then."""
+        from PySide6.QtCore import Qt
+
+        if place := self.somewhere():
+            if self.held is None:
+                self.held = place[0], self.button()
+                self.mouse("MouseButtonPress", *place, self.held[1], self.held[1])
+            for _ in range(self.random.randint(1, 4)):
+                if (place := self.somewhere()) and self.held is not None:
+                    self.mouse("MouseMove", self.held[0], place[1], Qt.MouseButton.NoButton, self.held[1])
+                elif place:
+                    self.mouse("MouseMove", *place, Qt.MouseButton.NoButton, Qt.MouseButton.NoButton)
+
+    def release(self) -> None:
+        from PySide6.QtCore import Qt
+
+        if self.held is not None and (place := self.somewhere()):
+            self.mouse("MouseButtonRelease", self.held[0], place[1], self.held[1], Qt.MouseButton.NoButton)
+            self.held = None
+        elif place := self.somewhere():
+            self.mouse("MouseMove", *place, Qt.MouseButton.NoButton, Qt.MouseButton.NoButton)
+
+    def key(self) -> None:
+        from PySide6.QtTest import QTest
+
+        if front := self.front():
+            QTest.keyClick(front.focusWidget() or front, self.random.choice(self.keys), self.modifiers())
+
+    def type(self) -> None:
+        from PySide6.QtTest import QTest
+        from PySide6.QtWidgets import QApplication
+
+        self.front()
+        if widget := QApplication.focusWidget():
+            QTest.keyClicks(widget, self.random.choice([each for each in NUMBERS if each.isascii()])[:12])
+
+    def set_field(self) -> None:
+        """Type into a field that is seen and press Return, or take another choice."""
+        from PySide6.QtCore import Qt
+        from PySide6.QtTest import QTest
+        from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QSlider
+
+        front = self.front()
+        if front is None:
+            return
+        kinds = (QAbstractSpinBox, QComboBox, QLineEdit, QSlider)
+        fields = [each for kind in kinds for each in front.findChildren(kind) if each.isVisible() and each.isEnabled()]
+        if not fields:
+            return
+        match self.random.choice(fields):
+            case QComboBox() as box:
+                box.setFocus()
+                QTest.keyClick(box, self.random.choice([Qt.Key.Key_Up, Qt.Key.Key_Down, Qt.Key.Key_End]))
+            case QSlider() as slider:
+                slider.setValue(self.random.randint(slider.minimum(), slider.maximum()))
+            case QAbstractSpinBox() | QLineEdit() as typed:
+                line = typed if isinstance(typed, QLineEdit) else typed.findChild(QLineEdit)
+                line.setFocus()
+                line.selectAll()
+                line.insert(self.random.choice(NUMBERS))
+                QTest.keyClick(line, self.random.choice([Qt.Key.Key_Return, Qt.Key.Key_Tab, Qt.Key.Key_Escape]))
+
+    def action(self) -> None:
+        """Something of the menus, as the palette would start it."""
+        if self.front() is self.window:
+            action = self.random.choice(list(self.window.actions_by_id.by_id.values()))
+            if action.isEnabled():
+                action.trigger()
+
+    def drop(self) -> None:
+        from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+        from PySide6.QtGui import QDragEnterEvent, QDropEvent
+        from PySide6.QtWidgets import QApplication
+
+        content = QMimeData()
+        content.setUrls(
+            [QUrl.fromLocalFile(str(path)) for path in self.random.sample(self.files, self.random.choice([1, 1, 3]))]
+        )
+        left, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+        place, copy = QPointF(400, 300), Qt.DropAction.CopyAction
+        for event in (QDragEnterEvent(place.toPoint(), copy, content, left, none),
+                      QDropEvent(place, copy, content, left, none)):  # fmt: skip
+            QApplication.sendEvent(self.window, event)
+
+    def answer(self) -> None:
+        """Press one of the buttons of what the window asks."""
+        from PySide6.QtWidgets import QPushButton
+
+        for note in (self.window.recovery, self.window.question, self.window.strip):
+            buttons = [each for each in note.findChildren(QPushButton) if each.isVisible()]
+            if buttons:
+                self.random.choice(buttons).click()
+
+    def answer_files(self, dialog: Any) -> None:
+        """A file of the monkey's own folder, or none."""
+        from PySide6.QtWidgets import QFileDialog
+
+        new = dialog.acceptMode() == QFileDialog.AcceptMode.AcceptSave
+        if self.random.random() < 0.4:
+            dialog.reject()
+        elif dialog.fileMode() == QFileDialog.FileMode.Directory:
+            folder = self.folder / "inner"
+            dialog.close()
+            dialog.fileSelected.emit(str(folder))
+        else:
+            name = self.folder / f"out{self.random.randrange(4)}" if new else self.random.choice(self.files)
+            suffix = dialog.defaultSuffix() if new else ""
+            dialog.close()
+            dialog.fileSelected.emit(f"{name}.{suffix}" if suffix else str(name))
+
+    def seek(self) -> None:
+        """A range as long as the fields take, seen from very near."""
+        playhead = self.window.bench.document.playhead
+        match self.random.randrange(3):
+            case 0:
+                playhead.set_frame(self.random.choice([0, 1, 500, 9_999_999]))
+            case 1 if self.window.bench.timeline is not None:
+                self.window.bench.timeline.transport.last.setValue(self.random.choice([1, 300, 9_999_999]))
+            case _ if self.tracks() is not None:
+                self.tracks().axis.zoom(self.random.choice([1e-9, 1e9, 3.0]), self.random.randrange(2000))
+
+    def resize(self) -> None:
+        self.window.resize(self.random.randint(1, 1200), self.random.randint(1, 800))
+
+
+class Soak:
+    """Rounds of the monkey, each with a window of its own, in one event loop."""
+
+    def __init__(self, events: int, seed: int, folder: Path, tell: Callable[[str], object]) -> None:
+        from PySide6.QtCore import QTimer
+
+        from studio.app.application import make_application
+        from studio.app.problems import ProblemHooks
+        from studio.cli import first_run
+
+        first_run.run()
+        first_run.run_seldom()
+        self.application, self.report, self.tell = make_application(), Report(), tell
+        self.events, self.seed, self.folder = events, seed, folder
+        self.application.setQuitOnLastWindowClosed(False)
+        self.hooks, self.clock, self.later = ProblemHooks(), Clock(), QTimer.singleShot
+        files = folder / "files"
+        files.mkdir()
+        self.monkey = Monkey(seed, files, self.report)
+        logging.getLogger().addHandler(_Faults(self.fault))
+        self.left, self.stepping = 0, 0.0
+        self.heart = QTimer(interval=BEAT)
+        self.heart.timeout.connect(self.beat)
+
+    def run(self) -> Report:
+        self.clock.start()
+        self.heart.start()
+        self.later(0, self.open)
+        self.application.exec()
+        self.clock.stopped.set()
+        self.hooks.close()
+        return self.report
+
+    def fault(self, sentence: str) -> None:
+        self.report.faults.append(f"event {self.report.events}: {sentence}")
+        self.tell(self.report.faults[-1])
+
+    def said(self, sentence: str) -> None:
+        """Only what is no sentence for the user: that was logged, with its stack, or comes from a task."""
+        if FAULT in sentence:
+            self.fault(sentence)
+
+    def open(self) -> None:
+        """A window with its real engine, journal and views."""
+        from studio.app.application import fill_window, import_views, make_window
+        from studio.app.settings import Settings
+        from studio.document.document import Document
+
+        self.left = min(self.monkey.random.randint(1, 2 * ROUND), self.events - self.report.events)
+        journals = self.folder / "state"
+        shutil.rmtree(journals, ignore_errors=True)
+        settings = Settings(self.folder / "studio.ini")
+        settings.folder = self.folder / "files"
+        import_views()
+        window = make_window(settings, Document(journal_folder=journals))
+        window.bench.said.connect(self.said)
+        window.show()
+        window.resize(1000, 640)
+        fill_window(window, [], journals)
+        self.monkey.window = window
+        self.clock.turn()
+        self.later(0, self.turn)
+
+    def turn(self) -> None:
+        """One event, and the next one after all that it brought."""
+        self.left -= 1
+        if self.left < 0 or not self.monkey.window.isVisible():
+            self.later(0, self.close)
+            return
+        self.stepping = time.monotonic()
+        try:
+            self.monkey.step()
+        finally:
+            self.stepping = 0.0
+            self.later(0, self.turn)
+
+    def beat(self) -> None:
+        """The event loop turns; within an event it is a menu's own, in which the monkey goes on."""
+        self.measure("a turn of the event loop")
+        if self.stepping and time.monotonic() - self.stepping > PATIENCE and self.monkey.window is not None:
+            self.stepping = time.monotonic()
+            self.monkey.step()
+
+    def measure(self, what: str) -> None:
+        took, stack = self.clock.turn()
+        if took > GAP:
+            self.report.gaps.append(f"event {self.report.events}: {what} took {took:.2f} s\n{stack}")
+            self.tell(self.report.gaps[-1])
+
+    def close(self) -> None:
+        """At once, whatever is under way."""
+        from PySide6.QtCore import QCoreApplication, QEvent
+        from PySide6.QtWidgets import QApplication
+
+        window, self.monkey.window, self.monkey.held = self.monkey.window, None, None
+        self.clock.turn()
+        for each in QApplication.topLevelWidgets():
+            if each is not window and each.isVisible():
+                each.close()
+        window.leave()
+        self.measure("closing")
+        window.deleteLater()
+        del window
+        QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        gc.collect()
+        self.report.memory.append(resident())
+        self.clock.turn()
+        self.tell(f"{self.report.events:,} of {self.events:,} events, {resident() / 1e6:.0f} MB")
+        self.later(0, self.open if self.report.events < self.events else self.application.quit)
+
+
+class _Faults(logging.Handler):
+    """What is logged as an error, with its stack."""
+
+    def __init__(self, fault: Callable[[str], object]) -> None:
+        super().__init__(logging.ERROR)
+        self._fault = fault
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._fault(logging.Formatter().format(record))
+
+
+def main() -> int:
+    """Print the report as JSON; what is found on the way goes to standard error."""
+    from studio.cli.process import has_display, prepare_process
+
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--events", type=int, default=EVENTS)
+    parser.add_argument("--seed", type=int, default=0)
+    arguments = parser.parse_args()
+    prepare_process()
+    if not has_display():
+        os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    warnings.simplefilter("error")
+    with tempfile.TemporaryDirectory(prefix="morpho-studio-monkey-") as name:
+        for kind in ("CACHE", "CONFIG", "DATA", "STATE"):
+            os.environ[f"XDG_{kind}_HOME"] = str(Path(name) / kind.lower())
+        report = Soak(
+            arguments.events, arguments.seed, Path(name), lambda text: print(text, file=sys.stderr, flush=True)
+        ).run()
+    print(json.dumps({**vars(report), "growth": report.growth, "seconds": time.process_time()}))
+    return 0 if report.right else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
