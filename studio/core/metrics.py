@@ -23,6 +23,8 @@ QUIET = 20.0
 """Radians a second squared: a source peak below it counts as this, or a still source would divide by nothing."""
 
 
+ROLLING = 0.1
+"""Parts of its ball's way that the tip of a standing toe goes at most where the foot rolls over it."""
 STEEP = 0.5
 """Cosine of the angle from level beyond which a foot stands on its toes alone, wherever its heel would be."""
 
@@ -57,7 +59,8 @@ def contact_tracks(
 ) -> tuple[FloatArray, FloatArray]:
     """Slides and heights above the ground (9, F) in metres, NaN where a point does not stand.
 
-    A row each of ``ContactPoint``; a slide is how far ankle or toe joint have moved since their contact began.
+    A row each of ``ContactPoint``; a slide is how far a heel, or what of a toe stands, has moved since its contact
+    began.
     """
     slides, heights = np.full((2, len(ContactPoint), adapted.frame_count), np.nan)
     for contact in contacts:
@@ -96,6 +99,15 @@ def _slide(joint: FloatArray, normal: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.norm(way - (way @ normal)[:, None] * normal, axis=1))
 
 
+def _stood_on(ball: FloatArray, tip: FloatArray, normal: FloatArray) -> FloatArray:
+    """(F, 3) how a toe goes along the plane of ``normal``: as its ball, or as the tip over which it rolls."""
+    steps = np.diff([ball, tip], axis=1)
+    steps -= (steps @ normal)[..., None] * normal
+    sizes = np.linalg.norm(steps, axis=2)
+    rolls = sizes[1] < ROLLING * sizes[0]
+    return np.concatenate([ball[:1], ball[0] + np.cumsum(np.where(rolls[:, None], steps[1], steps[0]), axis=0)])
+
+
 def _standing_foot(
     adapted: AdaptedMotion, point: ContactPoint, span: slice, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
@@ -122,11 +134,12 @@ def _standing_foot(
         heights = (sole - [*soles[0, 1], planes.heights[0]]) @ normal
     else:
         heights = (sole[:, 2] - ground.height_at(sole)) * normal[2]
-    if not point.is_heel:
-        turns = adapted.rotations[span, layout.spine_count + 12 + 4 * side :][:, :2]
-        tip = Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points[:, -1]
-        heights = np.minimum(heights, (tip[:, 2] - worn_height(ground, tip)) * normal[2])
-    return _slide(sole if point.is_heel else toe, normal), heights
+    if point.is_heel:
+        return _slide(sole, normal), heights
+    turns = adapted.rotations[span, layout.spine_count + 12 + 4 * side :][:, :2]
+    tip = Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points[:, -1]
+    tips = (tip[:, 2] - worn_height(ground, tip)) * normal[2]
+    return _slide(_stood_on(toe, tip, normal), normal), np.minimum(heights, tips)
 
 
 def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FloatArray:

@@ -11,7 +11,7 @@ FloatArray = NDArray[np.float64]
 
 LYING = 0.3
 """The part of a contact's heights, from the lowest, at which the ankle is while the sole lies flat."""
-RISES, RISEN = 0.006, 0.015
+RISES, RISEN = 0.004, 0.012
 """Parts of the leg's length above that at which a heel begins to rise, if it goes on to rise so far."""
 
 

@@ -12,7 +12,9 @@ from tests.core.twins import feet as twin
 
 seeds = st.integers(0, 2**32 - 1)
 SOLE = twin.Sole(np.array([0.13, 0.0, -0.06]), 0.08, 0.05)
-MEASURES = np.array([[*SOLE.foot, SOLE.ankle_height, SOLE.heel_length]])
+TOE_LENGTH = 0.06
+MEASURES = np.array([[*SOLE.foot, SOLE.ankle_height, SOLE.heel_length, TOE_LENGTH]])
+LEVEL = np.zeros(60)
 
 
 class _Steps:
@@ -36,9 +38,9 @@ def _levelled(steps: _Steps) -> np.ndarray:
     return out
 
 
-def _planted(steps: _Steps, feet: np.ndarray) -> np.ndarray:
+def _planted(steps: _Steps, feet: np.ndarray, pitches: np.ndarray = LEVEL) -> np.ndarray:
     out = np.empty_like(steps.ankles)
-    kernel.plant_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, twin.REACH, out)
+    kernel.plant_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, pitches, twin.REACH, out)
     return out
 
 
@@ -49,7 +51,7 @@ def test_the_kernels_agree_with_their_twins(seed: int) -> None:
     feet = _levelled(steps)
     assert np.allclose(feet, twin.level_soles(steps.rotations, steps.states), atol=1e-9)
     toes = np.empty_like(feet)
-    kernel.level_toes(feet, steps.toes, steps.states, twin.REACH, toes)
+    kernel.level_toes(feet, steps.toes, steps.states, LEVEL, twin.REACH, toes)
     assert np.allclose(toes, twin.level_toes(feet, steps.toes, steps.states), atol=1e-9)
     planted = twin.plant_ankles(steps.ankles, feet, steps.states, SOLE, steps.ground)
     assert np.allclose(_planted(steps, feet), planted, atol=1e-12)
@@ -91,6 +93,23 @@ def test_the_lowest_of_heel_and_ball_lies_on_the_ground(seed: int) -> None:
     for frame in np.flatnonzero(steps.states):
         heel, ball = SOLE.heel_below_ankle(feet[frame]), SOLE.ball_below_ankle(feet[frame])
         assert ankles[frame, 2] + min(heel[2], ball[2]) == pytest.approx(steps.ground[frame], abs=1e-12)
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_toes_that_roll_over_their_tip_keep_it_where_it_is(seed: int) -> None:
+    steps = _Steps(seed)
+    steps.states = np.repeat([twin.FLAT, twin.TOE, 0], 20)
+    steps.rotations[:] = np.eye(3)
+    pitches = np.where(steps.states == twin.TOE, 0.9 * np.clip((np.arange(60) - 24) / 12, 0.0, 1.0), 0.0)
+    toes = np.empty_like(steps.toes)
+    kernel.level_toes(steps.rotations, steps.toes, steps.states, pitches, twin.REACH, toes)
+    balls = _planted(steps, steps.rotations, pitches) + steps.rotations @ SOLE.foot
+    thick = SOLE.ankle_height + SOLE.foot[2]
+    tips = balls + toes @ [TOE_LENGTH, 0.0, -thick]
+    assert np.allclose(tips[:40, :2], tips[0, :2], atol=1e-9)
+    assert np.allclose(tips[:40, 2], steps.ground[:40], atol=1e-9)
+    assert balls[39, 2] - thick > steps.ground[39] + 0.5 * TOE_LENGTH
 
 
 @given(seeds)

@@ -15,6 +15,7 @@ from studio.core.solver.footing import (
     STANDING_REACH,
     SWINGING_REACH,
     find_footing,
+    followed,
     foot_states,
     freedom,
     leg_stretches,
@@ -162,3 +163,16 @@ def test_a_clip_is_placed_frame_by_frame() -> None:
             assert np.allclose(placed[frame, BODY.layout.hip(side) :][:5], points, atol=1e-9)
     above = positions[:, BODY.layout.neck_base] - placed[:, BODY.layout.neck_base]
     assert np.allclose(above[:, 2], footing.drops)
+
+
+def test_a_body_goes_along_with_the_one_foot_that_stands() -> None:
+    """Its leg stays as it is, and what the other foot does is for that to answer."""
+    states = np.repeat([[1, 3, 0, 0], [0, 0, 0, 3]], 30, axis=1)
+    off = np.zeros((2, 120, 3))
+    off[0] = [0.02, -0.01, 0.03]
+    off[1] = [-0.01, 0.0, 0.0]
+    went = followed(off, states, 60.0)
+    assert np.allclose(went[:40], off[0, 0], atol=1e-9)
+    assert np.allclose(went[110:], off[1, 0], atol=1e-9)
+    assert np.abs(np.diff(went, axis=0)).max() < 0.005
+    assert not followed(off, np.zeros_like(states), 60.0).any()

@@ -7,8 +7,8 @@ from studio.core.kernels import feet, heels
 from studio.core.rotations import to_matrix
 from tests.core.motions import about
 
-SOLE = np.array([[0.13, 0.0, -0.05, 0.08, 0.05]])
-"""Ankle to toe joint, ankle above the sole, heel behind the ankle."""
+SOLE = np.array([[0.13, 0.0, -0.05, 0.08, 0.05, 0.06]])
+"""Ankle to toe joint, ankle above the sole, heel behind the ankle, length of the toe."""
 STATES = np.repeat([feet.FLAT, feet.TOE, 0, feet.FLAT], [30, 30, 30, 30])
 RISE = np.where(STATES == feet.TOE, 0.04 * np.clip((np.arange(120) - 30) / 20, 0.0, 1.0), 0.0)
 
@@ -44,7 +44,30 @@ def test_a_foot_rolls_on_where_its_leg_is_too_short_and_its_ball_stays(miss: flo
     reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
     balls = ankles + rotations @ SOLE[0, :3]
     heels.roll_feet(SOLE, STATES, hips, reaches, 10.0, ankles, rotations)
-    assert np.allclose(ankles + rotations @ SOLE[0, :3], balls, atol=1e-12)
+    assert np.allclose((ankles + rotations @ SOLE[0, :3])[STATES != 0], balls[STATES != 0], atol=1e-12)
     lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
     assert np.allclose(lacks[:30], miss, atol=1e-12)
     assert lacks[50:60].max() < 0.35 * miss + 1e-9
+
+
+@pytest.mark.parametrize("miss", [0.0, 0.005, 0.02])
+def test_a_foot_that_lands_rolls_back_over_its_heel_where_its_leg_is_too_short(miss: float) -> None:
+    states = np.repeat([0, feet.HEEL, feet.FLAT, 0], 30)
+    rotations, ankles = _level(), np.tile([0.0, 0.0, SOLE[0, 3]], (120, 1))
+    hips = np.tile([-0.4, 0.0, 0.8], (120, 1))
+    reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
+    edge = [-SOLE[0, 4], 0.0, -SOLE[0, 3]]
+    heels.roll_feet(SOLE, states, hips, reaches, 10.0, ankles, rotations)
+    assert np.allclose((ankles + rotations @ edge)[30:90], edge + np.array([0.0, 0.0, SOLE[0, 3]]), atol=1e-12)
+    lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
+    assert np.allclose(lacks[60:90], miss, atol=1e-12)
+    assert lacks[30:50].max() < 0.35 * miss + 1e-9
+
+
+def test_a_ball_that_has_risen_stands_on_the_tip_of_its_toes() -> None:
+    pitches = np.empty(120)
+    heels.find_tiptoe(SOLE, STATES, RISE, 10.0, pitches)
+    assert not pitches[STATES != feet.TOE].any()
+    assert 0.3 < pitches[59] < heels.TIPPED
+    heels.find_tiptoe(SOLE, STATES, 0.2 * RISE, 10.0, pitches)
+    assert not pitches.any()

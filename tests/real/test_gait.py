@@ -1,6 +1,7 @@
 """Who walks on another body walks nearly as upright, as smoothly and with as straight knees as the actor does.
 
-The bounds are about twice what is aimed at (knees 2 and 6 degrees, hips 5 mm, bob 0.9 to 1.1): they are to fall.
+Hips keep what is aimed at (5 mm); the other bounds are up to twice that (knees 2 and 6 degrees, bob 0.9 to 1.1), and
+are to fall.
 """
 
 from functools import lru_cache
@@ -39,20 +40,20 @@ def _qualities(stem: str) -> tuple[MotionQuality, ...]:
 @pytest.mark.parametrize("stem", STEMS)
 def test_knees_that_stand_are_hardly_more_bent(captures: Path, stem: str) -> None:
     found = _qualities(stem)
-    assert np.degrees(max(each.knee_mean for each in found)) < 6.0
-    assert np.degrees(max(each.knee_most for each in found)) < 28.0
+    assert np.degrees(max(each.knee_mean for each in found)) < 3.0
+    assert np.degrees(max(each.knee_most for each in found)) < 13.0
 
 
 @pytest.mark.parametrize("stem", STEMS)
 def test_hips_ride_as_high_over_standing_ankles(captures: Path, stem: str) -> None:
-    assert max(abs(each.drop) for each in _qualities(stem)) < 0.01
+    assert max(abs(each.drop) for each in _qualities(stem)) < 0.005
 
 
 @pytest.mark.parametrize("stem", STEMS)
 def test_hips_go_up_and_down_as_much(captures: Path, stem: str) -> None:
     bobs = [each.bob for each in _qualities(stem)]
     assert min(bobs) > 0.85
-    assert max(bobs) < 1.7
+    assert max(bobs) < 1.22
 
 
 @pytest.mark.parametrize("stem", STEMS)

@@ -1,7 +1,7 @@
 """Feet that stand: soles locked level, ankles and toes kept at one place through each contact (METHOD 4).
 
-States of a foot at a frame: bit 1 the heel stands, bit 2 the toe stands. ``soles`` (F or 1, 5) are the measures of one
-foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the ankle.
+States of a foot at a frame: bit 1 the heel stands, bit 2 the toe stands. ``soles`` (F or 1, 6) are the measures of one
+foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the ankle, length of the toe.
 """
 
 import math
@@ -180,13 +180,34 @@ def set_heading(matrix, along, across):
     """Write the level rotation (3, 3) whose x axis points (along, across) on the ground."""
     length = math.sqrt(along * along + across * across)
     c, s = (along / length, across / length) if length > 1e-9 else (1.0, 0.0)
-    matrix[0, 0], matrix[0, 1] = c, -s
-    matrix[1, 0], matrix[1, 1] = s, c
+    matrix[0, 0], matrix[0, 1], matrix[0, 2] = c, -s, 0.0
+    matrix[1, 0], matrix[1, 1], matrix[1, 2] = s, c, 0.0
+    matrix[2, 0], matrix[2, 1], matrix[2, 2] = 0.0, 0.0, 1.0
+
+
+@small_kernel
+def toe_heading(foot):
+    """(along, across) the ground, of any length: where a standing toe looks, over a steep foot as its instep does."""
+    if foot[2, 0] > STEEP:
+        return foot[0, 0], foot[1, 0]
+    return foot[2, 2] * foot[0, 0] - foot[2, 0] * foot[0, 2], foot[2, 2] * foot[1, 0] - foot[2, 0] * foot[1, 2]
+
+
+@kernel
+def point_down(matrix, pitch):
+    """Turn a level rotation (3, 3), in place, about its left axis until its x axis points down by ``pitch``."""
+    if pitch != 0.0:
+        c, s = math.cos(pitch), math.sin(pitch)
+        for axis in range(3):
+            x, z = matrix[axis, 0], matrix[axis, 2]
+            matrix[axis, 0], matrix[axis, 2] = c * x - s * z, s * x + c * z
 
 
 @allocating_kernel
-def level_toes(feet, toes, states, reach, out_toes):
+def level_toes(feet, toes, states, pitches, reach, out_toes):
     """Toe rotations (F, 3, 3) lying level while the toe stands, heading as the foot; eased in between (METHOD (6)).
+
+    ``pitches`` (F,) in radians by which they point down, on their tips.
 
     A foot that stands steeply on its tucked toes heads where its instep looks; one that lies on its instep keeps them.
     ``feet`` (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; out in the world.
@@ -199,16 +220,10 @@ def level_toes(feet, toes, states, reach, out_toes):
     for frame in range(count):
         if known[frame]:
             foot = feet[frame]
-            if foot[2, 0] > STEEP:
-                set_heading(level, foot[0, 0], foot[1, 0])
-            else:
-                set_heading(
-                    level,
-                    foot[2, 2] * foot[0, 0] - foot[2, 0] * foot[0, 2],
-                    foot[2, 2] * foot[1, 0] - foot[2, 0] * foot[1, 2],
-                )
+            set_heading(level, *toe_heading(foot))
             share = smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
             lies[frame] = share == 1.0
+            point_down(level, pitches[frame])
             if lies[frame]:
                 copy_matrix(level, out_toes[frame])
             if not (lies[frame] and is_inside(frame, known)):
@@ -236,13 +251,13 @@ def is_inside(frame, known):
 
 
 @allocating_kernel
-def plant_ankles(ankles, feet, states, soles, ground, reach, out_ankles):
+def plant_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankles):
     """Ankle targets (F, 3): anchored through every contact, displaced by an eased amount in between (METHOD 4).
 
-    ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot. One anchor an
-    episode of contact: the heel's median place in its longest stretch on it (the toe's, if no heel stands); every other
-    pivot is where the foot is when the contact passes from heel to toe or back, so nothing jumps. A foot that grows is
-    anchored where it is while it is small.
+    ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot; ``pitches``
+    (F,) of toes that stand on their tips. One anchor an episode of contact: the heel's median place in its longest
+    stretch on it (the toe's, if no heel stands); every other pivot is where the foot is when the contact passes from
+    heel to ball or tip, or back, so nothing jumps. A foot that grows is anchored where it is while it is small.
     """
     count = states.shape[0]
     shift = np.zeros((count, 3))
@@ -255,7 +270,7 @@ def plant_ankles(ankles, feet, states, soles, ground, reach, out_ankles):
         end = begin
         while end < count and known[end]:
             end += 1
-        plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles)
+        plant_episode(ankles, feet, states, soles, ground, pitches, begin, end, out_ankles)
         for frame in range(begin, end):
             for axis in range(3):
                 shift[frame, axis] = out_ankles[frame, axis] - ankles[frame, axis]
@@ -267,7 +282,7 @@ def plant_ankles(ankles, feet, states, soles, ground, reach, out_ankles):
 
 
 @allocating_kernel
-def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
+def plant_episode(ankles, feet, states, soles, ground, pitches, begin, end, out_ankles):
     """Ankle targets of one unbroken contact, frames begin to end (excluded), spread from its seed both ways.
 
     METHOD (6).
@@ -279,7 +294,7 @@ def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
     reach, count, least = np.zeros((last - first, 3)), 0, math.inf
     for frame in range(first, last):
         least = min(least, soles[frame if soles.shape[0] > 1 else 0, 0])
-    offsets = np.zeros((2, 3))
+    offsets = np.zeros((3, 3))
     for frame in range(first, last):
         sole = soles[frame if soles.shape[0] > 1 else 0]
         if sole[0] - least > (SMALLEST - 1.0) * abs(least):
@@ -289,20 +304,25 @@ def plant_episode(ankles, feet, states, soles, ground, begin, end, out_ankles):
             reach[count, axis] = offsets[0 if heel else 1, axis] + ankles[frame, axis]
         count += 1
     anchor = np.array([np.median(reach[:count, 0]), np.median(reach[:count, 1])])
-    pivots = np.zeros((2, 2))
+    pivots = np.zeros((3, 2))
     for way in range(2):
-        previous = HEEL if heel else TOE
+        previous, pitched = HEEL if heel else TOE, False
         pivots[0 if heel else 1] = anchor
         frame = first
         while begin <= frame < end:
             sole = soles[frame if soles.shape[0] > 1 else 0]
             to_pivots(feet[frame], sole, offsets)
-            stands = 0 if states[frame] & HEEL and previous & HEEL else 1
+            rise = to_tip(feet[frame], sole, pitches[frame], offsets)
+            stands = 2 if pitched or pitches[frame] > 0.0 else 1
+            if states[frame] & HEEL and previous & HEEL:
+                stands = 0
             for axis in range(2):
                 out_ankles[frame, axis] = pivots[stands, axis] - offsets[stands, axis]
-                pivots[1 - stands, axis] = out_ankles[frame, axis] + offsets[1 - stands, axis]
-            out_ankles[frame, 2] = ground[frame] + sole_height(feet[frame], offsets[1, 2], sole)
-            previous = states[frame]
+                for other in range(3):
+                    if other != stands:
+                        pivots[other, axis] = out_ankles[frame, axis] + offsets[other, axis]
+            out_ankles[frame, 2] = ground[frame] + rise + sole_height(feet[frame], offsets[1, 2], sole)
+            previous, pitched = states[frame], pitches[frame] > 0.0
             frame += 1 if way == 0 else -1
 
 
@@ -332,6 +352,29 @@ def to_pivots(rotation, sole, out_offsets):
     for axis in range(3):
         out_offsets[0, axis] = -rotation[axis, 0] * sole[4] - rotation[axis, 2] * sole[3]
     to_toe(rotation, sole, out_offsets[1])
+
+
+@small_kernel
+def tip_rise(sole, pitch):
+    """How much higher than in a flat foot the ball is over the tip of a toe that points down by ``pitch``."""
+    return sole[5] * math.sin(pitch) - (sole[3] + sole[2]) * (1.0 - math.cos(pitch))
+
+
+@kernel
+def to_tip(rotation, sole, pitch, offsets):
+    """``tip_rise`` of a foot.
+
+    Writes the vector from the ankle to that tip into the last of ``offsets`` (3, 3), the others as from ``to_pivots``.
+    """
+    length, thick = sole[5], sole[3] + sole[2]
+    c, s = math.cos(pitch), math.sin(pitch)
+    along, across = toe_heading(rotation)
+    ahead = (length * c - thick * s) / max(math.sqrt(along * along + across * across), 1e-9)
+    offsets[2, 0] = offsets[1, 0] + ahead * along
+    offsets[2, 1] = offsets[1, 1] + ahead * across
+    rise = tip_rise(sole, pitch)
+    offsets[2, 2] = offsets[1, 2] - thick - rise
+    return rise
 
 
 @kernel

@@ -40,6 +40,12 @@ FOLDED, FOLD_ROOM, FOLD_CORNER = 0.3, 0.12, 0.03
 the farther it is from below the hip, nothing at a leg's length. The corner where the motion's own leg folds that much
 is rounded.
 """
+GOES_ALONG = 0.4
+"""Seconds after which a foot that has left the ground goes along with the body, so that its leg is the motion's own."""
+PASSED_ON, FOLLOWED = 0.1, 0.02
+"""Seconds to either side over which the weight passes from foot to foot, and, standard deviation, over which the body
+follows where they stand.
+"""
 CLIMB_SMOOTHING = 0.09
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
@@ -94,8 +100,9 @@ def find_footing(
     """Plan the feet of a whole clip from its retargeted pose, raised to the ground's own height; feet themselves from
     the ``upright`` one, positions and rotations, where the body leans with the ground.
 
-    The root follows the low-passed mean of both feet's footprints (h1 of METHOD 4) by as much of its weight as the feet
-    carry, ``carried`` (F,); ``drops`` take that off.
+    The body follows its feet, and on ground that is not level the low-passed mean of both feet's footprints (h1 of
+    METHOD 4), by as much of its weight as the feet carry, ``carried`` (F,): ``positions`` go along, in place, and
+    ``drops`` take the footprints' heights off.
     """
     states = foot_states(contacts, motion.frame_count)
     pose = (positions, rotations) if upright is None else upright
@@ -106,6 +113,13 @@ def find_footing(
     for side, plan in enumerate(plans):
         _plan_foot(side, morphology, states[side], comforts[side], ground, motion.frame_rate, *pose, plan)
     if ground.is_level:
+        off = ankles - positions[:, [morphology.layout.ankle(side) for side in range(2)]].transpose(1, 0, 2)
+        goes = np.reshape(carried, (-1, 1)) * followed(off, states, motion.frame_rate)
+        positions += goes[:, None]
+        for side, planted in enumerate(states != 0):
+            ankles[side] += freedom(planted, motion.frame_rate, GOES_ALONG)[:, None] * (goes - off[side])
+        for side, plan in enumerate(plans):
+            _roll_foot(side, morphology, states[side], comforts[side], ground, motion.frame_rate, positions, plan)
         drops = np.zeros(count)
         if np.count_nonzero(states):
             drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
@@ -207,17 +221,53 @@ def _plan_foot(
     rotations: FloatArray,
     out: Plan,
 ) -> None:
-    """What one foot does on the level floor at the ground's own height; ``states`` (F,)."""
+    """What one foot does on the level floor at the ground's own height, before it rolls; ``states`` (F,)."""
     layout = morphology.layout
     ankle, foot = layout.ankle(side), layout.spine_count + 12 + 4 * side
     soles = sole_rows(morphology, side)
     plan_foot(
         states, soles, ground.height, ground.is_level, LET_GO * frame_rate, ankle, foot, positions, rotations, *out
     )
-    if ground.is_level:  # elsewhere what a leg lacks is known only when the foot lies on its ground
-        reaches = comforts * morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2].sum(axis=1)
-        roll_feet(soles, states, positions[:, layout.hip(side)], reaches, LET_GO * frame_rate, out[0], out[1])
+    if not ground.is_level:
+        keep_above(soles, states, ground.height, frame_rate, *out)
+
+
+def _roll_foot(
+    side: int,
+    morphology: AnyMorphology,
+    states: NDArray[np.int64],
+    comforts: FloatArray,
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    out: Plan,
+) -> None:
+    """Roll a foot planned on the level floor to where its leg reaches it, in place, and keep it above the floor."""
+    soles, legs = sole_rows(morphology, side), morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
+    hips, reaches = positions[:, morphology.layout.hip(side)], comforts * legs.sum(axis=1)
+    roll_feet(soles, states, hips, reaches, LET_GO * frame_rate, out[0], out[1])
     keep_above(soles, states, ground.height, frame_rate, *out)
+
+
+def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> FloatArray:
+    """(F, 3) metres by which a body goes along with feet that stand ``off`` (2, F, 3) where the motion has them.
+
+    Each of those that stand takes its share, passed on over ``PASSED_ON`` seconds to either side: so who stands on one
+    leg keeps it as it is, and only two that want different things have to bend.
+    """
+    stands = states != 0
+    if not stands.any():
+        return np.zeros(off.shape[1:])
+    off = np.where(stands[..., None], off, 0.0)
+    for side in range(2):
+        kernel.fill_gaps(off[side], stands[side])
+    frames, carried = np.arange(stands.shape[1]), np.flatnonzero(stands.any(axis=0))
+    share = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
+    share = np.convolve(
+        np.pad(share, half := max(1, round(PASSED_ON * frame_rate)), "edge"), hann_window(half), "valid"
+    )
+    way = off[1] + share[:, None] * (off[0] - off[1])
+    return np.asarray(gaussian_filter1d(way, FOLLOWED * frame_rate, axis=0, mode="nearest"))
 
 
 def _drape_foot(

@@ -19,7 +19,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rest_pose import rest_pose
 from studio.core.solver.adapt import Bound, Standing, adapt, hold, standing_of
 from studio.core.solver.easing import Solve
-from studio.core.solver.footing import Footing
+from studio.core.solver.footing import Footing, smooth_drops
 from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.stretch import Stretch
@@ -28,8 +28,6 @@ from studio.core.triangle_mesh import TriangleMesh
 FRAMES = 4
 HAND = BodyPoint(BodyPart.LEFT_HAND)
 ALWAYS = ActivationCurve(0.0, 0.0, 1.0, 1.0)
-ABOVE = 0.3
-"""Parts of a leg by which a body stands too high for its feet."""
 CORNERS = (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)
 
 
@@ -64,7 +62,7 @@ def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
 
 
 def warm_up_seldom(morphology: Morphology) -> None:
-    """What only some scenes call before they are solved: hands, knees and seat that stand, feet too high, meshes."""
+    """What only some scenes call before they are solved: hands, knees, seat that stand, feet out of reach, meshes."""
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
     touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
     contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in (*points, *touches))
@@ -72,16 +70,16 @@ def warm_up_seldom(morphology: Morphology) -> None:
     what = "warm-up", "", HAND, Chain(), 0, ALWAYS
     asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=mesh)
     ground = SurfaceMesh(vertices=mesh.vertices, triangles=mesh.triangles)
-    standing_of(AdaptRequest(_still_motion(ABOVE), morphology, contacts[:1]))
+    smooth_drops(np.full(FRAMES, 0.1), 30.0)
     standing = standing_of(
         AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
     )
     Stretch(standing, asked, slice(0, FRAMES), {}, Bound())
 
 
-def _still_motion(above: float = 0.0) -> NormalizedMotion:
+def _still_motion() -> NormalizedMotion:
     channels = np.zeros((FRAMES, at.SPINE + 4))
-    channels[:, at.HIPS + 2] = 0.9 + above
+    channels[:, at.HIPS + 2] = 0.9
     for column in at.TURNS:
         channels[:, column + 3] = 1.0
     channels[:, at.SPINE + 3] = 1.0
