@@ -337,7 +337,7 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
             self.stopped.wait()
             raise CancelledError
 
-        def stop(self) -> None:
+        def stop(self, _patience: float) -> None:
             self.stopped.set()
             time.sleep(0.05)  # the worker that waited goes on
 
@@ -353,7 +353,7 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
 
 def test_what_is_known_is_shown_until_the_kernels_are_there(qapp: Any) -> None:
     solver, document, kernels = Solver(), Document(), threading.Event()
-    warming = cast(WarmUp, SimpleNamespace(join=kernels.wait, stop=kernels.set))
+    warming = cast(WarmUp, SimpleNamespace(join=kernels.wait, stop=lambda _patience: kernels.set()))
     live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=warming)
     solver.hold.set()
     document.new(project := make_project())
