@@ -3,7 +3,6 @@
 import argparse
 import os
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -12,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QPointF
-from PySide6.QtGui import QPainter
+from PySide6.QtCore import QPointF, QTimer
+from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyle, QStyleOptionSlider, QWidget
 
 from benchmarks.clips import ROOT
-from benchmarks.listening import Silences, run_window
+from benchmarks.listening import Silences, queued, run_window
 from benchmarks.machine import machine
-from benchmarks.report import table
+from benchmarks.report import number, table
 from benchmarks.window_hand import Hand, Move
 from benchmarks.window_parts import Parts
 from benchmarks.window_scene import DRAGGED, long_clip, open_window
@@ -34,8 +33,9 @@ WORDS = """# The window under a hand
 
 Written by `make bench`. The real window, 1400 x 900, drawn by software; five skinned bodies (eight in playback), six
 constraints of their own priority; a mouse at 60 Hz drags what is named for some seconds. The age of a picture is the
-time from the move of the mouse that its pose answers until it is painted, by the clock, whatever else the machine does;
-what it costs is processor time. Off is how far the body under the mouse is from what is solved without a window.
+time from the move of the mouse that its pose answers until it is painted, by the clock, whatever else the machine does,
+and without the time in which the window's thread was ready and had no processor; what it costs is processor time. Off
+is how far the body under the mouse is from what is solved without a window.
 
 """
 BODIES, CROWD = 5, 8
@@ -48,9 +48,13 @@ AIMS = "aims: median under 33 ms, 95 % under 100 ms, strips within 250 ms of rel
 
 @dataclass(frozen=True)
 class Picture:
-    """When one was painted, when that was asked which each body answers, and where the points of bodies are."""
+    """When one was painted, when that was asked which each body answers, and where the points of bodies are.
+
+    ``waited`` as ``Move`` has it.
+    """
 
     at: float
+    waited: float
     asked_at: dict[str, float | None]
     points: dict[str, tuple[int, np.ndarray]]
     """Frame of the motion, and (P, 3) where that is."""
@@ -64,6 +68,9 @@ class Watch:
         self.pictures: list[Picture] = []
         self.rows_current_at: float | None = None
         self._last: object = None
+        self._kept: list[QPixmap] = []
+        self.hand = QPointF()
+        """Where the mouse is on the window."""
         self._asked_at: dict[str, float | None] = {}
         viewport, tracks = window.bench.viewport, window.bench.timeline.tracks
         self._bring, self._paint_over, self._paint_rows = (
@@ -86,7 +93,25 @@ class Watch:
         if viewport._pixels is not self._last:
             self._last = viewport._pixels
             points = {key: (pose.frame, pose.motion.positions[pose.row]) for key, pose in viewport.posed.items()}
-            self.pictures.append(Picture(time.monotonic(), self._asked_at, points))
+            self.pictures.append(Picture(time.monotonic(), queued(), self._asked_at, points))
+            if self._film is not None:
+                QTimer.singleShot(0, self._keep)
+
+    def _keep(self) -> None:
+        """The view as it is seen, with a ring where the mouse is now."""
+        viewport = self._window.bench.viewport
+        picture = viewport.grab()
+        with QPainter(picture) as painter:
+            painter.setPen(QPen(QColor("white"), 2.0))
+            painter.drawEllipse(viewport.mapFrom(self._window, self.hand), 9.0, 9.0)
+        self._kept.append(picture)
+
+    def write_film(self) -> None:
+        """All pictures that were kept, a file each."""
+        for place, picture in enumerate(self._kept):
+            assert self._film is not None
+            self._film.mkdir(parents=True, exist_ok=True)
+            picture.save(str(self._film / f"{place:04}.png"))
 
     def _rows_painted(self, *arguments: Any) -> None:
         self._paint_rows(*arguments)
@@ -102,6 +127,8 @@ class Result:
 
     name: str
     ages: list[float]
+    ready: list[float]
+    """The same without the time in which the window's thread waited for a processor after it took the move."""
     oldest: list[float]
     """Of the body that is furthest behind, in every picture."""
     pictures_a_second: float
@@ -119,14 +146,14 @@ def drag(window: MainWindow, watch: Watch, parts: Parts, name: str, seconds: flo
 
     def moved(move: Move) -> None:
         moves.append(move)
+        watch.hand = widget.mapTo(window, move.place)
         projects.append(document.project)
 
     hand = Hand(widget, start, reach, moved)
     watch.begin()
-    workers = [each for each in threading.enumerate() if each.name.startswith("solve-")]
     silences = Silences()
     hand.press()
-    parts.begin(workers)
+    parts.begin()
     begun = time.monotonic()
     run_window(round(1000 * seconds))
     shown, spent, lasted = list(watch.pictures), parts.end(), time.monotonic() - begun
@@ -139,7 +166,9 @@ def drag(window: MainWindow, watch: Watch, parts: Parts, name: str, seconds: flo
         run_window(20)
     active = document.active_performer_id or ""
     seen = [(picture, _move_of(picture.asked_at.get(active), moves)) for picture in shown]
-    ages = [1000 * (picture.at - moves[place].at) for picture, place in seen if place is not None]
+    answers = [(picture, moves[place]) for picture, place in seen if place is not None]
+    ages = [1000 * (picture.at - move.at) for picture, move in answers]
+    ready = [1000 * (picture.at - move.at - picture.waited + move.waited) for picture, move in answers]
     oldest = [
         1000 * (picture.at - min(moves[place].at for place in places))
         for picture in shown
@@ -154,7 +183,7 @@ def drag(window: MainWindow, watch: Watch, parts: Parts, name: str, seconds: flo
     rows_after = 1000 * ((watch.rows_current_at or np.inf) - released)
     each = {part: 1000 * value / max(len(shown), 1) for part, value in spent.items()}
     return Result(
-        name, ages, oldest, len(shown) / lasted, 1000 * silences.longest[0], rows_after, each,
+        name, ages, ready, oldest, len(shown) / lasted, 1000 * silences.longest[0], rows_after, each,
         np.max(off, axis=0).tolist() if off else [],
     )  # fmt: skip
 
@@ -234,7 +263,7 @@ def playback(window: MainWindow, watch: Watch, parts: Parts, seconds: float) -> 
     playhead.play()
     run_window(500)
     watch.begin()
-    parts.begin([])
+    parts.begin()
     begun = time.monotonic()
     run_window(round(1000 * seconds))
     lasted, spent, times = time.monotonic() - begun, parts.end(), [each.at for each in watch.pictures]
@@ -257,12 +286,14 @@ def tables(results: Sequence[Result]) -> str:
     """Ages and processor times."""
     ages = [
         [each.name, f"{np.median(each.ages):.0f}", f"{np.percentile(each.ages, 95):.0f}",
-         f"{np.median(each.oldest):.0f}", f"{each.pictures_a_second:.1f}", f"{each.silence:.0f}",
-         f"{each.rows_after:.0f}", " / ".join(f"{value:.2f}" for value in each.off)]
+         f"{np.median(each.ready):.0f}", f"{np.percentile(each.ready, 95):.0f}",
+         number(np.median(each.oldest) if each.oldest else None, "{:.0f}"), f"{each.pictures_a_second:.1f}",
+         f"{each.silence:.0f}", f"{each.rows_after:.0f}", " / ".join(f"{value:.2f}" for value in each.off)]
         for each in results if each.ages
     ]  # fmt: skip
     titles = (
-        "dragged", "age, ms, median", "95 %", "body furthest behind, median", "pictures/s", "longest silence, ms",
+        "dragged", "age, ms, median", "95 %", "not waiting for a processor, median", "95 %",
+        "body furthest behind, median", "pictures/s", "longest silence, ms",
         "strips after release, ms", "off, mm: frame / eased clip",
     )  # fmt: skip
     names = dict.fromkeys(part for each in results for part in each.parts)
@@ -282,9 +313,10 @@ def main(arguments: Sequence[str]) -> int:
     with tempfile.TemporaryDirectory() as folder:
         if options.only != "playback":
             window = open_window(clip, BODIES, Path(folder))
+            chosen = [options.only] if options.only else list(DRAGS)
             watch = Watch(window, options.film)
-            chosen = [options.only] if options.only else DRAGS
             told.append(tables([drag(window, watch, parts, name, options.seconds) for name in chosen]))
+            watch.write_film()
             _close(window)
         if options.only in (None, "playback"):
             window = open_window(clip, CROWD, Path(folder))

@@ -10,6 +10,8 @@ from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
+from benchmarks.listening import queued
+
 RATE = 60.0
 ROUND = 1.3
 """Seconds of one turn to and fro."""
@@ -18,11 +20,15 @@ LEFT, NONE = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
 
 @dataclass(frozen=True)
 class Move:
-    """Where the mouse was at which time (``time.monotonic``), and when the window took notice."""
+    """Where the mouse was at which time (``time.monotonic``), and when the window took notice.
+
+    ``waited``: seconds until then for which the window's thread was ready and had no processor.
+    """
 
     place: QPointF
     at: float
     taken: float
+    waited: float
 
 
 class Hand(QObject):
@@ -73,7 +79,7 @@ class Hand(QObject):
         with self._lock:
             newest, self._newest = self._newest, None
         if newest is not None:
-            self._moved(Move(*newest, time.monotonic()))
+            self._moved(Move(*newest, time.monotonic(), queued()))
             self._send(QEvent.Type.MouseMove, newest[0], NONE)
 
     def _send(self, kind: QEvent.Type, place: QPointF, button: Qt.MouseButton) -> None:

@@ -3,7 +3,7 @@
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
@@ -27,6 +27,10 @@ MEASURED: tuple[tuple[str, type, str], ...] = (
 """Part, class and method; what one calls that is measured by itself is not counted with it."""
 
 
+BESIDE = {"solve-": "solving beside", "journal": "keeping the journal"}
+"""What other threads do, by how their names begin."""
+
+
 class Parts:
     """Processor seconds by part while it is ``on``."""
 
@@ -38,10 +42,9 @@ class Parts:
         for name, owner, method in MEASURED:
             setattr(owner, method, self._measured(name, getattr(owner, method)))
 
-    def begin(self, workers: Sequence[threading.Thread]) -> None:
+    def begin(self) -> None:
         """Count from now on."""
         self.seconds.clear()
-        self._workers = workers
         self._begun = self._threads()
         self.on = True
 
@@ -49,16 +52,22 @@ class Parts:
         """Processor seconds by part since ``begin``, with all that is left over of each thread."""
         self.on = False
         now = self._threads()
-        total, window, workers = (now[place] - self._begun[place] for place in range(3))
-        parts = dict(self.seconds)
+        spent = {name: now[name] - self._begun.get(name, 0.0) for name in now}
+        parts, total, window = dict(self.seconds), spent.pop("all"), spent.pop("window")
         parts["window's thread, other"] = window - sum(parts.values())
-        parts["solving beside"] = workers
-        parts["drawing threads of software GL"] = total - window - workers
+        parts |= spent
+        parts["drawing threads of software GL"] = total - window - sum(spent.values())
         return parts | {"all": total}
 
-    def _threads(self) -> tuple[float, float, float]:
-        clocks = [time.pthread_getcpuclockid(each.ident or 0) for each in self._workers]
-        return time.process_time(), time.thread_time(), sum(time.clock_gettime(each) for each in clocks)
+    def _threads(self) -> dict[str, float]:
+        """Processor seconds of the process, of the window's thread, and of others by what they do."""
+        seconds = {"all": time.process_time(), "window": time.thread_time()}
+        for thread in threading.enumerate():
+            for begin, what in BESIDE.items():
+                if thread.name.startswith(begin) and thread.ident is not None:
+                    clock = time.pthread_getcpuclockid(thread.ident)
+                    seconds[what] = seconds.get(what, 0.0) + time.clock_gettime(clock)
+        return seconds
 
     def _measured(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(function)

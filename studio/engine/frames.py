@@ -22,6 +22,8 @@ Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
 
 BUDGET = 0.012
 """Processor seconds that solving takes of a picture: whoever is left waits for the next, which begins with them."""
+LONG, PART = 0.05, 0.2
+"""Processor seconds above which a frame would make the window slow: then it takes this part of the time at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +46,9 @@ class Frames:
         """``answered``: what the newest whole motion of each performer answers; it changes as answers come."""
         self._prepare, self._solve, self._answered = prepare, solve, answered
         self._frames: dict[str, Frame] = {}
+        self._current: dict[str, tuple[Project, Wanted]] = {}
+        """With what project the newest whole motion was found to be what is asked."""
+        self._not_before: dict[str, float] = {}
 
     def get(self, performer_id: str) -> Frame | None:
         """The frame of one performer."""
@@ -53,10 +58,9 @@ class Frames:
         """The whole motion is there."""
         self._frames.pop(performer_id, None)
 
-    def drop_answered(self, performer_id: str) -> None:
-        """As ``drop``, where that is what the frame answers."""
-        frame = self._frames.get(performer_id)
-        if frame is not None and frame.wanted == self._answered.get(performer_id):
+    def drop_older(self, performer_id: str, asked_at: float) -> None:
+        """As ``drop``, where the whole motion answers what was asked at ``asked_at``, and the frame nothing newer."""
+        if self.asked_at(performer_id) <= asked_at:
             self.drop(performer_id)
 
     def asked_at(self, performer_id: str) -> float:
@@ -66,7 +70,8 @@ class Frames:
 
     def clear(self) -> None:
         """Another project is shown."""
-        self._frames.clear()
+        for held in (self._frames, self._current, self._not_before):
+            held.clear()
 
     def bring(
         self,
@@ -84,15 +89,23 @@ class Frames:
         for key in performer_ids:
             if key not in results or not all(map(self._prepare.holds, _captures_of(project, project.performers[key]))):
                 continue  # nothing of it is seen yet
+            if self._is_current(key, project) and not solved:
+                continue
             row = _row_at(project, project.performers[key], seconds)
             known = self._frames.get(key)
             if known is not None and known.project is project and known.row == row and not solved:
                 continue  # nor has anybody moved whom it may follow
             wanted = wanted_of(project, key, (key,), lambda leader: self._seen(leader, results))
-            if wanted is None or wanted == self._answered.get(key):
+            answered = self._answered.get(key)
+            if wanted is None:
                 self.drop(key)
+            elif answered is not None and wanted == answered:
+                self.drop(key)
+                self._current[key] = project, answered
             elif known is not None and known.wanted == wanted and known.row == row:
                 self._frames[key] = replace(known, project=project)
+            elif time.monotonic() < self._not_before.get(key, 0.0):
+                continue
             elif not solved or time.thread_time() - begun < BUDGET:
                 solved = True
                 self._bring(project, key, wanted, row, asked_at)
@@ -101,6 +114,7 @@ class Frames:
         return all_there
 
     def _bring(self, project: Project, key: str, wanted: Wanted, row: int, asked_at: float) -> None:
+        begun = time.thread_time()
         player = player_of(project, key, wanted, self._prepare)
         try:
             motion = self._solve(replace(player.request, eased=False), row, row)
@@ -108,6 +122,16 @@ class Frames:
             self.drop(key)  # the solve of the whole motion tells of it
             return
         self._frames[key] = Frame(project, wanted, row, replace(motion, composite=player.composite), asked_at)
+        spent = time.thread_time() - begun
+        if spent > LONG:
+            self._not_before[key] = time.monotonic() + spent / PART
+
+    def _is_current(self, performer_id: str, project: Project) -> bool:
+        """Whether the newest whole motion was found to be what is asked, and neither has changed since."""
+        if performer_id in self._frames or performer_id not in self._current:
+            return False
+        known, wanted = self._current[performer_id]
+        return known is project and wanted is self._answered.get(performer_id)
 
     def _seen(self, performer_id: str, results: Mapping[str, AdaptedMotion]) -> AdaptedMotion | None:
         frame = self._frames.get(performer_id)

@@ -61,10 +61,7 @@ class StandingSolver:
         from studio.core.solver.adapt import hold, stand
 
         key = (request.motion, request.morphology)
-        ground = (
-            *(request.contacts, request.ground, request.volume, request.actor),
-            *(request.limited, request.clears),
-        )
+        ground = (request.contacts, request.ground, request.volume, request.actor, request.limited)
         kept = self._kept.get(key)
         if kept is None or kept[0] != ground:
             kept = ground, stand(request.motion, request.morphology, *ground)
@@ -392,7 +389,7 @@ class LiveAdaptation(QObject):
                 self._failures.pop(performer_id, None)
                 if answer.whole:
                     self._answered[performer_id] = answer.wanted[performer_id]
-                    self._frames.drop_answered(performer_id)
+                    self._frames.drop_older(performer_id, answer.asked_at)
                 self.adapted.emit(performer_id)
                 if performer_id in self._leaders:
                     self._schedule("performers", performer_id)

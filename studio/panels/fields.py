@@ -111,7 +111,7 @@ class NumberField(QDoubleSpinBox):
 
     def show_value(self, value: float) -> None:
         """Show a value that comes from the document; nothing is emitted, and a drag is left alone."""
-        if not self._scrubbing:
+        if not self._scrubbing and round(value, self.decimals()) != self.value():  # the same would be painted again
             with QSignalBlocker(self):
                 self.setValue(value)
 

@@ -49,15 +49,17 @@ class BodyVisual:
 
     @property
     def can_be_coarse(self) -> bool:
-        """Whether ``coarsen`` takes no more than a moment; a skin with materials is always drawn whole."""
+        """Whether ``make_coarse`` is done; a skin with materials is always drawn whole."""
         return self._coarse is not None or self._character.skin.appearance is not None
+
+    def make_coarse(self) -> None:
+        """Find the fewer triangles, which takes as long as some pictures."""
+        self._coarse = self._skin.part(coarse_triangles(self._character.skin))
 
     def coarsen(self, coarse: bool) -> None:
         """Draw the skin with fewer triangles, or with all."""
-        if coarse != self._is_coarse and self._character.skin.appearance is None:
+        if coarse != self._is_coarse and self._coarse is not None:
             self._is_coarse = coarse
-            if self._coarse is None:
-                self._coarse = self._skin.part(coarse_triangles(self._character.skin))
             self.skin_actors[0].mapper.SetInputData(self._coarse if coarse else self._skin.polydata)
 
     def belongs_to(self, character: Character) -> bool:

@@ -172,14 +172,17 @@ class Canvas(QWidget):
         self.update()
 
     def _refine(self) -> None:
-        """One more sample of a smooth still per turn of the event loop, as long as nothing moves."""
+        """As long as nothing moves, one more sample of a smooth still per turn, then what moving will need."""
         if self._scene is None or self.moving:
+            return
+        if self._still is not None and self._still.complete:
+            if self._scene.make_ready():
+                self._rest_timer.start(0)
             return
         self._smooth()
         if self._still is not None and self._still.complete:
             self._take(self._still.pixels)
-        else:
-            self._rest_timer.start(0)
+        self._rest_timer.start(0)
 
     def _smooth(self) -> None:
         from studio.viewport.stills import Still

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from studio.core.skin import SkinnedMesh
 
@@ -23,5 +22,6 @@ def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.integer[Any]]:
         return mesh.triangles
     faces = np.column_stack([np.full(len(mesh.triangles), 3), mesh.triangles]).ravel()
     thin = pv.PolyData(mesh.vertices, faces).decimate_pro(LEFT_OUT, preserve_topology=True, splitting=False)
-    kept = np.asarray(cKDTree(mesh.vertices).query(thin.points)[1])  # it leaves out vertices, and moves none
+    places = {vertex.tobytes(): place for place, vertex in enumerate(mesh.vertices)}  # it leaves out, and moves none
+    kept = np.array([places[point.tobytes()] for point in np.asarray(thin.points, dtype=np.float32)])
     return np.asarray(kept[thin.faces.reshape(-1, 4)[:, 1:]])

@@ -138,15 +138,15 @@ def _spots(
 ) -> list[tuple[NDArray[np.float64], float, float]]:
     """Place, radius and strength of the soft spots of a body: feet sharp and near, trunk wide and faint."""
     layout, size = morphology.layout, morphology.leg_length
-    parts = [(points[layout.ankle(side) + k], 0.13, 0.62) for side in (0, 1) for k in (0, 1)]
-    parts += [(points[layout.wrist(side)], 0.12, 0.30) for side in (0, 1)]
-    parts += [(points[0], 0.42, 0.42), (points[layout.neck_base], 0.34, 0.20)]
+    parts = [(layout.ankle(side) + k, 0.13, 0.62) for side in (0, 1) for k in (0, 1)]
+    parts += [(layout.wrist(side), 0.12, 0.30) for side in (0, 1)]
+    parts += [(0, 0.42, 0.42), (layout.neck_base, 0.34, 0.20)]
+    places = points[[place for place, _, _ in parts]]
+    heights = np.maximum(places[:, 2] - ground.height_at(places), 0.0)
     spots = []
-    for point, radius, strength in parts:
-        height = max(float(point[2] - ground.height_at(point)), 0.0)
-        far = height / size
+    for place, far, (_, radius, strength) in zip(places, (heights / size).tolist(), parts, strict=True):
         spread = radius * size * (1 + 0.5 * far)
-        spots.append((point[:2], spread, strength / (1 + (2.2 * far if radius < 0.2 else 0.25 * far) ** 2)))
+        spots.append((place[:2], spread, strength / (1 + (2.2 * far if radius < 0.2 else 0.25 * far) ** 2)))
     return spots
 
 

@@ -1,11 +1,14 @@
 """How many pictures a second were shown of late, and how long after the hand its pose came."""
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable
 
 OF_LATE = 1.0
 """Seconds over which pictures are counted."""
+SAID_EVERY = 0.25
+"""Seconds between one figure and the next."""
 
 
 class Pace:
@@ -16,11 +19,26 @@ class Pace:
         self._pictures: deque[float] = deque()
         self._asked_at: float | None = None
         self._behind: float | None = None
+        self._posed: tuple[float | None] | None = None
+        self._words, self._said_at = "", -math.inf
 
     def rest(self) -> None:
         """Nothing moves any more."""
         self._pictures.clear()
         self._asked_at = self._behind = None
+        self._words, self._said_at = "", -math.inf
+
+    def posed(self, asked_at: float | None) -> None:
+        """A picture is about to be made; ``asked_at`` as ``picture`` has it."""
+        self._posed = (asked_at,)
+
+    def seen(self, moving: bool) -> None:
+        """It is painted, or the same once more: it counts once, and its pose is as old as it is now."""
+        if not moving:
+            self.rest()
+        elif self._posed is not None:
+            self.picture(*self._posed)
+        self._posed = None
 
     def picture(self, asked_at: float | None) -> None:
         """A picture is made; ``asked_at`` (by the clock) that was asked which its pose answers, None for playback."""
@@ -36,7 +54,14 @@ class Pace:
 
     @property
     def words(self) -> str:
-        """``12 pictures/s · 85 ms behind``; nothing at rest."""
+        """``12 pictures/s · 85 ms behind``, anew some times a second, to be read; nothing at rest."""
+        now = self._clock()
+        if not self._words or now - self._said_at >= SAID_EVERY:
+            self._words, self._said_at = self._now, now
+        return self._words
+
+    @property
+    def _now(self) -> str:
         if len(self._pictures) < 2:
             return ""
         count = (len(self._pictures) - 1) / (self._pictures[-1] - self._pictures[0])

@@ -142,11 +142,18 @@ class StageScene:
         body.take(character)
         return body
 
-    def _coarsen(self, moving: bool) -> None:
-        """A coarser mesh takes as long as some pictures to make: one in each, so that none waits for all."""
+    def make_ready(self) -> bool:
+        """Make a coarser mesh of one body, while there is time; whether there may be more to do."""
         late = next((body for body in self._bodies.values() if not body.can_be_coarse), None)
+        if late is not None:
+            late.make_coarse()
+        return late is not None
+
+    def _coarsen(self, moving: bool) -> None:
+        if moving:
+            self.make_ready()  # one in a picture, so that none waits for all
         for body in self._bodies.values():
-            body.coarsen(moving and (body.can_be_coarse or body is late))
+            body.coarsen(moving and body.can_be_coarse)
 
     def _sync_ground(self, ground: Ground) -> None:
         self._ground.show(ground)

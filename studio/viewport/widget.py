@@ -284,10 +284,7 @@ class Viewport(Canvas):
         self.props = props_at(project, self.posed, time)
         coarse = self.moving and not self._glide.moving
         scene.sync(project, self.posed | self.resting, self.props, self._bones, self._paths(), coarse)
-        if self.moving:
-            self._pace.picture(self._live.asked_at(active) if self._live.interactive else None)
-        else:
-            self._pace.rest()
+        self._pace.posed(self._live.asked_at(active) if self._live.interactive else None)
         self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
 
     def _told_changed(self) -> None:
@@ -308,6 +305,7 @@ class Viewport(Canvas):
 
     def paint_over(self, painter: QPainter) -> None:
         """Handles, joints and gizmo."""
+        self._pace.seen(self.moving)
         overlay = Overlay(painter, self.camera, self.view_size)
         ghost = self._ghost()
         if ghost is not None:

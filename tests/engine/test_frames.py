@@ -1,5 +1,6 @@
 """What a picture shows of a dragged body: its frame as it is asked now, as the whole clip would have it."""
 
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -15,7 +16,8 @@ from studio.core.scope import Scope
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performing import perform
 from studio.document.document import Document
-from studio.engine.live_adaptation import LiveAdaptation, normalised
+from studio.engine.frames import LONG
+from studio.engine.live_adaptation import LiveAdaptation, StandingSolver, normalised
 from tests.builders import make_constraint, make_project
 
 FRAMES, FRAME = 60, 15
@@ -99,8 +101,6 @@ def test_who_is_followed_and_who_follows_are_shown_at_one_moment(live: Any) -> N
         "constraints", "constraint 0",
         replace(document.project.constraints["constraint 0"], scope=Scope(performer_id="performer 1")), "One",
     )  # fmt: skip
-    # Arms that come out of their body do so over time: those of who follows, by where the other was till now.
-    document.replace("performers", "performer 0", replace(document.project.performers["performer 0"], clears=False), "")
     wrist = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
     follower = make_constraint(name="after it", target=FollowPerformer("performer 1", wrist))
     document.add("constraints", replace(follower, scope=Scope(performer_id="performer 0")), "Follow")
@@ -120,3 +120,28 @@ def test_another_moment_is_solved_for_itself(live: Any) -> None:
     for frame in (FRAME, 0, FRAMES - 1, 10 * FRAMES):
         live.bring(frame / 60.0)
         assert live.shown("performer 0").first_frame == min(frame, FRAMES - 1)
+
+
+def test_a_frame_that_costs_long_is_not_solved_for_every_picture(qapp: Any) -> None:
+    solver, solved = StandingSolver(), []
+
+    def slow(request: Any, first: int, last: int | None) -> Any:
+        begun = time.thread_time()
+        while last is not None and time.thread_time() - begun < 2 * LONG:
+            pass
+        solved.append((first, last))
+        return solver(request, first, last)
+
+    document = Document(make_project(characters=1, frames=FRAMES))
+    live = LiveAdaptation(document, solve=slow)
+    assert live.wait(100.0)
+    solved.clear()
+    live.interactive = True
+    for step in range(4):
+        drag(document, (0.4, 0.1 * step, 1.2))
+        assert live.bring(0.0)
+    assert solved == [(0, 0)]
+    live.interactive = False
+    assert live.wait(100.0)
+    assert live.shown("performer 0") is live.result("performer 0")
+    live.close()
