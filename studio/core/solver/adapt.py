@@ -22,6 +22,7 @@ from studio.core.solver.carrying import Hold, find_carrying
 from studio.core.solver.easing import LOOKED
 from studio.core.solver.footing import Footing, find_footing
 from studio.core.solver.packing import point_indices
+from studio.core.solver.raised_hands import raise_hands
 from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
 from studio.core.solver.self_contact import SelfContact, hands_standing, self_contact_of
 from studio.core.solver.settling import Arms, settle
@@ -129,6 +130,7 @@ def stand(
     if arms is not None:
         stance = arms.wrists, arms.hands, arms.bends, arms.comforts
         place_arms(motion.channels, measures, *stance, positions, rotations)
+    raise_hands(motion, morphology, ground, arms, positions, rotations)
     self_contact = self_contact_of(motion, morphology, touches, volume, actor, clears)
     if self_contact is not None:
         asked = hands_standing(contacts, motion.frame_count, motion.frame_rate)
