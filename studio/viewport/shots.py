@@ -1,25 +1,17 @@
 """The pictures of a film of the viewport, asked of another process: what it has to know, and how that gets there."""
 
-import copyreg
-import pickle
-from collections.abc import Mapping
+import json
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
-from types import MappingProxyType
 from typing import IO, Any
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Project
+from studio.io.entity_json import Members, npy_parts, parsed, project_json, project_of
+from studio.io.json_text import json_of
+from studio.io.npy import array_of
+from studio.io.value_json import MemberCodec, from_json, to_json
 from studio.viewport.camera import OrbitCamera
-
-
-def _read_only(entities: dict[str, Any]) -> Mapping[str, Any]:
-    return MappingProxyType(entities)
-
-
-_REDUCERS = copyreg.dispatch_table | {MappingProxyType: lambda entities: (_read_only, (dict(entities),))}
-"""How to send what ``pickle`` cannot."""
 
 
 @dataclass(frozen=True)
@@ -54,19 +46,40 @@ class Shots:
 
 
 def send(shots: Shots, stream: IO[bytes]) -> None:
-    """Write what ``receive`` reads: arrays as they lie in memory, so that a long capture keeps nobody waiting."""
-    head, buffers = BytesIO(), list[pickle.PickleBuffer]()
-    pickler = pickle.Pickler(head, protocol=5, buffer_callback=buffers.append)
-    pickler.dispatch_table = _REDUCERS
-    pickler.dump(shots)
-    arrays = [buffer.raw() for buffer in buffers]
-    pickle.dump((head.getvalue(), [len(array) for array in arrays]), stream)
-    for array in arrays:
-        stream.write(array)
+    """Write what ``receive`` reads: a line of JSON, the project as its file has it, and its arrays."""
+    members: Members = {}
+    project = project_json(shots.project, members)
+    arrays = {name: npy_parts(array) for name, array in members.items()}
+    head = {
+        "view": to_json(shots.view, _NO_ARRAYS),
+        "times": shots.times,
+        "size": shots.size,
+        "stem": str(shots.stem) if shots.stem else None,
+        "project": len(project),
+        "arrays": {name: sum(map(len, parts)) for name, parts in arrays.items()},
+    }
+    stream.write(json.dumps(head).encode() + b"\n" + project)
+    for parts in arrays.values():
+        for part in parts:
+            stream.write(part)
 
 
 def receive(stream: IO[bytes]) -> Shots:
-    """The shots that this studio has sent."""
-    head, sizes = pickle.load(stream)
-    shots: Shots = pickle.loads(head, buffers=[stream.read(size) for size in sizes])
-    return shots
+    """The shots that were sent: read as any file of ours is, nothing in them is run. Raises StudioError, ValueError."""
+    head = json_of(stream.readline())
+    project = parsed(stream.read(head["project"]), "project")
+    arrays = {name: array_of(stream.read(size)) for name, size in head["arrays"].items()}
+    return Shots(
+        project_of(project, arrays.__getitem__).project,
+        from_json(head["view"], View, _NO_ARRAYS),
+        tuple(head["times"]),
+        tuple(head["size"]),
+        Path(head["stem"]) if head["stem"] else None,
+    )
+
+
+def _none(_array: object) -> Any:
+    raise ValueError("A view has no arrays.")
+
+
+_NO_ARRAYS = MemberCodec(_none, _none)
