@@ -170,9 +170,9 @@ class EditedProject(QObject):
         self.playhead.pause()
         self._project = project
         self._revision += 1
+        self.selection.clear()  # first: who hears of the others asks what is selected
         self.undo_stack.clear()
         self.undo_stack.setClean()
-        self.selection.clear()
         self.playhead.set_time(0.0)
         self._fit_playhead()
         self.project_opened.emit()

@@ -273,3 +273,13 @@ def test_the_ruler_is_that_of_the_motion_that_plays_after_undo_and_redo(qapp):
     document.undo_stack.redo()
     assert (ruler.frame_rate, ruler.last) == (30.0, 119)
     document.close()
+
+
+def test_who_hears_that_another_project_is_there_finds_nothing_of_the_old_one_selected() -> None:
+    document = Document(PROJECT)
+    document.replace("constraints", "constraint 0", make_constraint(name="Other"), "Edit")
+    document.selection.set(("performers", "performer 0"), ("constraints", "constraint 1"))
+    heard: list[str | None] = []
+    document.undo_stack.indexChanged.connect(lambda _: heard.append(document.active_motion_id))
+    document.new(make_project(constraints=0))
+    assert heard == ["motion"]
