@@ -150,8 +150,8 @@ class StageScene:
         return late is not None
 
     def _coarsen(self, moving: bool) -> None:
-        if moving:
-            self.make_ready()  # one in a picture, so that none waits for all
+        if moving and self._pixels.GetNumberOfValues():
+            self.make_ready()  # one in a picture, so that none waits for all, and the first of all for none
         for body in self._bodies.values():
             body.coarsen(moving and body.can_be_coarse)
 
