@@ -7,6 +7,7 @@ import pytest
 
 from studio.cli.render import prepared
 from studio.core.constraints.base import BodyPoint
+from studio.core.contacts import ContactPoint
 from studio.core.ground import Ground
 from studio.core.metrics import contact_quality
 from studio.core.placement import Placement
@@ -14,7 +15,9 @@ from studio.core.project import Project
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.circles import SWEEPS
 from studio.core.solver.performing import Performance, Staged, perform
-from studio.library.scenes import SCENES, fight, papers
+from studio.library.scenes import SCENES, changing, fight, papers
+
+HEELS = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
 
 
 def exact(project: Project) -> Project:
@@ -99,6 +102,46 @@ def test_every_scene_can_be_played(place: int) -> None:
     made = perform(project, project.performers, prepared, adapt)
     assert not made.failures
     assert len(made.performances) == len(project.performers)
+
+
+def performed(title: str) -> tuple[Project, dict[str, Performance]]:
+    project = exact(next(scene for scene in SCENES if scene.title == title).make())
+    made = perform(project, project.performers, prepared, adapt)
+    assert not made.failures
+    return project, dict(made.performances)
+
+
+def test_hands_of_arms_of_any_length_meet_at_the_same_moments() -> None:
+    project, made = performed("A clap")
+    assert len({each.morphology.arm[0, 0] for each in project.characters.values()}) == 3
+    for performance in made.values():
+        left, right = (place_of(point, performance.adapted) for point in changing.PALMS)
+        apart = np.linalg.norm(left - right, axis=1)
+        frame_at = performance.composite.timing.frame_at
+        assert all(apart[round(frame_at(second))] < 1e-3 for second in changing.CLAPS)
+        assert all(apart[round(frame_at(second + 0.25))] > 0.3 for second in changing.CLAPS[:-1])
+
+
+def test_nobody_slides_on_steps_and_all_come_up() -> None:
+    project, made = performed("Walk on steps")
+    for key, performance in made.items():
+        performer = project.performers[key]
+        ground = project.ground.seen_from(performer.position, performer.heading)
+        quality = contact_quality(performance.adapted, performance.composite.contacts, ground)
+        assert quality.slide < 2e-3
+        heights = performance.adapted.positions[:, performance.adapted.morphology.layout.toe(0), 2]
+        assert heights.max() > changing.RISE
+
+
+def test_who_grows_and_who_shrinks_keeps_its_feet_where_they_stand() -> None:
+    _, made = performed("Bodies that grow and shrink")
+    grows, shrinks = (each.adapted for each in made.values())
+    for adapted, larger in ((grows, True), (shrinks, False)):
+        first, last = (adapted.body.at(frame).stature for frame in (0, adapted.frame_count - 1))
+        assert (last > 1.5 * first) if larger else (last < 0.65 * first)
+    for performance in made.values():
+        heels = [each for each in performance.composite.contacts if each.point in HEELS]  # toes of a longer foot go on
+        assert contact_quality(performance.adapted, heels, Ground()).slide < 2e-3
 
 
 def test_a_wrist_comes_before_an_elbow_and_balance_costs_no_reach() -> None:

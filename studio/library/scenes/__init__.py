@@ -64,4 +64,21 @@ SCENES = (
         "Feet lie on the slope and stay where they stand. Change the angle while it plays.",
         "papers.slope",
     ),
+    Scene(
+        "Walk on steps",
+        "Five bodies walk up low steps and turn on them: feet stand on the treads. Change rise and"
+        " tread while it plays.",
+        "changing.steps",
+    ),
+    Scene(
+        "A clap",
+        "Hands of short, usual and long arms meet at the same moments: at 0.5, 1.0 and 1.5 s. Change the length of an"
+        " arm: they meet all the same.",
+        "changing.clap",
+    ),
+    Scene(
+        "Bodies that grow and shrink",
+        "One grows and one shrinks while they walk: from 1 to 7 s. Steps change with their legs, and no foot slides.",
+        "changing.growing",
+    ),
 )

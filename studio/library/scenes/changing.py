@@ -1,0 +1,73 @@
+"""Scenes of bodies and grounds that differ or change: hands that clap, a walk over steps, bodies that grow."""
+
+from dataclasses import replace
+
+from studio.core.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.keyed import KeyedNumber
+from studio.core.grounds.steps import Steps
+from studio.core.growth import KeyedProportions
+from studio.core.morphology import Proportions
+from studio.core.project import GROUND_ID, Clip, Project
+from studio.library.scenes.papers import row
+from studio.library.scenes.stagehand import RATE, material
+
+GUARD = (240, 340)
+"""Frames of the punch in which it only stands, both hands before the chest."""
+APART, TOGETHER = 0.45, 0.0
+CLAPS = (0.5, 1.0, 1.5)
+"""Seconds at which hands meet."""
+ARMS = (0.8, 1.0, 1.25)
+PALMS = tuple(BodyPoint(BodyPart(f"{side}_hand"), (0.0, 0.0, 0.08)) for side in ("left", "right"))
+RISE, TREAD = 0.10, 0.45
+
+
+def clap() -> Project:
+    """Three bodies whose arms are short, usual and long clap at the same moments (K05, section 8)."""
+    project = row(material(rest=("Stand", "straight_punch")), "rest", 3, same=True)
+    [(key, character)] = project.characters.items()
+    characters = {
+        f"{key} {place}": replace(
+            character,
+            name=("Short arms", "Usual arms", "Long arms")[place],
+            proportions=Proportions(upper_arms=factor, forearms=factor),
+        )
+        for place, factor in enumerate(ARMS)
+    }
+    clips = (Clip("rest", *GUARD, id="clip"),)
+    performers = {
+        name: replace(performer, name=characters[own].name, character_id=own, clips=clips)
+        for (name, performer), own in zip(project.performers.items(), characters, strict=True)
+    }
+    begin, end = (frame / RATE for frame in GUARD)
+    beats = [(begin + CLAPS[0] - 0.25, APART)]
+    for second in CLAPS:
+        beats += [(begin + second, TOGETHER), (begin + second + 0.25, APART)]
+    times, distances = zip(*beats, strict=True)
+    hands = DistanceConstraint(
+        "rest", "Clap", PALMS[0], Chain(), 0, ActivationCurve(begin, begin + 0.25, end - 0.05, end),
+        other=PALMS[1], distance=KeyedNumber(times, distances),
+    )  # fmt: skip
+    return replace(project, characters=characters, performers=performers, constraints={"clap": hands})
+
+
+def steps() -> Project:
+    """Five bodies walk up a flight of low steps and turn on it (K05, section 7)."""
+    project = row(material(walk=("Walk and turn", "walk_turn")), "walk", 5, apart=1.3)
+    return replace(project, grounds={GROUND_ID: Steps(rise=RISE, tread=TREAD, count=12, start=(0.5, 0.0))})
+
+
+def growing() -> Project:
+    """One body grows and one shrinks while they walk (K05, section 10)."""
+    project = row(material(walk=("Walk and turn", "walk_turn")), "walk", 2, apart=1.6)
+    ways = (("Grows", 0.8, 1.3), ("Shrinks", 1.3, 0.75))
+    for (key, character), (name, before, after) in zip(project.characters.items(), ways, strict=True):
+        keys = KeyedProportions((1.0, 7.0), (Proportions(stature=before), Proportions(stature=after)))
+        project = project.with_entity("characters", key, replace(character, name=name, proportions=keys))
+    performers = [
+        (key, replace(each, name=name), None)
+        for (key, each), (name, _, _) in zip(project.performers.items(), ways, strict=True)
+    ]
+    return project.with_entities("performers", performers)
