@@ -135,6 +135,7 @@ def stand(
     if self_contact is not None:
         asked = hands_standing(contacts, motion.frame_count, motion.frame_rate)
         self_contact.close(slice(None), asked, positions, rotations)
+        raise_hands(motion, morphology, ground, arms, positions, rotations)
     known = contacts, ground
     return Standing(
         motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited, self_contact
