@@ -41,6 +41,8 @@ is how far the body under the mouse is from what is solved without a window.
 BODIES, CROWD = 5, 8
 REST = 1500
 """Milliseconds after a drag in which the window comes to rest."""
+SETTLED = 6000
+"""The same after playback, before what a window at rest computes is measured."""
 CHECKED = 4
 """Pictures of a drag that are solved again beside the window."""
 AIMS = "aims: median under 33 ms, 95 % under 100 ms, strips within 250 ms of release; 24 pictures/s; 0 % at rest"
@@ -268,7 +270,7 @@ def playback(window: MainWindow, watch: Watch, parts: Parts, seconds: float) -> 
     run_window(round(1000 * seconds))
     lasted, spent, times = time.monotonic() - begun, parts.end(), [each.at for each in watch.pictures]
     playhead.pause()
-    run_window(2000)
+    run_window(SETTLED)
     rested, begun = time.process_time(), time.monotonic()
     run_window(3000)
     rest = 100 * (time.process_time() - rested) / (time.monotonic() - begun)
