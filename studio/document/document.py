@@ -14,8 +14,17 @@ from studio.document.file_lock import FileLock
 from studio.document.journal import Journal, StateHash, Step
 from studio.document.recovery import Session, mark_recovered, recover
 from studio.io.archive import Stamp
-from studio.io.project_file import OpenedProject, new_document_id, read_project, write_project
+from studio.io.project_file import (
+    ChangedOnDisk,
+    OpenedProject,
+    document_id_of,
+    new_document_id,
+    read_project,
+    write_project,
+)
 
+LOCKS = "locks"
+"""The folder, in that of the journals, of what documents are open."""
 REST_MILLISECONDS = 500
 """How often at most it is kept for recovery where the playhead stands."""
 
@@ -30,9 +39,13 @@ class Saving:
     revision: int
     expected: Stamp | None
     thumbnail: bytes | None = None
+    locks: Path | None = None
+    """Where it shows whether the file that is to be replaced is open in another window; None not to ask."""
 
     def write(self, report: Callable[[float, str], None] = lambda _share, _text: None) -> Stamp:
-        """Write the file; raises as ``write_project``."""
+        """Write the file; raises as ``write_project``, and ChangedOnDisk where another window has it open."""
+        if self.locks is not None:
+            self._refuse_open_elsewhere(self.locks)
         return write_project(
             self.path,
             self.project,
@@ -41,6 +54,22 @@ class Saving:
             expected=self.expected,
             report=report,
         )
+
+    def _refuse_open_elsewhere(self, locks: Path) -> None:
+        document_id = document_id_of(self.path)
+        lock = FileLock.taken(lock_of_document(locks, document_id)) if document_id else None
+        if lock is not None:
+            lock.release()
+        elif document_id:
+            raise ChangedOnDisk(
+                f"'{self.path.name}' is open in another window of Morpho Studio. Save under another name, or save again"
+                " to replace it."
+            )
+
+
+def lock_of_document(locks: Path, document_id: str) -> Path:
+    """The lock that a window holds while it has the document."""
+    return locks / f"{document_id}.lock"
 
 
 class Document(EditedProject):
@@ -120,7 +149,8 @@ class Document(EditedProject):
             raise StudioError(self._read_only)
         document_id = self._document_id if own or self._path is None else new_document_id()
         expected = self._stamp if own and not overwrite else None
-        return Saving(self.project, target, document_id, self.revision, expected, thumbnail)
+        locks = None if own or overwrite or self._folder is None else self._folder / LOCKS
+        return Saving(self.project, target, document_id, self.revision, expected, thumbnail, locks)
 
     def saved(self, saving: Saving, stamp: Stamp) -> None:
         """The file of ``saving`` is written: it is this project's file from now on."""
@@ -128,7 +158,7 @@ class Document(EditedProject):
         self._unsaved_base = False
         whole = saving.revision == self.revision
         if self.journal is not None:
-            self.journal.mark_saved(saving.project, saving.path, whole)
+            self.journal.mark_saved(saving.project, saving.path, stamp, whole)
         if saving.document_id != self._document_id:
             self._document_id = saving.document_id
             self._take_lock()
@@ -146,11 +176,11 @@ class Document(EditedProject):
     def recover(self, session: Session) -> None:
         """Show the last state of a session that died, with its undo history where that can be rebuilt."""
         recovered = recover(session)
-        self._become(recovered.base, session.path, session.document_id, None, "", unsaved=True)
+        self._become(recovered.base, session.path, session.document_id, session.stamp, "", unsaved=True)
         self._replay(recovered.steps)
         hashes = StateHash()
         if hashes.of(self.project) != hashes.of(recovered.project):
-            self._become(recovered.project, session.path, session.document_id, None, "", unsaved=True)
+            self._become(recovered.project, session.path, session.document_id, session.stamp, "", unsaved=True)
         if recovered.playhead is not None:
             self.playhead.restore(recovered.playhead)
             self._keep_playhead()
@@ -191,7 +221,9 @@ class Document(EditedProject):
         if self._folder is None:
             return
         self._take_lock()
-        self.journal = Journal(self._folder, self._document_id, self.project, self._path, self._unsaved_base, self)
+        self.journal = Journal(
+            self._folder, self._document_id, self.project, self._path, self._unsaved_base, self, self._stamp
+        )
         self.journal.acknowledged_changed.connect(self._tell_saved_state)
         self.journal.failed.connect(self.problem)
 
@@ -202,7 +234,7 @@ class Document(EditedProject):
         if self._lock is not None:
             self._lock.release()
         try:
-            self._lock = FileLock.taken(self._folder / "locks" / f"{self._document_id}.lock")
+            self._lock = FileLock.taken(lock_of_document(self._folder / LOCKS, self._document_id))
         except OSError as error:
             self._lock = None
             self.problem.emit(f"'{self._folder}' cannot be written ({error}): edits are not kept for recovery.")

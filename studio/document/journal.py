@@ -25,6 +25,7 @@ from studio.core.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
 from studio.document.playhead import PlayheadState
+from studio.io.archive import Stamp
 from studio.io.entity_json import Members, entity_record, line, npy_parts, project_json
 
 STEPS_BETWEEN_SNAPSHOTS = 50
@@ -56,6 +57,7 @@ class Step:
 class _Save:
     project: Project
     path: Path
+    stamp: Stamp
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +103,14 @@ class Journal(QObject):
         path: Path | None,
         unsaved: bool = False,
         parent: QObject | None = None,
+        stamp: Stamp | None = None,
     ) -> None:
+        """``stamp`` is of the file at ``path`` as it was opened: who recovers knows whether it has changed since."""
         super().__init__(parent)
         self.recorded = 0
         self.acknowledged = 0
         self.unsaved = self._unsaved_base = unsaved
-        self._base, self._document_id, self._path = base, document_id, path
+        self._base, self._document_id, self._path, self._stamp = base, document_id, path, stamp
         self._folder, self._files = folder, list[Path]()
         self._queue: queue.SimpleQueue[_Item | None] = queue.SimpleQueue()
         self._latest, self._before = (0, base), 0
@@ -136,11 +140,12 @@ class Journal(QObject):
         self._start()
         self._queue.put(_Numbered(self.recorded, step))
 
-    def mark_saved(self, project: Project, path: Path, all_of_it: bool) -> None:
+    def mark_saved(self, project: Project, path: Path, stamp: Stamp, all_of_it: bool) -> None:
         """The file now holds ``project``; steps after that state are still to be recovered if the process dies."""
         self.unsaved = not all_of_it
+        self._path, self._stamp = path, stamp
         if self._thread is not None:
-            self._queue.put(_Save(project, path))
+            self._queue.put(_Save(project, path, stamp))
 
     def stand(self, playhead: PlayheadState) -> None:
         """Keep where the user stands, once there is something to recover."""
@@ -249,6 +254,7 @@ class Journal(QObject):
         session = {
             "document": self._document_id,
             "path": str(self._path or ""),
+            "stamp": json.dumps(self._stamp),
             "process": str(os.getpid()),
             "started": str(time.time()),
             "unsaved_base": str(int(self._unsaved_base or (anew and self.unsaved))),
@@ -274,6 +280,7 @@ class Journal(QObject):
                 case _Save():
                     row = (done - self._before, str(item.path), self._hash.of(item.project))
                     connection.execute("INSERT INTO saves VALUES (?, ?, ?)", row)
+                    _put_fact(connection, "stamp", json.dumps(item.stamp))
                 case PlayheadState():
                     _put_fact(connection, "playhead", json.dumps(asdict(item)))
                 case str():

@@ -14,6 +14,7 @@ from studio.document.commands.replace import Edit, applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import StateHash, Step, files_of, lock_of, remove_session, steps_of
 from studio.document.playhead import PlayheadState
+from studio.io.archive import Stamp
 from studio.io.entity_json import entity_of, parsed, project_of
 from studio.io.npy import array_of
 from studio.io.value_json import Array
@@ -43,6 +44,8 @@ class Session:
     """Steps that were in it once, readable or not."""
     damage: str = ""
     """Why nothing of it can be read."""
+    stamp: Stamp | None = None
+    """Of the project's file as the session knew it: who saves is told when it was changed since."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +163,7 @@ def _session(file: Path) -> Session | None:
                 _begun(facts.get("started"), begun),
                 facts.get("ended") == "declined",
                 written,
+                stamp=_stamp(facts.get("stamp")) if path else None,
             )
     except _DAMAGE as error:
         return Session(
@@ -177,6 +181,15 @@ def _counted(file: Path) -> int:
 
 def _document_of(file: Path) -> str:
     return file.stem.partition("-")[0]
+
+
+def _stamp(told: str | None) -> Stamp:
+    """One that no file has where the journal says none: who saves is asked once too often then."""
+    try:
+        node, size, time = json.loads(told or "")
+        return int(node), int(size), int(time)
+    except (ValueError, TypeError):
+        return 0, 0, 0
 
 
 def _begun(told: str | None, otherwise: datetime) -> datetime:

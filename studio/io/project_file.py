@@ -35,6 +35,7 @@ __all__ = [
     "ChangedOnDisk",
     "FolderNotWritable",
     "OpenedProject",
+    "document_id_of",
     "new_document_id",
     "read_project",
     "write_project",
@@ -43,6 +44,7 @@ __all__ = [
 MANIFEST, PROJECT, THUMBNAIL = "manifest.json", "project.json", "thumbnail.png"
 HISTORY = re.compile(r"history/(\d{3,9})\.json")
 KEPT_VERSIONS = 10
+_PLAIN_ID = re.compile("[0-9A-Za-z]{1,64}")
 
 
 class ChangedOnDisk(StudioError):  # noqa: N818 - it names what is the matter
@@ -68,6 +70,17 @@ class OpenedProject:
 def new_document_id() -> str:
     """An id for a document, kept by its file under any name."""
     return uuid.uuid4().hex
+
+
+def document_id_of(path: Path) -> str | None:
+    """The id of the document in a project's file; None where there is no such file, or it has none."""
+    if not path.is_file():
+        return None
+    try:
+        manifest, _ = _checked(read_archive(path), path, [])
+    except StudioError:  # it is no project
+        return None
+    return _document_id(manifest)
 
 
 def write_project(
@@ -122,17 +135,22 @@ def read_project(path: Path, version: str = PROJECT) -> OpenedProject:
         )
     if not archive.sealed and not problems:
         problems.append(f"'{path.name}' was changed by another program or damaged; all its members are right.")
-    document_id = manifest.get("document")
     return OpenedProject(
         _with_foreign_members(read.project, intact, manifest),
         path,
-        document_id if isinstance(document_id, str) and document_id else new_document_id(),
+        _document_id(manifest) or new_document_id(),
         stamp(path),
         read_only,
         tuple(problems),
         versions,
         (*read.remarks, *objections(tuple(read.project.constraints.values()))),
     )
+
+
+def _document_id(manifest: Mapping[str, Json]) -> str | None:
+    """Files are named by it, so it is believed only where it is plain letters and digits."""
+    found = manifest.get("document")
+    return found if isinstance(found, str) and _PLAIN_ID.fullmatch(found) else None
 
 
 def _manifest(document_id: str, members: Mapping[str, bytes]) -> bytes:

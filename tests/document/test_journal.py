@@ -328,3 +328,49 @@ def test_a_damaged_project_is_not_saved_over_its_file(make_document: Any, tmp_pa
     assert told
     with pytest.raises(StudioError, match="Save As"):
         other.save()
+
+
+def test_who_saves_over_what_another_window_has_open_is_told_first(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    first, second = make_document(), make_document()
+    first.save(path)
+    before = path.read_bytes()
+    with pytest.raises(ChangedOnDisk, match="open in another window"):
+        second.save(path)
+    assert path.read_bytes() == before
+    first.close()
+    second.save(path)
+    assert path.read_bytes() != before
+
+
+def test_a_recovered_session_does_not_save_over_what_was_saved_since(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    document = make_document()
+    document.save(path)
+    edit(document)
+    died(document)
+    later = make_document()
+    later.open(path)
+    edit(later, 2)
+    later.save()
+    later.close()
+    [session] = recoverable_sessions(tmp_path / "state")
+    again = make_document()
+    again.recover(session)
+    with pytest.raises(ChangedOnDisk):
+        again.save()
+    again.save(overwrite=True)
+
+
+def test_a_recovered_session_saves_over_the_file_that_it_knew(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    document = make_document()
+    edit(document)
+    document.save(path)
+    edit(document, 2)
+    died(document)
+    [session] = recoverable_sessions(tmp_path / "state")
+    again = make_document()
+    again.recover(session)
+    again.save()
+    assert not again.dirty

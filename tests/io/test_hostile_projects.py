@@ -17,7 +17,7 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.io.character_file import read_character, write_character
-from studio.io.project_file import read_project, write_project
+from studio.io.project_file import document_id_of, read_project, write_project
 from tests.builders import make_character, make_project
 
 Record = dict[str, Any]
@@ -276,3 +276,15 @@ def test_a_bad_character_is_refused_in_a_sentence(tmp_path: Path, case: str) -> 
         read_character(path)
     assert "dancer" in str(error.value) or "gone" in str(error.value)
     assert len(str(error.value)) < 600
+
+
+@pytest.mark.parametrize("name", ["../../elsewhere", "/tmp/x", "a\0b", "", 7, "x" * 5000])
+def test_an_id_that_would_name_a_file_elsewhere_is_not_believed(tmp_path: Path, name: object) -> None:
+    path = tmp_path / "walk.studio"
+    write_project(path, make_project(), "0" * 32)
+    with zipfile.ZipFile(path) as archive:
+        found = {entry.filename: archive.read(entry) for entry in archive.infolist()}
+    manifest = json.loads(found["manifest.json"])
+    path.write_bytes(packed({**found, "manifest.json": json.dumps({**manifest, "document": name}).encode()}))
+    assert re.fullmatch("[0-9a-f]{32}", read_project(path).document_id)
+    assert document_id_of(path) is None
