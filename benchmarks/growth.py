@@ -65,7 +65,7 @@ def with_constraints(
     sets = [[wishes[place] for place in order[:count]] for order in orders() for count in counts]
     requests = [replace(request, constraints=tuple(each)) for each in sets]
     jobs = [Job(str(len(each.constraints)), partial(adapt, each), motion.frame_count) for each in requests]
-    return _fitted(counts, np.reshape([timing.median for timing in time_jobs(jobs, rounds)], (ORDERS, -1)))
+    return fitted(counts, np.reshape([timing.median for timing in time_jobs(jobs, rounds)], (ORDERS, -1)))
 
 
 def orders() -> list[NDArray[np.int64]]:
@@ -88,7 +88,7 @@ def with_characters(
         spent += time.process_time() - start
         if number in CHARACTERS:
             costs.append(1e6 * spent / motion.frame_count)
-    return _fitted(list(CHARACTERS), np.array([costs]))
+    return fitted(list(CHARACTERS), np.array([costs]))
 
 
 def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
@@ -112,8 +112,8 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
     return tuple(wishes)
 
 
-def _fitted(counts: list[int], each: NDArray[np.float64]) -> Growth:
-    """The line nearest to the means of costs (orders, counts)."""
+def fitted(counts: list[int], each: NDArray[np.float64]) -> Growth:
+    """The line nearest to the means of costs (orders, counts), which are in microseconds."""
     costs = each.mean(axis=0)
     slope, fixed = np.polyfit(counts, costs, 1)
     left = costs - (fixed + slope * np.array(counts))

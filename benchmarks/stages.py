@@ -1,0 +1,62 @@
+"""How the cost of a stage grows with the number of its performers: rows of clips, each with its wishes, on one core."""
+
+import time
+from collections.abc import Mapping
+
+import numpy as np
+
+from benchmarks.growth import CHARACTERS, Growth, fitted
+from studio.cli.render import prepared
+from studio.core.canonical import BodyPart
+from studio.core.character import Character
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.position import PositionConstraint
+from studio.core.project import Clip, Performer, Project
+from studio.core.solver.adapt import adapt
+from studio.core.solver.performing import perform
+from studio.core.solver.rows import timing_of
+from studio.library.scenes.stagehand import bodies, material
+
+ROW = Clip("walk", 100, 160, 0.0, "before"), Clip("walk", 300, 370, 0.8, "after", mirrored=True)
+"""Two clips that blend; a row of two seconds."""
+WRISTS = tuple(BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in ("left", "right"))
+
+
+def with_performers() -> Growth:
+    """Microseconds for one frame of a stage of 1 to 1,000 performers, bodies in turn."""
+    stage = prepared_stage(bodies(5))
+    costs = []
+    for count in (1, *CHARACTERS):  # the first one loads what all need
+        keys = list(stage.performers)[:count]
+        start = time.process_time()
+        made = perform(stage, keys, prepared, adapt)
+        spent = time.process_time() - start
+        assert not made.failures
+        costs.append(1e6 * spent / (timing_of(stage, stage.performers[keys[0]]).last + 1))
+    return fitted(list(CHARACTERS), np.array([costs[1:]]))
+
+
+def prepared_stage(characters: Mapping[str, Character]) -> Project:
+    """As many performers as are measured at most, who play one row of two clips and lift both hands in it."""
+    stuff = material(walk=("Walk and turn", "walk_turn"))
+    names = list(characters)
+    performers = {
+        f"performer {number}": Performer(f"Performer {number}", names[number % len(names)], ROW, (1.2 * number, 0.0))
+        for number in range(CHARACTERS[-1])
+    }
+    wishes = {
+        f"wish {place}": PositionConstraint(
+            "walk", f"Hand {place}", wrist, Chain(trunk=0.3), 0, ActivationCurve(2.0, 2.3, 6.0, 6.2),
+            target=OwnPlace(wrist, 2.2, (0.1, 0.0, 0.15)),
+        )
+        for place, wrist in enumerate(WRISTS)
+    }  # fmt: skip
+    return Project(stuff.captures, stuff.motions, characters, performers, wishes, stuff.contacts)
+
+
+def beyond_linear(stage: Growth) -> float:
+    """How much more one of the most costs than one of ten."""
+    each = [cost / count for cost, count in zip(stage.costs, stage.counts, strict=True)]
+    return each[-1] / each[stage.counts.index(10)]
