@@ -1,4 +1,4 @@
-"""Spoilt files without end: ``make soak``, or ``python -m tests.soak [--count N] [--kind SUFFIX...] [--keep FOLDER]``.
+"""Spoilt files, and a monkey: ``make soak``, or ``python -m tests.soak [--count N] [--kind KIND...] [--keep FOLDER]``.
 
 Every kind of file that the studio reads, each in a process of its own with limits of memory and time. Whatever is
 neither read nor refused in a sentence (another exception, a process that dies, more than ten seconds) is kept in a
@@ -10,6 +10,7 @@ import contextlib
 import multiprocessing
 import os
 import resource
+import subprocess
 import sys
 import tempfile
 import time
@@ -106,6 +107,16 @@ def _until_it_ends_or_hangs(
     return f"seed {now.value}: the process died with {process.exitcode}"
 
 
+def let_a_monkey_in(events: int, keep: Path) -> str:
+    """As many events as files of a kind at the real window, in a process of its own."""
+    command = [sys.executable, "-m", "tests.monkey", "--events", str(events)]
+    with open(keep / "monkey.log", "wb") as log:
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=log, check=False)
+    if done.returncode:
+        (keep / "monkey.txt").write_bytes(done.stdout or b"the process died: see monkey.log")
+    return f"{'monkey':14} {events:>9,} events, {'wrong' if done.returncode else '0 wrong'}"
+
+
 def main() -> int:
     """Every kind beside the others, as many at a time as there are cores."""
     from tests.io.seeds import SEEDS
@@ -114,15 +125,21 @@ def main() -> int:
     parser.add_argument("--count", type=int, help=f"files of each kind; {COUNT:,} by default, of C3D 50,000")
     parser.add_argument("--kind", nargs="+", default=list(SEEDS), choices=list(SEEDS), help="all by default")
     parser.add_argument("--keep", type=Path, default=Path("soak"), help="folder for what is wrong")
+    parser.add_argument(
+        "--no-monkey", dest="monkey", action="store_false", help="leave the window alone (tests.monkey)"
+    )
     arguments = parser.parse_args()
     arguments.keep.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
+        monkey = pool.submit(let_a_monkey_in, arguments.count or COUNT, arguments.keep) if arguments.monkey else None
         jobs = [
             pool.submit(watch, suffix, arguments.count or COUNTS.get(suffix, COUNT), arguments.keep)
             for suffix in arguments.kind
         ]
         for job in jobs:
             print(job.result(), flush=True)
+        if monkey is not None:
+            print(monkey.result(), flush=True)
     wrong = sorted(arguments.keep.glob("*.txt"))
     print(f"{len(wrong)} wrong" + (f", kept in {arguments.keep}" if wrong else ""))
     return 1 if wrong else 0

@@ -152,7 +152,10 @@ def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(path) as archive:
             if sum(entry.file_size for entry in archive.infolist()) > limit:
-                return {}
+                raise StudioError(
+                    f"'{path.name}' would unpack to more than {limit // 1_000_000} MB, and a project is not that much"
+                    " smaller when it is packed. Ask whom it comes from for the file as it was saved."
+                )
             return {entry.filename: archive.read(entry) for entry in archive.infolist() if not entry.is_dir()}
     except (
         zipfile.BadZipFile,

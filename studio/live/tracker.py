@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.io.beside import read_bytes
 from studio.live import vmc
 from studio.live.osc import LARGEST, Argument, BadPacket, Message, decode
 
@@ -156,7 +157,7 @@ def write_recording(path: Path, packets: Iterable[tuple[float, bytes]]) -> None:
 
 def read_recording(path: Path) -> Iterator[tuple[float, bytes]]:
     """The datagrams of a recording, in order. Raises StudioError naming the byte at which it is damaged."""
-    data, at = path.read_bytes(), len(_MAGIC)
+    data, at = read_bytes(path), len(_MAGIC)
     if not data.startswith(_MAGIC):
         raise StudioError(f"{path.name} is no recording of datagrams.")
     while at < len(data):

@@ -10,7 +10,8 @@ from pathlib import Path
 from random import Random
 
 from studio.io.c3d_writer import write_c3d
-from studio.io.character_file import write_character
+from studio.io.character_file import mesh_bytes, write_character
+from studio.io.character_file import read_mesh as read_skin
 from studio.io.constraint_file import constraint_record, read_constraints
 from studio.io.export import write_capture
 from studio.io.ground_file import read_ground
@@ -55,6 +56,7 @@ SEEDS: dict[str, Write] = {
     ".obj": _text(lambda: OBJ),
     ".stl": _text(lambda: STL),
     ".ply": lambda path: path.write_bytes(PLY),
+    ".npz": lambda path: path.write_bytes(mesh_bytes(make_character().skin)),
 }
 """The suffixes of constraints and grounds are this table's own: their files end with .json too."""
 OBJ = "# a roof\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0.5 1 0.5\nf 1 2 3 4\nf 1/1/1 2/2/2 5\nf -4 -3 -1\n"
@@ -120,6 +122,8 @@ def read(path: Path) -> None:
             read_constraints(path, "motion")
         case ".ground":
             read_ground(path)
+        case ".npz":
+            read_skin(path.read_bytes(), path.name)
         case ".obj" | ".stl" | ".ply":
             read_mesh(path)
         case _:

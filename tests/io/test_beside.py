@@ -17,6 +17,7 @@ from studio.io.mesh_file import read_mesh
 from studio.io.npy import array_of
 from studio.io.project_file import read_project
 from studio.io.zipped import npy
+from studio.live.tracker import read_recording
 from tests.builders import make_character
 from tests.cli.test_adapt import WRIST
 from tests.io.seeds import OBJ
@@ -27,12 +28,19 @@ AREA.pop("target")
 
 @pytest.mark.skipif(os.name == "nt", reason="there are no such files")
 @pytest.mark.timeout(20)
-@pytest.mark.parametrize("suffix", [".bvh", ".c3d", ".s4d", ".glb", ".json", ".fbx", ".studio", ".obj", ".constraints"])
+@pytest.mark.parametrize(
+    "suffix", [".bvh", ".c3d", ".s4d", ".glb", ".json", ".fbx", ".studio", ".obj", ".constraints", ".packets"]
+)
 def test_a_pipe_and_a_link_to_a_device_are_refused_at_once(tmp_path: Path, suffix: str) -> None:
     pipe, link = tmp_path / f"pipe{suffix}", tmp_path / f"link{suffix}"
     os.mkfifo(pipe)
     link.symlink_to("/dev/zero")
-    readers = {".studio": read_project, ".obj": read_mesh, ".constraints": lambda path: read_constraints(path, "m")}
+    readers = {
+        ".studio": read_project,
+        ".obj": read_mesh,
+        ".constraints": lambda path: read_constraints(path, "m"),
+        ".packets": lambda path: next(read_recording(path)),
+    }
     for path in (pipe, link):
         with pytest.raises(StudioError, match=r"no ordinary file|is not there"):
             readers.get(suffix, load_capture)(path)

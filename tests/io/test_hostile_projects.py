@@ -288,3 +288,15 @@ def test_an_id_that_would_name_a_file_elsewhere_is_not_believed(tmp_path: Path, 
     path.write_bytes(packed({**found, "manifest.json": json.dumps({**manifest, "document": name}).encode()}))
     assert re.fullmatch("[0-9a-f]{32}", read_project(path).document_id)
     assert document_id_of(path) is None
+
+
+def test_a_project_that_unpacks_a_thousandfold_is_refused_before_it_is_unpacked(
+    members: dict[str, bytes], tmp_path: Path
+) -> None:
+    path = tmp_path / "walk.studio"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in {**members, "captures/zeros.npy": bytes(150_000_000)}.items():
+            archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+    assert path.stat().st_size < 2_000_000
+    with pytest.raises(StudioError, match=r"walk\.studio' would unpack to more than 1\d\d MB"):
+        read_project(path)
