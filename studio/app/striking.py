@@ -4,6 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from PySide6.QtCore import Qt
+
 from studio.app.file_dialogs import ask_folder
 from studio.app.importing import ReadMotion, add_motion, read_motion
 from studio.app.workbench import Workbench
@@ -38,9 +40,11 @@ class Striking:
         self.panel = Strikes(bench.document, limbs, [(kind, kind.capitalize()) for kind in Kind])
         self.library: Library | None = None
         self.found: list[Result] = []
+        self._sought: tuple[Asked, Placement] | None = None
         self.panel.folder_wanted.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
         self.panel.wanted.connect(self.search)
         self.panel.chosen.connect(self.play)
+        self.panel.looked_at.connect(self.look_at)
 
     def add_folder(self, folder: Path) -> int:
         """Index a folder in the background; returns the task."""
@@ -87,6 +91,7 @@ class Striking:
 
     def play(self, place: int) -> None:
         """Play a result from the playhead on, driven to the target: one undo step."""
+        self.look_at(-1)
         document, found = self.bench.document, self.found[place]
         performer_id, prop_id = document.active_performer_id, self.panel.target_id
         known = [key for key, path in self.bench.sources.items() if str(path) == found.clip.take.path]
@@ -103,11 +108,27 @@ class Striking:
 
         self.bench.runner.run(f"Opening {path.name}", lambda progress: read_motion(path, GUESS_ALL, progress), done)
 
+    def look_at(self, place: int) -> None:
+        """Show a result as a ghost where the body was when it was searched for; none when ``place`` is below 0."""
+        if self.bench.viewport is None:  # the window has no 3D view
+            return
+        if not 0 <= place < len(self.found) or self._sought is None:
+            self.bench.viewport.preview.show(None)
+            return
+        from studio.library.searching import outline
+        from studio.viewport.figure import bone_pairs
+
+        asked, where = self._sought
+        points = where.to_stage(outline(self.found[place], asked))
+        self.bench.viewport.preview.show(points, bone_pairs(asked.body.layout))
+
     def _search(self, library: "Library") -> None:
         from studio.library.searching import find
 
-        asked = self._asked()
+        asked, active = self._asked(), self.bench.document.active_performer_id
         self.found = [] if asked is None else find(library, asked)
+        if asked is not None and active is not None:
+            self._sought = asked, Placement.of(self.bench.document.project.performers[active])
         self._show(NO_TARGET if asked is None else READY if self.found else NOTHING)
 
     def _show(self, hint: str = READY) -> None:
@@ -166,8 +187,13 @@ class Striking:
 
 def show_strikes(bench: Workbench) -> None:
     """Open the panel, and look for strikes of the active body if there is a target."""
-    bench.window.docks["Strikes"].show()
-    bench.window.docks["Strikes"].raise_()
+    docks = bench.window.docks
+    opening = not docks["Strikes"].isVisible()
+    docks["Strikes"].show()
+    docks["Strikes"].raise_()
+    if opening:
+        both = [docks["Strikes"], docks["Inspector"]]
+        bench.window.resizeDocks(both, [3, 1], Qt.Orientation.Vertical)
     bench.window.striking.search()
 
 

@@ -5,7 +5,7 @@ every clip is judged on the body that performed it: another body may find anothe
 """
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -131,6 +131,20 @@ def _result(library: Library, found: Found) -> Result:
     clip = library.clips[found.clip]
     start, hit = clip.searched.start + found.frame, clip.path.first + found.contact
     return Result(clip, start, hit, found.turn, found.posture, found.reach, found.cost)
+
+
+def outline(found: Result, asked: Asked) -> FloatArray:
+    """(T, K+23, 3) a result from its start to its hit on the body that asked, laid on its pose in the pose's own space.
+
+    A sketch of what would play: nothing is solved, and the hit passes the place as the reasons say.
+    """
+    motion, body = found.clip.take.motion, asked.body
+    points = realize(replace(motion, channels=motion.channels[found.start : found.hit + 1]), body)[0]
+    now = pose_rows(realize(asked.pose, body)[0], body.layout)[0, at.MIDDLE : at.MIDDLE + 2]
+    then = pose_rows(points[:1], body.layout)[0, at.MIDDLE : at.MIDDLE + 2]
+    c, s = np.cos(found.turn), np.sin(found.turn)
+    points[..., :2] = (points[..., :2] - then) @ np.array([[c, s], [-s, c]]) + now
+    return points
 
 
 def place_before(pose: NormalizedMotion, body: Morphology, place: ArrayLike) -> FloatArray:

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QHideEvent
+from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
 from studio.document.document import Document
 from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
@@ -12,23 +13,27 @@ ROW_HEIGHT = 64
 """Pixels of a name and two lines of reasons."""
 ANY = "Any"
 EMPTY = "No clips yet. Add a folder of captures: strikes are found in them by themselves."
-READY = "Choose a box as the target and press Find. Double-click a strike to play it from the playhead on."
+READY = "Point at a strike to see it in the 3D view. Use it, or double-click it, to play it from the playhead on."
 NOTHING = "No clip of the library is of that limb and kind."
 NO_TARGET = "Add a box first (Constraint > Add box) and put it where the strike is to hit."
 
 
 class Strikes(QWidget):
-    """The dock's content. ``wanted`` asks to search, ``chosen`` to play the result of that place."""
+    """The dock's content. ``wanted`` asks to search, ``chosen`` to play the result of that place, ``looked_at`` tells
+    that the mouse is over it or the keys are at it; -1 when over none.
+    """
 
     folder_wanted = Signal()
     wanted = Signal()
     chosen = Signal(int)
+    looked_at = Signal(int)
 
     def __init__(self, document: Document, limbs: Iterable[tuple[object, str]], kinds: Iterable[tuple[object, str]]):
         super().__init__()
         self.setObjectName("panel")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.document = document
+        self._looked = -1
         section = Section("A strike that hits here")
         self.target = Choice("Target", ())
         self.limb, self.kind = Choice("Limb", ((None, ANY), *limbs)), Choice("Kind", ((None, ANY), *kinds))
@@ -36,6 +41,7 @@ class Strikes(QWidget):
             section.add_row(name, field)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 4)
+        section.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)  # rows do not overlap
         column.addWidget(section)
         column.addLayout(self._buttons())
         self.hint = labelled(EMPTY, "hint")
@@ -46,7 +52,19 @@ class Strikes(QWidget):
         self.results.setWordWrap(True)
         self.results.setTextElideMode(Qt.TextElideMode.ElideNone)
         self.results.itemActivated.connect(lambda item: self.chosen.emit(self.results.row(item)))
+        self.results.setMouseTracking(True)
+        self.results.itemEntered.connect(lambda item: self._look(self.results.row(item)))
+        self.results.viewportEntered.connect(lambda: self._look(-1))
+        self.results.currentRowChanged.connect(self._current_changed)
+        self.results.viewport().installEventFilter(self)
         column.addWidget(self.results, 1)
+        self.use = press_button("Use on the selected performer", lambda: self.chosen.emit(self.results.currentRow()))
+        self.use.setToolTip("Play it from the playhead on, blended in, on this body, driven to the target")
+        self.use.setEnabled(False)
+        below = QHBoxLayout()
+        below.setContentsMargins(SIDE, 4, SIDE, 0)
+        below.addWidget(self.use)
+        column.addLayout(below)
         document.entity_changed.connect(lambda collection, _: self.refresh() if collection == "props" else None)
         document.project_opened.connect(self.refresh)
         self.refresh()
@@ -68,6 +86,7 @@ class Strikes(QWidget):
 
     def show_results(self, results: Sequence[tuple[str, str]], hint: str) -> None:
         """List (name, reasons), the best first."""
+        self._look(-1)
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")
@@ -75,6 +94,26 @@ class Strikes(QWidget):
             item.setToolTip("Double-click to play it from the playhead on, driven to the target")
             self.results.addItem(item)
         self.hint.setText(hint)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """The mouse leaves the results: none is looked at any more."""
+        if event.type() == QEvent.Type.Leave:
+            self._look(-1)
+        return super().eventFilter(watched, event)
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """What is not seen is not looked at."""
+        self._look(-1)
+        super().hideEvent(event)
+
+    def _look(self, row: int) -> None:
+        if row != self._looked:
+            self._looked = row
+            self.looked_at.emit(row)
+
+    def _current_changed(self, row: int) -> None:
+        self.use.setEnabled(row >= 0)
+        self._look(row)
 
     def _buttons(self) -> QHBoxLayout:
         row = QHBoxLayout()

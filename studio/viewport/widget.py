@@ -36,6 +36,7 @@ from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
 from studio.viewport.paths import StagePath, selection_rings, stage_paths
 from studio.viewport.picking import PickedJoint
+from studio.viewport.preview import Preview
 from studio.viewport.problem import Problem, worst_problem
 from studio.viewport.recording import Recording, RecordingView, recorded_of
 from studio.viewport.shots import View
@@ -73,6 +74,7 @@ class Viewport(Canvas):
         self._posed_in = document.project
         self._follower = Follower()
         self._pace = Pace()
+        self.preview = Preview(self)
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
         self._chips = Chips(
@@ -99,6 +101,7 @@ class Viewport(Canvas):
         """Let go of VTK, document and engine. May be called twice."""
         self.cancel_gesture()
         self._glide.stop()
+        self.preview.show(None)
         for link in self._links:
             link()
         self._links = []
@@ -310,6 +313,7 @@ class Viewport(Canvas):
         ghost = self._ghost()
         if ghost is not None:
             overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
+        self.preview.paint(overlay)
         if self._recorded is not None:
             overlay.markers(self._recorded, self.recording.marked, self.recording.named)
         chosen = set(self._document.selection.of("constraints"))

@@ -1,5 +1,7 @@
 """The Strikes panel: folders into the library, a strike for the box, played and driven to it, undone."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
@@ -109,6 +111,42 @@ def test_a_constraint_of_the_strike_belongs_to_its_clip_alone(striking, window, 
     assert isinstance(made, PositionConstraint)
     assert made.target.prop_id == prop
     assert made.scope.clip_id == document.project.performers[document.active_performer_id].clips[-1].id
+
+
+class SeenPreview:
+    """A viewport's preview, which tells what it is asked to show."""
+
+    points = None
+
+    def show(self, points, pairs=None):
+        self.points = points
+
+
+def test_a_result_under_the_mouse_is_a_ghost_that_passes_the_target_and_no_edit(striking, window, qtbot, monkeypatch):
+    place = (0.75, -0.1, 1.3)
+    add_box(window, place)
+    solved(window, qtbot)
+    striking.search()
+    seen, results, before = SeenPreview(), striking.panel.results, window.bench.document.project
+    monkeypatch.setattr(window.bench, "viewport", SimpleNamespace(preview=seen))
+    results.itemEntered.emit(results.item(0))
+    assert np.linalg.norm(seen.points[-1] - place, axis=1).min() < striking.found[0].reach + 0.25
+    assert window.bench.document.project is before
+    results.viewportEntered.emit()
+    assert seen.points is None
+
+
+def test_the_button_uses_the_chosen_result(striking, window, qtbot):
+    add_box(window)
+    solved(window, qtbot)
+    striking.search()
+    assert not striking.panel.use.isEnabled()
+    striking.panel.results.setCurrentRow(1)
+    steps = window.bench.document.undo_stack.count()
+    qtbot.mouseClick(striking.panel.use, Qt.MouseButton.LeftButton)
+    wait_until_idle(qtbot, window)
+    assert window.bench.document.undo_stack.count() == steps + 1
+    assert np.nanmin(solved(window, qtbot).residuals[-1]) < 1e-3
 
 
 def find_button(panel):

@@ -18,7 +18,7 @@ from studio.library.clips import Kind
 from studio.library.hitting import hit_places
 from studio.library.indexing import index
 from studio.library.library import Library
-from studio.library.searching import Asked, find, place_before
+from studio.library.searching import Asked, find, outline, place_before
 from studio.library.striking import Blow, between, make_strike, offset_at_hit
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
@@ -118,3 +118,20 @@ def test_how_far_a_blow_has_to_be_bent_is_how_far_it_passes_from_the_target(libr
     label = best.clip.label
     passes = hit_places(*free, body, label.limb, label.segment)[strike.hit]
     assert offset_at_hit(strike, label, place) == pytest.approx(np.linalg.norm(passes - place), abs=0.05)
+
+
+def test_an_outline_starts_in_the_pose_and_passes_the_target_as_far_off_as_it_says(library):
+    body = library.clips[0].actor.body
+    playing = guard(library)
+    pose = replace(playing.motion, channels=playing.motion.channels[60:61])
+    place = place_before(pose, body, [0.9, 0.1, 1.3])
+    asked = Asked(pose, body, place)
+    best = find(library, asked)[0]
+    points = outline(best, asked)
+    cut = replace(best.clip.take.motion, channels=best.clip.take.motion.channels[best.start : best.hit + 1])
+    _, rotations = realize(cut, body)
+    c, s = np.cos(best.turn), np.sin(best.turn)
+    turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ rotations
+    passes = hit_places(points, turned, body, best.clip.label.limb, best.clip.label.segment)[-1]
+    assert np.linalg.norm(passes - place) == pytest.approx(best.reach, abs=0.005)
+    assert np.abs(points[0] - realize(pose, body)[0][0]).mean() < 0.1
