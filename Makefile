@@ -37,7 +37,7 @@ soak: .venv/.ready-to-test
 	.venv/bin/python -m tests.soak
 
 examples: .venv/.ready-to-run
-	@set -e; for made in captures characters sample; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done
+	@set -e; for made in captures strikes characters sample; do echo "$$made"; .venv/bin/python examples/make_$$made.py; done
 
 pictures: .venv/.ready-to-run
 	.venv/bin/python examples/make_pictures.py

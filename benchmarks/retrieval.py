@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from benchmarks.clips import REAL, ROOT
+from benchmarks.fighting import fights
 from benchmarks.machine import machine
 from benchmarks.report import table as markdown
 from studio.core.kernels import retrieval as at
@@ -50,6 +51,7 @@ def main(arguments: list[str]) -> None:
     parts = [HEADER, machine(), f"; {BYTES_A_FRAME} bytes a frame, of which {4 * at.WIDTH} stay on disk.\n\n"]
     parts += ["## Number of motions\n\n", motions(poses, paths, queries), "\n"]
     parts += ["## Number of clusters\n\n", clusters(small, queries), "\n"]
+    parts += ["## The bundled fighter, 60 s against a head that moves\n\n", fights(), "\n"]
     parts += ["## Size\n\n", sizes([small, made_table(poses, paths, large // FRAMES + 1)], queries)]
     (ROOT / "docs" / "retrieval.md").write_text("".join(parts), encoding="utf-8")
     print("".join(parts))

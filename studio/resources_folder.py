@@ -17,6 +17,11 @@ def example_captures_folder() -> Path:
     return _bundled("examples/captures")
 
 
+def bundled_strikes_folder() -> Path:
+    """The captures of the bundled motion library: strikes by two actors."""
+    return _bundled("examples/strikes")
+
+
 def help_file() -> Path:
     """What is said of the command line."""
     return _bundled("docs") / "headless.md"

@@ -23,6 +23,7 @@ from studio.engine.props import prop_at
 from studio.io.importing import GUESS_ALL
 from studio.library.clips import Kind, Limb, hit_point
 from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, READY, Strikes
+from studio.resources_folder import bundled_strikes_folder
 
 # Here and below: what searches loads the solver, which takes longer than a window.
 if TYPE_CHECKING:
@@ -76,11 +77,14 @@ class Striking:
             self._search(self.library)
             return
 
-        def work(_progress: Any) -> "Library":
+        def work(progress: Any) -> "Library":
             from studio.library.catalogue import Catalogue
+            from studio.library.indexing import index
             from studio.library.library import Library
 
             with Catalogue(self.folder) as catalogue:
+                if not catalogue.files():  # a new library begins with the strikes that come with the studio
+                    index(catalogue, [bundled_strikes_folder()], progress)
                 return Library.of(catalogue)
 
         def done(library: "Library") -> None:

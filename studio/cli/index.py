@@ -8,11 +8,13 @@ from studio.cli.printing import print_json, print_table, progress_line
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index
 from studio.library.library import Library, LibraryClip
+from studio.resources_folder import bundled_strikes_folder
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Folders, where the library is."""
     parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="captures here and in folders below")
+    parser.add_argument("--bundled", action="store_true", help="take in the strikes that come with the studio, too")
     add_library_option(parser)
     parser.add_argument("--json", action="store_true", help="print clips and problems as JSON instead of a table")
 
@@ -20,7 +22,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Index, then list what the library holds; 1 when a file or folder could not be used."""
     with Catalogue(arguments.library) as catalogue:
-        report = index(catalogue, arguments.folders, progress_line())
+        folders = [*arguments.folders, *([bundled_strikes_folder()] if arguments.bundled else [])]
+        report = index(catalogue, folders, progress_line())
         library = Library.of(catalogue)
         problems = {"catalogue": catalogue.repaired} if catalogue.repaired else {}
     problems |= report.problems

@@ -88,7 +88,10 @@ def opened_library(arguments: Namespace) -> Library:
     with Catalogue(arguments.library) as catalogue:
         library = Library.of(catalogue)
     if not library.clips:
-        raise StudioError(f"The library in '{arguments.library}' has no clips. Bring some in with `index FOLDER`.")
+        raise StudioError(
+            f"The library in '{arguments.library}' has no clips. Bring some in with `index FOLDER`, or those that come "
+            "with the studio with `index --bundled`."
+        )
     return with_mirrored(library) if arguments.mirrored else library
 
 

@@ -27,7 +27,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
 from studio.core.solver.adapt import Standing, hold, stand
 from studio.library.clips import Kind, Limb
-from studio.library.hitting import hit_places
+from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
 from studio.library.searching import Asked, find
 from studio.library.striking import Blow, make_strike
@@ -72,13 +72,17 @@ class Plan:
 
 @dataclass(frozen=True)
 class Hit:
-    """What became of a strike: seconds of the fight, limb, metres by which it missed, metres of bending it took."""
+    """What became of a strike: seconds of the fight, limb, metres by which it missed, metres of bending it took.
+
+    ``apart`` is how far the target was from shoulder or hip, in lengths of the arm or leg without hand or foot.
+    """
 
     seconds: float
     limb: Limb
     kind: Kind
     missed: float
     found_reach: float
+    apart: float
 
 
 @dataclass
@@ -265,7 +269,10 @@ class Fighter:
         label = blow.label
         where = hit_places(positions, rotations, self.body, label.limb, label.segment)[0]
         missed = float(np.linalg.norm(where - target))
-        self.hits.append(Hit(self.frames_played / self.rate, label.limb, label.kind, missed, self._reach))
+        bones = (self.body.arm if label.limb.is_arm else self.body.leg)[label.limb.side]
+        away = positions[0, limb_root(self.body.layout, label.limb)] - target
+        apart = float(np.linalg.norm(away) / bones.sum())
+        self.hits.append(Hit(self.frames_played / self.rate, label.limb, label.kind, missed, self._reach, apart))
 
 
 def _cut(contacts: Sequence[ContactInterval], first: int, last: int) -> tuple[ContactInterval, ...]:

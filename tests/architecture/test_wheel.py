@@ -45,15 +45,15 @@ def test_the_file_to_which_a_help_text_points_is_in_the_wheel(away):
 
 PRINT_PACKAGES = "import sysconfig; print(sysconfig.get_path('purelib'))"
 PRINT_PLACES = """
-from studio.resources_folder import example_captures_folder, resources_folder
-print(resources_folder(), example_captures_folder(), sep="\\n")
+from studio.resources_folder import bundled_strikes_folder, example_captures_folder, resources_folder
+print(resources_folder(), example_captures_folder(), bundled_strikes_folder(), sep="\\n")
 """
 
 
 def test_the_wheel_carries_the_studio_and_its_own_files(away):
     python = away / "venv" / BIN / "python"
     places = [Path(line) for line in run(python, "-c", PRINT_PLACES, cwd=away).splitlines()]
-    sources = [ROOT / "resources", ROOT / "examples" / "captures"]
+    sources = [ROOT / "resources", ROOT / "examples" / "captures", ROOT / "examples" / "strikes"]
     for place, source in zip(places, sources, strict=True):
         assert away in place.parents
         assert names_in(place) == names_in(source)

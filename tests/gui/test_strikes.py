@@ -34,9 +34,10 @@ def solved(window, qtbot):
     return window.bench.live.result(window.bench.document.active_performer_id)
 
 
-def test_an_empty_library_says_what_to_do(striking, window):
+def test_a_new_library_has_the_bundled_strikes(striking, window):
     assert window.docks["Strikes"].isVisible()
-    assert striking.panel.hint.text() == strikes.EMPTY
+    assert striking.panel.hint.text() == strikes.NO_TARGET
+    assert len(striking.library.clips) == 8
 
 
 def test_a_strike_is_found_played_and_made_to_hit_and_one_undo_takes_it_back(striking, window, qtbot):
@@ -71,8 +72,9 @@ def test_the_limb_that_is_chosen_is_the_only_one_that_is_found(striking, window,
     solved(window, qtbot)
     striking.panel.limb.setCurrentIndex(1 + Limb.RIGHT_LEG)
     striking.search()
-    assert [each.clip.label.limb for each in striking.found] == [Limb.RIGHT_LEG]
-    striking.panel.limb.setCurrentIndex(1 + Limb.LEFT_LEG)
+    assert {each.clip.label.limb for each in striking.found} == {Limb.RIGHT_LEG}
+    striking.panel.limb.setCurrentIndex(0)
+    striking.panel.kind.setCurrentIndex(striking.panel.kind.findText("Grasp"))
     striking.search()
     assert striking.panel.hint.text() == strikes.NOTHING
 

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.fighting import IN_REACH, fought
+from examples.keyed.strikes import HIT, STRIKES, Kick
 from studio.cli.live import guard_of, swaying
 from studio.cli.main import main
 from studio.io.character_file import bundled_characters
@@ -19,6 +21,7 @@ from studio.live.fight import ANY_STRIKE, ORDERS, fight, orders_every
 from studio.live.fighter import Fighter, State
 from studio.live.osc import encode_message
 from studio.live.tracker import write_recording
+from studio.resources_folder import bundled_strikes_folder
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -30,6 +33,13 @@ def library(tmp_path_factory):
     with Catalogue(tmp_path_factory.mktemp("library")) as catalogue:
         index(catalogue, [EXAMPLES])
         return with_mirrored(Library.of(catalogue))
+
+
+@pytest.fixture(scope="module")
+def bundled(tmp_path_factory):
+    with Catalogue(tmp_path_factory.mktemp("bundled")) as catalogue:
+        index(catalogue, [bundled_strikes_folder()])
+        return Library.of(catalogue)
 
 
 def near(body, angle=0.0, height=0.78):
@@ -144,3 +154,29 @@ def test_the_verb_fights_a_replayed_head_and_reports(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "240 frames, 2 strikes" in printed
     assert "60 packets taken, 0 bad" in printed
+
+
+@pytest.mark.parametrize("name", ["child", "adult_woman"])
+def test_the_bundled_fighter_strikes_for_a_minute_at_a_head_that_ducks(bundled, name):
+    report = fought(bundled, BODIES[name], 60.0)
+    assert len(report.hits) >= 35
+    assert {hit.limb for hit in report.hits} == set(Limb)
+    in_reach = [hit.missed for hit in report.hits if hit.apart <= IN_REACH]
+    assert len(in_reach) >= 10
+    assert max(in_reach) < 1e-3
+    assert sum(hit.missed < 1e-3 for hit in report.hits) >= 0.85 * len(report.hits)
+    assert max(report.latencies) < 0.05  # seconds of processor time
+    print(report.words)
+
+
+def test_the_bundled_strikes_are_of_two_actors_and_every_limb_high_and_low(bundled):
+    assert len(bundled.clips) == len(STRIKES) == 8
+    statures = sorted(actor.body.stature for actor in bundled.actors)
+    assert len(statures) == 2
+    assert statures[1] > 1.1 * statures[0]
+    for limb in Limb:
+        low, high = sorted(clip.path.places[:, 2].mean() for clip in bundled.clips if clip.label.limb == limb)
+        assert high > low + 0.15
+    keyed = {name: strike.side + (2 if isinstance(strike, Kick) else 0) for name, strike in STRIKES.items()}
+    assert {clip.take.motion.name: int(clip.label.limb) for clip in bundled.clips} == keyed
+    assert max(abs(clip.label.hit - HIT * 60.0) for clip in bundled.clips) <= 7
