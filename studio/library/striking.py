@@ -6,9 +6,6 @@ offset grows from nothing at the change to all of it at the hit, and goes again:
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Chain
 from studio.core.constraints.position import PositionConstraint
@@ -16,19 +13,12 @@ from studio.core.constraints.target import Place
 from studio.core.contacts import ContactInterval
 from studio.core.morphology import Morphology
 from studio.core.normalized.compose import Composite, compose
-from studio.core.normalized.differences import blended
-from studio.core.normalized.joining import join
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
-from studio.core.normalized.resample import Resampled, common_spine
-from studio.core.normalized.transition import placed
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.library.clips import ClipLabel, hit_point
-from studio.library.hitting import hit_places
 from studio.library.searching import Result
-
-FloatArray = NDArray[np.float64]
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
 """What of the body may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
@@ -109,32 +99,3 @@ def _aim(
     times = (change / rate, hit / rate - HOLD, hit / rate + HOLD, max(end / rate, hit / rate + 2 * HOLD))
     point = hit_point(label.limb, label.segment, body)
     return PositionConstraint("", f"{label.kind} hits", point, CHAIN, 0, ActivationCurve(*times), target=target)
-
-
-def offset_at_hit(strike: Strike, label: ClipLabel, target: ArrayLike) -> float:
-    """Metres by which the blow would miss without being driven to the target: how far it has to be bent."""
-    free = adapt(replace(strike.request(), constraints=()), strike.hit, strike.hit)
-    place = hit_places(free.positions, free.rotations, strike.body, label.limb, label.segment)[0]
-    return float(np.linalg.norm(place - np.asarray(target, dtype=np.float64)))
-
-
-def between(first: Blow, second: Blow, share: float) -> Blow:
-    """A blow between two of the same limb: ``first`` at share 0, ``second`` laid on it at share 1, hits in one time."""
-    motion, places = first.motion, common_spine([first.motion, second.motion])
-    frames = np.arange(first.start, first.last + 1, dtype=np.float64)
-    pace = (second.hit - second.start) / max(first.hit - first.start, 1)
-    own = Resampled(motion, places).at(frames)
-    others = Resampled(second.motion, places).at(np.asarray(second.start + pace * (frames - first.start)))
-    nobody = np.zeros((len(frames), 4), dtype=np.bool_)
-    early = np.exp(-(((frames - first.start) / max(first.hit - first.start, 1)) ** 2))
-    lies = join(own, others, nobody, places, early).placement
-    mixed = blended(own, placed(others, lies.turn, np.array(lies.offset)), np.full(len(frames), share))
-    contacts = tuple(
-        replace(each, first=max(each.first - first.start, 0), last=min(each.last, first.last) - first.start)
-        for each in first.contacts
-        if each.last >= first.start and each.first <= first.last
-    )
-    name = f"{motion.name} and {second.motion.name}"
-    blow = NormalizedMotion(name, motion.frame_rate, mixed, places)
-    label = replace(first.label, first=0, last=first.last - first.start, hit=first.hit - first.start)
-    return Blow(blow, contacts, 0, first.hit - first.start, first.last - first.start, label)

@@ -19,7 +19,7 @@ from studio.library.hitting import hit_places
 from studio.library.indexing import index
 from studio.library.library import Library
 from studio.library.searching import Asked, find, outline, place_before
-from studio.library.striking import Blow, between, make_strike, offset_at_hit
+from studio.library.striking import Blow, make_strike
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -97,27 +97,6 @@ def test_another_body_finds_another_clip_for_the_same_target(library):
     small, usual = (Proportions(stature=scale).applied_to(BODIES["adult_woman"]) for scale in (0.7, 1.0))
     chosen = [found_for(library, body, 0.5, 0.9)[0].clip.label.kind for body in (small, usual)]
     assert chosen == [Kind.PUNCH, Kind.KICK]
-
-
-def test_between_two_blows_lies_one_and_at_its_ends_themselves(library):
-    first = Blow.of(found_for(library, BODIES["child"], 0.6, 0.9)[0])
-    other = replace(first, start=first.start - 6)
-    body = BODIES["child"]
-    own = realize(first.motion, body)[0][first.start : first.last + 1]
-    assert np.abs(realize(between(first, other, 0.0).motion, body)[0] - own).max() < 1e-6
-    half = between(first, first, 0.5)
-    assert np.abs(realize(half.motion, body)[0] - own).max() < 1e-6
-    assert half.hit == first.hit - first.start
-
-
-def test_how_far_a_blow_has_to_be_bent_is_how_far_it_passes_from_the_target(library):
-    body = BODIES["adult_woman"]
-    best, place = found_for(library, body, 0.7, 1.25)
-    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
-    free = realize(strike.composite.motion, body)
-    label = best.clip.label
-    passes = hit_places(*free, body, label.limb, label.segment)[strike.hit]
-    assert offset_at_hit(strike, label, place) == pytest.approx(np.linalg.norm(passes - place), abs=0.05)
 
 
 def test_an_outline_starts_in_the_pose_and_passes_the_target_as_far_off_as_it_says(library):
