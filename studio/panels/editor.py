@@ -66,9 +66,14 @@ class Editor(QWidget):
         self.live.interactive = False
 
     def bind(self, field: NumberField, change: Callable[[float], None]) -> NumberField:
-        """Let a number field change the entity, one undo step a drag."""
+        """Let a number field change the entity, one undo step a drag; when that is gone it changes nothing."""
+
+        def changed(number: float) -> None:
+            if not self.collection or self.entity is not None:  # a field that is left is read once more
+                change(number)
+
         field.begun.connect(self.begin)
-        field.edited.connect(change)
+        field.edited.connect(changed)
         field.ended.connect(self.end)
         return field
 

@@ -62,10 +62,6 @@ class Inspector(QScrollArea):
         if editor is not None and (editor.collection, editor.entity_id) == (collection, entity_id) and item:
             editor.refresh()
             return
-        left = self.takeWidget()
-        if left is not None:
-            left.setParent(self)
-            left.deleteLater()  # a field of its own may be what brought the change: it is not gone before it is done
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
             self.editor.reimport_wanted.connect(self.reimport_wanted)

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QCoreApplication, QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtCore import QObject, QPoint, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QCheckBox, QComboBox, QLineEdit, QListWidget, QSlider
-from shiboken6 import isValid
 
 from studio.core.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -383,15 +382,3 @@ def test_a_body_keyed_over_time_takes_what_a_slider_says_at_the_playhead(inspect
     assert slider.value() < grown
     QTest.mouseClick(named(inspector, QCheckBox, "Body is keyed over time"), LEFT, pos=QPoint(8, 8))
     assert document.project.characters["character 0"].proportions.stature == 1.0
-
-
-def test_a_field_outlives_the_change_that_takes_its_form_away(qtbot):
-    document = Document(make_project())
-    inspector = Inspector(document, FakeLive())
-    qtbot.addWidget(inspector)
-    document.selection.set(("constraints", "constraint 0"))
-    field = inspector.current_form().findChildren(QComboBox)[0]
-    document.remove("constraints", "constraint 0", "Delete")
-    assert isValid(field)
-    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-    assert not isValid(field)
