@@ -87,6 +87,9 @@ def add_shared_arguments(parser: ArgumentParser) -> None:
         "--free-joints", action="store_true", help="let constraints bring limbs further than a person's joints go"
     )
     parser.add_argument("--exact", action="store_true", help="let joints jolt rather than miss anything for a moment")
+    parser.add_argument(
+        "--through-body", action="store_true", help="let arms pass through trunk, head and thighs of their own body"
+    )
     parser.add_argument("--all-frames", action="store_true", help="keep the calibration pose a file may begin with")
     parser.add_argument("--by-frame", action="store_true", help="put into the report what happens in every frame, too")
     parser.add_argument("--json", action="store_true", help="print the report instead of a table")
@@ -136,6 +139,7 @@ class Asked:
     by_frame: bool
     limited: bool
     eased: bool
+    clears: bool
 
 
 def asked_by(arguments: Namespace) -> Asked:
@@ -161,6 +165,7 @@ def asked_by(arguments: Namespace) -> Asked:
         arguments.by_frame,
         not arguments.free_joints,
         not arguments.exact,
+        not arguments.through_body,
     )
 
 
@@ -213,6 +218,7 @@ def adapt_file(path: Path, options: ImportOptions, asked: Asked, folder: Path) -
                 actor=actor,
                 limited=asked.limited,
                 eased=asked.eased,
+                clears=asked.clears,
             )
             for key, body in bodies.items()
         },

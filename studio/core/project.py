@@ -105,6 +105,8 @@ class Performer:
     """Whether constraints bring shoulders, elbows, wrists, hips, knees and ankles no further than a person's go."""
     eased: bool = True
     """Whether a moment at which joints would jolt is eased in time, at the cost of exactness."""
+    clears: bool = True
+    """Whether arms stay out of the own body where the actor's do."""
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):

@@ -61,7 +61,10 @@ class StandingSolver:
         from studio.core.solver.adapt import hold, stand
 
         key = (request.motion, request.morphology)
-        ground = (request.contacts, request.ground, request.volume, request.actor, request.limited)
+        ground = (
+            *(request.contacts, request.ground, request.volume, request.actor),
+            *(request.limited, request.clears),
+        )
         kept = self._kept.get(key)
         if kept is None or kept[0] != ground:
             kept = ground, stand(request.motion, request.morphology, *ground)

@@ -36,11 +36,13 @@ class Wanted:
     volume: BodyVolume | None = None
     limited: bool = True
     eased: bool = True
+    clears: bool = True
 
     def stands_as(self, other: "Wanted | None") -> bool:
         """Whether a body stands on the ground as another does before anything is asked of it."""
-        return other is not None and (self.motions, self.morphology, self.ground, self.volume, self.limited) == (
-            other.motions, other.morphology, other.ground, other.volume, other.limited
+        mine = self.motions, self.morphology, self.ground, self.volume, self.limited, self.clears
+        return other is not None and mine == (
+            other.motions, other.morphology, other.ground, other.volume, other.limited, other.clears
         )  # fmt: skip
 
 
@@ -58,16 +60,15 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     stand = [tuple(project.contacts_for(key, clip).values()) for clip in performer.clips]
     motions = tuple(zip(map(id, captures), clips, stand, strict=True))
     # The skin is measured only for who asks: a moved slider would pay for it every time.
-    clears = any(isinstance(each.constraint, ClearConstraint) for each in asked) or any(
-        isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts
-    )
+    touches = any(isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts)
+    clears = performer.clears or any(isinstance(each.constraint, ClearConstraint) for each in asked)
     ground = project.ground.seen_from(performer.position, performer.heading)
-    volume = character.volume if clears else None
+    volume = character.volume if clears or touches else None
     timing = timing_of(project, performer)
     body = character.body_over(timing.begin, timing.frame_rate, frame_count_of(project, performer))
     return Wanted(
         performer, motions, body, asked, ground, followed, Placement.of(performer), volume,
-        performer.limited, performer.eased,
+        performer.limited, performer.eased, performer.clears,
     )  # fmt: skip
 
 
@@ -83,6 +84,6 @@ def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> P
     tracks = tracks_of(wanted.followed, composite)
     request = AdaptRequest(
         composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, wanted.volume,
-        actor, wanted.limited, wanted.eased,
+        actor, wanted.limited, wanted.eased, wanted.clears,
     )  # fmt: skip
     return Player(request, composite, wanted.placement)

@@ -15,10 +15,10 @@ def contact_words(point: ContactPoint | Touch) -> str:
     return point.words.capitalize()
 
 
-ON_BODY = "The {what}: it lies where the actor's does, however thick the body is,"
+ON_BODY = "The {what} lies where the actor's does, on the surface,"
 KEPT = {
-    "together": "The hands keep their way from each other, as long as the arms are,",
-    "thing": "The hands hold a thing that keeps its size",
+    "together": "The hands are as far from each other, by the length of the arms, as the actor's",
+    "thing": "The thing between the hands keeps its size",
     **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY),
 }
 """What is kept through a contact that is not with the ground, by the member of its point."""

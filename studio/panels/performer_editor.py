@@ -52,6 +52,13 @@ class PerformerEditor(Editor):
         )
         self._eased.toggled.connect(self._ease_or_not)
         section.add_row("Jolts", self._eased)
+        self._clears = QCheckBox("stay out of the body")
+        self._clears.setToolTip(
+            "Hands, forearms and elbows stay out of trunk, head and thighs, as thick as they are, and touch them where"
+            " the actor's do. A constraint on a hand comes first; its elbow gives way."
+        )
+        self._clears.toggled.connect(self._clear_or_not)
+        section.add_row("Arms", self._clears)
         self._body = BodySection(self, lambda: self.entity.character_id)
         self.column.addWidget(section)
         self.column.addWidget(self._body)
@@ -72,6 +79,8 @@ class PerformerEditor(Editor):
             self._limited.setChecked(performer.limited)
         with QSignalBlocker(self._eased):
             self._eased.setChecked(performer.eased)
+        with QSignalBlocker(self._clears):
+            self._clears.setChecked(performer.clears)
         self._name.setText(performer.name)
         self._cast.clear_all()
         for key, each in self.document.project.characters.items():
@@ -92,6 +101,10 @@ class PerformerEditor(Editor):
 
     def _ease_or_not(self, eased: bool) -> None:
         self.change(f"{'Ease' if eased else 'Leave'} the jolts of {self.entity.name}", eased=eased)
+
+    def _clear_or_not(self, clears: bool) -> None:
+        kept = "Keep the arms out of the body" if clears else "Let the arms through the body"
+        self.change(f"{kept} of {self.entity.name}", clears=clears)
 
     def _rename(self) -> None:
         name = self._name.text().strip()

@@ -101,6 +101,8 @@ def test_who_is_followed_and_who_follows_are_shown_at_one_moment(live: Any) -> N
         "constraints", "constraint 0",
         replace(document.project.constraints["constraint 0"], scope=Scope(performer_id="performer 1")), "One",
     )  # fmt: skip
+    # Arms that come out of their body do so over time: those of who follows, by where the other was till now.
+    document.replace("performers", "performer 0", replace(document.project.performers["performer 0"], clears=False), "")
     wrist = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
     follower = make_constraint(name="after it", target=FollowPerformer("performer 1", wrist))
     document.add("constraints", replace(follower, scope=Scope(performer_id="performer 0")), "Follow")

@@ -33,6 +33,8 @@ MOST_SWIVEL = 1.2
 """Radians to which a swivel tends."""
 NEARNESS, FLESH = 0.02, 0.04
 """Metres of room, and of depth, to which what the actor itself has is kept at most."""
+DEEP = 0.06
+"""Metres in the body at which an arm comes out the actor's way alone."""
 COMFORT = 0.97
 RIM = math.sqrt(1.0 + CORE * CORE)
 FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
@@ -206,7 +208,7 @@ def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_ste
             short = ramp(wanted[probe] + TOUCH - room, fade)
         if short == 0.0:
             continue
-        turn_way(own[probe], ways[probe], way)
+        turn_way(room, own[probe], ways[probe], way)
         lever = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
         step = short / (k * k * shares[1] + lever * lever * shares[2] + 0.02)
         for axis in range(3):
@@ -216,16 +218,18 @@ def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_ste
 
 
 @kernel
-def turn_way(actor_room, actor_way, way):
-    """Blend the way out (3,), in place, into the actor's near a capsule's axis, where the body itself has none.
+def turn_way(room, actor_room, actor_way, way):
+    """Blend the way out (3,), in place, into the actor's: deep in the body, and near an axis, where there is none.
 
-    The actor's counts as far as it is outside its own body.
+    So an arm comes out on the side on which the actor's is, which counts as far as that is outside its own body.
     """
     depth = min(actor_room, 0.0)
-    take = 1.0 - way[0] ** 2 - way[1] ** 2 - way[2] ** 2
-    take *= FLESH * FLESH / (FLESH * FLESH + depth * depth)
+    outside = FLESH * FLESH / (FLESH * FLESH + depth * depth)
+    deep = min(max(-room / DEEP, 0.0), 1.0)
+    deep = outside * deep * deep * (3.0 - 2.0 * deep)
+    take = deep + (1.0 - deep) * outside * (1.0 - way[0] ** 2 - way[1] ** 2 - way[2] ** 2)
     for axis in range(3):
-        way[axis] += take * actor_way[axis]
+        way[axis] = (1.0 - deep) * way[axis] + take * actor_way[axis]
 
 
 @allocating_kernel

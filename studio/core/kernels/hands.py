@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.kernels.clearance import clear_arm, copy_arm, move_arm, place_capsules, probe_at
+from studio.core.kernels.clearance import TOUCH, copy_arm, move_arm, place_capsules, probe_at, sweep_arm
 from studio.core.kernels.clearing import make_clearing
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.records import Pose
@@ -13,6 +13,8 @@ PALM = 3
 ROUNDS = 6
 """Times that hands go what is left of their way: an arm near its full length goes but a part of it."""
 CLOSE_ENOUGH = 1e-5
+TURNS = 3
+"""Sweeps over an arm's probes from where the last one has brought it: more bring it no farther out."""
 
 
 @allocating_kernel
@@ -88,22 +90,52 @@ def rest_hands(side, members, spots, firm, volume, proximal, positions, rotation
 
 
 @allocating_kernel
-def clear_arms(wanted, actor, free, proximal, positions, rotations):
-    """Bring arms of all frames, in place, out of their body where they have less room than ``wanted`` (F, 2, 5).
+def find_ways_out(wanted, actor, free, proximal, positions, rotations, out_moves):
+    """The way of each wrist (metres) and swivel of each arm (radians), ``out_moves`` (F, 2, 4), out of the body.
 
-    ``actor`` the record ``ActorRooms``; ``free`` (F, 2, 2) how freely wrist and swivel move.
+    That gives probes the room ``wanted`` (F, 2, 5); ``actor`` the record ``ActorRooms``; ``free`` (F, 2, 2) how freely
+    wrist and swivel move. Poses are left as they were.
     """
-    clearing = make_clearing(actor.volume)
+    clearing, step, spine_count = make_clearing(actor.volume), np.empty(4), positions.shape[1] - 23
+    saved, turn = clearing.saved, clearing.turn
     for frame in range(positions.shape[0]):
         pose = Pose(positions[frame], rotations[frame])
         placed = False
         for side in range(2):
-            if free[frame, side, 0] == 0.0 and free[frame, side, 1] == 0.0:
+            move = out_moves[frame, side]
+            move[0] = move[1] = move[2] = move[3] = 0.0
+            shares = (1.0, free[frame, side, 0], free[frame, side, 1])
+            if shares[1] == 0.0 and shares[2] == 0.0:
                 continue
             if not placed:
                 place_capsules(actor.volume, pose, proximal, clearing.capsules)
                 placed = True
             for probe in range(wanted.shape[2]):
                 clearing.asks[probe] = wanted[frame, side, probe]
-            shares = (1.0, free[frame, side, 0], free[frame, side, 1])
-            clear_arm(side, 0.0, frame, shares, actor, clearing, pose)
+            shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+            moved = False
+            for _ in range(TURNS):
+                if not sweep_arm(side, TOUCH, frame, shares, actor, clearing, pose.positions, step):
+                    break
+                if not moved:
+                    copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
+                    moved = True
+                for each in range(4):
+                    move[each] += step[each]
+                move_arm(side, 1.0, move[:3], move[3], saved, turn, pose)
+            if moved:
+                copy_arm(saved, Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]))
+
+
+@allocating_kernel
+def move_arms(moves, positions, rotations):
+    """Move the wrist of each arm of all frames, in place, and swivel it, by ``moves`` (F, 2, 4)."""
+    saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
+    spine_count = positions.shape[1] - 23
+    for frame in range(positions.shape[0]):
+        for side in range(2):
+            move, pose = moves[frame, side], Pose(positions[frame], rotations[frame])
+            if move[0] != 0.0 or move[1] != 0.0 or move[2] != 0.0 or move[3] != 0.0:
+                shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+                copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
+                move_arm(side, 1.0, move[:3], move[3], saved, turn, pose)

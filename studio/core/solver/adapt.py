@@ -163,15 +163,21 @@ def hold(
     if not constraints:
         unsolved = standing.positions[window], standing.rotations[window]
         return _answer(standing, first, *unsolved, np.empty((0, len(unsolved[0]))))
-    seen = standing.around(window, LOOKED if eased else 0.0)
+    self_contact = standing.self_contact
+    touched = standing.around(window, self_contact.reach if self_contact else 0.0)
+    seen = standing.around(touched, LOOKED if eased else 0.0)
     stretch = Stretch(standing, constraints, seen, tracks, bound)
-    if stretch.solve() and eased and stretch.eases(window):
-        wide = standing.around(window, stretch.reach)
+    if stretch.solve() and eased and stretch.eases(touched):
+        wide = standing.around(touched, stretch.reach)
         if wide != stretch.window:
             stretch = Stretch(standing, constraints, wide, tracks, bound)
             stretch.solve()
-        stretch.ease(window)
-    return _answer(standing, first, *stretch.answer(window))
+        stretch.ease(touched)
+    positions, rotations, residuals = stretch.answer(touched)
+    if self_contact:
+        self_contact.close(touched, stretch.arms_asked(touched), positions, rotations)
+    rows = slice(window.start - touched.start, max(window.stop - touched.start, 0))
+    return _answer(standing, first, positions[rows], rotations[rows], residuals[:, rows])
 
 
 def _answer(

@@ -124,6 +124,7 @@ def player_of(
         actor=motions[performer.clips[0].motion_id][1],
         limited=performer.limited,
         eased=performer.eased,
+        clears=performer.clears,
     )
     followed = followed_by(project, performer_id, result_of, circle) or ()
     request = replace(request, tracks=tracks_of(followed, composite))

@@ -10,23 +10,26 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import convolve1d, maximum_filter1d
 
 from studio.core.contacts import ContactInterval, Touch, contact_mask
 from studio.core.kernels import clearance as clearing
 from studio.core.kernels import layout as at
-from studio.core.kernels.hands import clear_arms, join_hands, rest_hands
+from studio.core.kernels.hands import find_ways_out, join_hands, move_arms, rest_hands
 from studio.core.kernels.records import ActorRooms
 from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.carrying import limb_freedom
 from studio.core.solver.clearance import actor_rooms, packed
-from studio.core.solver.footing import freedom
+from studio.core.solver.footing import freedom, hann_window
 from studio.core.touching import Spots, spots
 from studio.core.volume import CAPSULES_OF, BodyVolume, usual_volume
 
 FloatArray = NDArray[np.float64]
 
+EASED = 0.2
+"""Seconds before and after for which an arm that has to come out of its body does so."""
 COMING = 0.3
 """Seconds in which hands come together, or on to the body, and leave."""
 NEARER = 0.02
@@ -68,26 +71,32 @@ class SelfContact:
     """
 
     body: AnyMorphology
+    frame_rate: float
     volume: BodyVolume
     gaps: FloatArray
     firm: FloatArray
     resting: tuple[Resting, ...]
     rooms: tuple[FloatArray, FloatArray, FloatArray] | None
 
+    @property
+    def reach(self) -> float:
+        """Seconds on either side of a frame that have to do with where its arms are."""
+        turns = 1 + bool(self.resting or self.firm.any())
+        return 0.0 if self.rooms is None else turns * 2.5 * EASED
+
     def close(self, window: slice, asked: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Put the arms of posed frames of a ``window`` (F, P, 3), (F, S, 3, 3) right, in place.
 
-        ``asked`` (F, 2, 2) how far something else has the wrist, and the elbow, of each arm.
+        ``asked`` (F, 2, 2) how far something else has the wrist, and the elbow, of each arm. Frames within ``reach`` of
+        an end of the window that is none of the motion are not right yet.
         """
         volume, proximal = packed(self.volume), np.array(self.body.layout.proximal_points())
         firm, kept = self.firm[window], 1.0 - asked
         lying = np.zeros((len(positions), 2))
         for each in self.resting:
             lying[:, each.side] = np.maximum(lying[:, each.side], each.firm[window])
-        if self.rooms is not None:
-            free = kept.copy()
-            free[:, :, 0] *= 1.0 - lying
-            self._clear(window, free, positions, rotations)
+        everywhere = np.ones(len(firm), dtype=np.bool_)
+        self._clear(window, kept, lying, 0.0 * firm, everywhere, positions, rotations)
         for each in self.resting:
             rest_hands(
                 each.side, each.capsules, each.spots[window], each.firm[window] * kept[:, each.side, 0], volume,
@@ -98,17 +107,59 @@ class SelfContact:
             ways = free / np.maximum(free.sum(axis=1), 1e-6)[:, None]
             whole = firm * (1.0 - asked[:, :, 0].prod(axis=1))
             join_hands(self.gaps[window], whole[:, None] * ways, positions, rotations)
-        touches = np.maximum(lying, firm[:, None])
-        if self.rooms is not None and touches.any():
-            free = kept * (touches > 0.0)[:, :, None]
-            free[:, :, 0] *= 1.0 - touches
-            self._clear(window, free, positions, rotations)
+        touches = (lying > 0.0).any(axis=1) | (firm > 0.0)
+        if touches.any():
+            self._clear(window, kept, lying, firm, touches, positions, rotations)
 
-    def _clear(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        if self.rooms is not None:
-            wanted, own, ways = (each[window] for each in self.rooms)
-            actor, proximal = ActorRooms(packed(self.volume), own, ways), np.array(self.body.layout.proximal_points())
-            clear_arms(wanted, actor, free, proximal, positions, rotations)
+    def _clear(
+        self,
+        window: slice,
+        free: FloatArray,
+        lying: FloatArray,
+        firm: FloatArray,
+        looked: NDArray[np.bool_],
+        positions: FloatArray,
+        rotations: FloatArray,
+    ) -> None:
+        """Bring arms, as far as they are ``free`` (F, 2, 2), out of the body where it is to be ``looked`` (F,).
+
+        Hands that are ``lying`` (F, 2) on it touch it; those that are ``firm`` (F,) together go together.
+        """
+        if self.rooms is None:
+            return
+        proximal = np.array(self.body.layout.proximal_points())
+        wanted, own, ways = (each[window] for each in self.rooms)
+        wanted = wanted - lying[:, :, None] * np.maximum(wanted, 0.0) if lying.any() else wanted
+        moves = np.empty((len(positions), 2, 4))
+        able = free * looked[:, None, None]
+        actor = ActorRooms(packed(self.volume), own, ways)
+        find_ways_out(wanted, actor, able, proximal, positions, rotations, moves)
+        if not moves.any():
+            return
+        chest = rotations[:, self.body.layout.spine_count - 1]
+        out = np.einsum("fij,fsi->fsj", chest, moves[:, :, :3])
+        lengths = np.linalg.norm(out, axis=2, keepdims=True)
+        both = (lengths * out).sum(axis=1, keepdims=True) / np.maximum(lengths.sum(axis=1, keepdims=True), 1e-9)
+        out = eased_ways(out + firm[:, None, None] * (both - out), self.frame_rate)
+        least = free[:, :, 0].min(axis=1, keepdims=True)
+        wrists = free[:, :, 0] + firm[:, None] * (least - free[:, :, 0])
+        moves[:, :, :3] = np.einsum("fij,fsj->fsi", chest, out) * wrists[:, :, None]
+        moves[:, :, 3:] = eased_ways(moves[:, :, 3:], self.frame_rate) * free[:, :, 1:]
+        move_arms(moves, positions, rotations)
+
+
+def eased_ways(ways: FloatArray, frame_rate: float) -> FloatArray:
+    """Ways (F, N, D) as long as they are within ``EASED`` seconds of each moment, and averaged over time.
+
+    Where they contradict each other they are shorter: an arm that passes through the body passes through.
+    """
+    half = max(1, round(EASED * frame_rate))
+    near, wide = hann_window(half), hann_window(2 * half)
+    lengths = np.linalg.norm(ways, axis=2)
+    longest = convolve1d(maximum_filter1d(lengths, 2 * half + 1, axis=0, mode="nearest"), near, axis=0, mode="nearest")
+    around = convolve1d(lengths, wide, axis=0, mode="nearest")[:, :, None]
+    mean = convolve1d(ways, wide, axis=0, mode="nearest")
+    return np.asarray(longest[:, :, None] * np.divide(mean, around, out=np.zeros_like(mean), where=around > 1e-12))
 
 
 def self_contact_of(
@@ -136,7 +187,9 @@ def self_contact_of(
     both = np.maximum(touching.together, touching.held)
     sizes = scale + (1.0 - scale) * (touching.held * (1.0 - touching.together) / np.maximum(both, 1e-9))[:, None]
     known = volume or usual_volume(body.still)
-    return SelfContact(body, known, np.ascontiguousarray(sizes * touching.gaps), both, touching.resting, rooms)
+    return SelfContact(
+        body, motion.frame_rate, known, np.ascontiguousarray(sizes * touching.gaps), both, touching.resting, rooms
+    )
 
 
 @lru_cache(maxsize=8)
@@ -193,6 +246,8 @@ def arms_asked(tasks: NDArray[np.void], activations: FloatArray, body: AnyMorpho
 
 
 def hands_standing(contacts: Sequence[ContactInterval], frame_count: int, frame_rate: float) -> FloatArray:
-    """(F, 2, 2) how far the ground has the wrist and the elbow of each arm."""
+    """(F, 2, 2) how far the ground has the wrist of each arm, and nothing its elbow."""
     free = [limb_freedom(contacts, side, frame_count, frame_rate) for side in range(2)]
-    return np.repeat(1.0 - np.stack(free, axis=1), 2).reshape(frame_count, 2, 2)
+    asked = np.zeros((frame_count, 2, 2))
+    asked[:, :, 0] = 1.0 - np.stack(free, axis=1)
+    return asked

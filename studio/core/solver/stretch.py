@@ -248,6 +248,11 @@ class Stretch:
         """All that a solve writes, frames first: positions, rotations, misses, and what is cleared."""
         return self._positions, self._rotations, self._missed.T, *(self._unsolved if self._clear else ())
 
+    def arms_asked(self, window: slice) -> FloatArray:
+        """(F, 2, 2) how far constraints and contacts have the wrist, and the elbow, of each arm in some frames."""
+        rows = slice(window.start - self.window.start, window.stop - self.window.start)
+        return arms_asked(self._rows.asked, self._activations[:, rows], self.standing.morphology)
+
     def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some of its frames."""
         standing = self.standing
@@ -257,9 +262,6 @@ class Stretch:
                 standing.arms, standing.holds, standing.morphology, channels, rate, self.window, self._positions,
                 self._rotations,
             )  # fmt: skip
-        if standing.self_contact is not None:
-            asked = arms_asked(self._rows.asked, self._activations, standing.morphology)
-            standing.self_contact.close(self.window, asked, self._positions, self._rotations)
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]
         rows = slice(window.start - self.window.start, window.stop - self.window.start)

@@ -1,0 +1,61 @@
+"""Arms stay out of their own body by default, softly."""
+
+import numpy as np
+import pytest
+
+from studio.core.metrics import angular_acceleration
+from studio.core.normalized.normalize import detected_contacts
+from studio.core.solver.adapt import adapt
+from studio.core.solver.clearance import actor_rooms, rooms
+from studio.core.solver.request import AdaptRequest
+from studio.io.character_file import bundled_characters
+from tests.real.taken import named, taken
+
+TAKES = ("cmu_max_jumping_jacks", "accad_male2_E11_BlockLeftHigh", "mass_kick", "accad_female1_C20_RunToJumpToWalk")
+BODIES = ("child", "stocky_man", "giant")
+
+
+def _adapted(stem: str, body: str, clears: bool):
+    capture, motion, actor = taken(named(stem))
+    character = bundled_characters()[body]
+    return adapt(
+        AdaptRequest(
+            motion,
+            character.morphology,
+            detected_contacts(capture, "motion"),
+            volume=character.volume,
+            actor=actor.morphology,
+            clears=clears,
+        )
+    )
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("stem", TAKES)
+def test_arms_are_out_of_the_body_where_the_actors_are(stem, body):
+    capture, motion, actor = taken(named(stem))
+    own, _ = actor_rooms(motion, actor.morphology)
+    room = rooms(_adapted(stem, body, clears=True))
+    deep = np.where(own >= 0.0, np.maximum(-room, 0.0), 0.0)[capture.first_frame :]
+    assert deep.max() < 0.005
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("stem", TAKES)
+def test_coming_out_of_the_body_jolts_no_segment(stem, body):
+    first = taken(named(stem))[0].first_frame
+    peaks = [
+        angular_acceleration(found.rotations[first:], found.frame_rate).max(axis=0)
+        for found in (_adapted(stem, body, clears) for clears in (False, True))
+    ]
+    assert (peaks[1] / np.maximum(peaks[0], 20.0)).max() < 2.0
+
+
+def test_any_window_of_frames_is_as_in_the_whole():
+    capture, motion, actor = taken(named("accad_male2_E11_BlockLeftHigh"))
+    character = bundled_characters()["stocky_man"]
+    contacts = detected_contacts(capture, "motion")
+    request = AdaptRequest(
+        motion, character.morphology, contacts, volume=character.volume, actor=actor.morphology, clears=True
+    )
+    np.testing.assert_array_equal(adapt(request, 20, 40).positions, adapt(request).positions[20:41])
