@@ -18,6 +18,7 @@ from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rest_pose import rest_pose
 from studio.core.solver.adapt import Bound, Standing, adapt, hold, standing_of
+from studio.core.solver.areas import nearest_place
 from studio.core.solver.easing import Solve
 from studio.core.solver.footing import Footing, smooth_drops
 from studio.core.solver.limb_charts import LimbCharts
@@ -75,6 +76,7 @@ def warm_up_seldom(morphology: Morphology) -> None:
         AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
     )
     Stretch(standing, asked, slice(0, FRAMES), {}, Bound())
+    nearest_place(asked[1], np.zeros(3))  # the window draws it
 
 
 def _still_motion() -> NormalizedMotion:
