@@ -16,7 +16,7 @@ from studio.cli.bench_cases import Task, places_of
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels.joints import ROOT
+from studio.core.kernels.search.joints import ROOT
 from studio.core.solver.adapt import Standing
 from studio.core.solver.chains import carrying_chain, free_joints, segment_masses
 

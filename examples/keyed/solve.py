@@ -4,7 +4,7 @@ import numpy as np
 from scipy.ndimage import convolve1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
-from studio.core.kernels.limb import place_limb
+from studio.core.kernels.limbs.limb import place_limb
 from studio.core.pose import PoseSequence
 from studio.core.rotations import from_matrix
 

@@ -15,8 +15,8 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.ground import Ground
 from studio.core.grounds.steps import Steps
-from studio.core.kernels.legs import hip_heights
-from studio.core.kernels.limb import place_limb, soft_reach
+from studio.core.kernels.limbs.legs import hip_heights
+from studio.core.kernels.limbs.limb import place_limb, soft_reach
 from studio.core.metrics import angular_acceleration
 from studio.core.morphology import Morphology
 from studio.core.solver.adapt import hold, stand

@@ -72,7 +72,7 @@ def kernel_cache_folder() -> Path:
     content of the whole package can never answer with old code.
     """
     cache = Path(platformdirs.user_cache_dir("morpho-studio", appauthor=False))
-    return cache / "kernels" / content_digest(sorted(KERNELS.glob("*.py")))
+    return cache / "kernels" / content_digest(sorted(KERNELS.rglob("*.py")))
 
 
 def content_digest(files: Iterable[Path]) -> str:

@@ -36,7 +36,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kernels.joint_limits import LIMITED, SWIVELLED
+from studio.core.kernels.limits.joint_limits import LIMITED, SWIVELLED
 from studio.core.morphology import Morphology
 from studio.core.rotations import frame_along, normalized
 
@@ -73,7 +73,7 @@ HINGED, UPRIGHT = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
 
 
 def limits_of(body: Morphology) -> NDArray[np.void]:
-    """(4,) records of ``kernels.joint_limits``, a row a limb, to be written in."""
+    """(4,) records of ``kernels.limits.joint_limits``, a row a limb, to be written in."""
     return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMITED)  # whole: NumPy copies records field by field
 
 

@@ -33,7 +33,7 @@ def joint_positions(skeleton: Skeleton, poses: PoseSequence) -> FloatArray:
 def _carry(
     skeleton: Skeleton, poses: PoseSequence, run: slice, out_positions: FloatArray, out_rotations: FloatArray
 ) -> None:
-    from studio.core.kernels import forward_kinematics  # late: it loads numba
+    from studio.core.kernels.body import forward_kinematics  # late: it loads numba
 
     if poses.joint_count != skeleton.joint_count:
         raise StudioError(f"Poses of {poses.joint_count} joints do not fit a skeleton of {skeleton.joint_count}.")

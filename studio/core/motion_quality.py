@@ -12,7 +12,7 @@ from scipy.ndimage import uniform_filter1d
 
 from studio.core.contacts import ContactInterval
 from studio.core.ground import Ground
-from studio.core.kernels.feet import FLAT
+from studio.core.kernels.support.feet import FLAT
 from studio.core.metrics import QUIET, angular_acceleration
 from studio.core.solver.footing import foot_states
 from studio.core.solver.request import AdaptedMotion

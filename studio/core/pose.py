@@ -27,7 +27,7 @@ class PoseSequence:
     """(F, J, 3) metres, in the parent's axes: the root's travel, the bones of the others."""
 
     def __post_init__(self) -> None:
-        from studio.core.kernels.poses import unite_signs  # late: numba takes longer than a window
+        from studio.core.kernels.body.poses import unite_signs  # late: numba takes longer than a window
 
         rotations = np.array(self.local_rotations, dtype=np.float64, order="C")
         translations = unwritten(self.local_translations)

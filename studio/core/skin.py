@@ -116,7 +116,7 @@ def skin_vertices(
     ``positions`` (K+23, 3) and ``rotations`` (K+18, 3, 3) pose a body of ``morphology``; ``mesh`` is bound to
     ``build``. The mesh fitted to ``morphology`` is remembered, so only a moved slider pays for it.
     """
-    from studio.core.kernels import dual_quaternions, skinning  # late: numba takes longer than a window
+    from studio.core.kernels.body import dual_quaternions, skinning  # late: numba takes longer than a window
 
     fitted = fit_skin(mesh, build, morphology)
     rest_positions, rest_rotations = bound_pose(mesh, morphology)

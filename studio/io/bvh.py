@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.kernels import channels as kernel
+from studio.core.kernels.body import channels as kernel
 from studio.core.pose import PoseSequence
 from studio.core.skeleton import Skeleton
 from studio.io.beside import refuse_devices

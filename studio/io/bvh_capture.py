@@ -11,7 +11,7 @@ from studio.core.body_shape import body_by_shape
 from studio.core.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.humanoid import BodyMap
-from studio.core.kernels.channels import turn_axes
+from studio.core.kernels.body.channels import turn_axes
 from studio.core.kinematics import joint_positions
 from studio.core.pieces import over_frames
 from studio.core.pose import PoseSequence

@@ -1,7 +1,7 @@
 """Warm up, do everything, and print the kernels that were compiled, or fetched, only then: a process of a test."""
 
 from importlib import import_module
-from pkgutil import iter_modules
+from pkgutil import walk_packages
 
 from studio.cli.process import prepare_process
 from studio.cli.warm_up import WarmUp
@@ -10,7 +10,7 @@ from studio.cli.warm_up import WarmUp
 def called() -> set[tuple[str, str]]:
     """Kernels that Python called, each with the types of its arguments."""
     package = import_module("studio.core.kernels")
-    modules = [import_module(f"{package.__name__}.{module.name}") for module in iter_modules(package.__path__)]
+    modules = [import_module(module.name) for module in walk_packages(package.__path__, f"{package.__name__}.")]
     found = {each for module in modules for each in vars(module).values() if hasattr(each, "overloads")}
     return {(each.__name__, str(types)) for each in found for types in each.overloads}
 

@@ -10,7 +10,7 @@ import pytest
 
 from studio.cli import first_run, warm_up
 from studio.core.kernels.adapt import place_frames, solve_frames
-from studio.core.kernels.normalize import encode_frames
+from studio.core.kernels.body.normalize import encode_frames
 
 
 def test_following_the_warm_up_reports_rising_shares_until_it_is_done(monkeypatch):

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.canonical import BodyLayout
-from studio.core.kernels import body as kernel
-from studio.core.kernels.turns import turn_in
+from studio.core.kernels.algebra.turns import turn_in
+from studio.core.kernels.body import parts as kernel
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
 from tests.core.motions import random_rotations, walk

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.canonical import BodyLayout, BodyPart
-from studio.core.kernels.body import distal_range
+from studio.core.kernels.body.parts import distal_range
 from tests.core.twins.body import carried_by, carried_points
 
 layouts = st.integers(2, 24).map(BodyLayout)

@@ -13,9 +13,9 @@ from scipy.spatial.transform import Rotation
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
 from studio.core.grounds import Bumps, Slope, Steps
-from studio.core.kernels import carrying as kernel
 from studio.core.kernels import layout as at
-from studio.core.kernels.legs import place_leg
+from studio.core.kernels.limbs.legs import place_leg
+from studio.core.kernels.support import carrying as kernel
 from studio.core.metrics import contact_quality
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize

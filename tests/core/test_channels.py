@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.kernels.channels import NOTHING, PLACE, TURN, pose_joints, turn_axes
+from studio.core.kernels.body.channels import NOTHING, PLACE, TURN, pose_joints, turn_axes
 from studio.core.rotations import from_euler, to_matrix
 
 ORDERS = ["".join(axes) for count in (1, 2, 3) for axes in permutations("XYZ", count)] + ["XYX", "ZXZ"]

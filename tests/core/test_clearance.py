@@ -10,8 +10,8 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels import clearance as kernel
-from studio.core.kernels.clearing import make_clearing
+from studio.core.kernels.limits import clearance as kernel
+from studio.core.kernels.limits.clearing import make_clearing
 from studio.core.kernels.records import ActorRooms, Pose, Volume
 from studio.core.morphology import Morphology
 from studio.core.rest_pose import rest_pose

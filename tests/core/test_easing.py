@@ -14,7 +14,7 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.ground import Ground
 from studio.core.joint_limits import limits_of
-from studio.core.kernels.jolts import LEVER, WHOLE
+from studio.core.kernels.time.jolts import LEVER, WHOLE
 from studio.core.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.rest_pose import rest_pose
 from studio.core.rotations import angle_between, from_matrix

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.kernels import feet as kernel
+from studio.core.kernels.support import feet as kernel
 from studio.core.rotations import to_matrix
 from tests.core.motions import from_vectors, random_rotations
 from tests.core.twins import feet as twin

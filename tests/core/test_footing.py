@@ -9,7 +9,7 @@ from hypothesis.extra.numpy import arrays
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.legs import hip_heights, place_leg
+from studio.core.kernels.limbs.legs import hip_heights, place_leg
 from studio.core.normalized.realize import realize
 from studio.core.solver.footing import (
     STANDING_REACH,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio.core.kernels import feet, heels
+from studio.core.kernels.support import feet, heels
 from studio.core.rotations import to_matrix
 from tests.core.motions import about
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.kernels import limb as kernel
-from studio.core.kernels.turns import put_turn
+from studio.core.kernels.algebra.turns import put_turn
+from studio.core.kernels.limbs import limb as kernel
 from tests.core.motions import random_rotations
 from tests.core.twins import limb as twin
 

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.kernels import linked
-from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.rotation import rotation_vector_to_matrix
+from studio.core.kernels.algebra.rotation import rotation_vector_to_matrix
+from studio.core.kernels.compiling import allocating_kernel, kernel, linked, small_kernel
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -114,7 +113,7 @@ import numba
 import numpy as np
 numba.__version__ = "0.99.0"
 from studio.core.kernels.compiling import kernel, pack
-from studio.core.kernels.rotation import rotation_vector_to_matrix
+from studio.core.kernels.algebra.rotation import rotation_vector_to_matrix
 
 @kernel
 def handed_on(packed, out_matrix):

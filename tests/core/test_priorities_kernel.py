@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from studio.core.constraints.base import Chain
 from studio.core.kernels.adapt import make_search
-from studio.core.kernels.again import step_again
-from studio.core.kernels.joints import ROOT, add_point_row, carry_arm, carry_trunk, set_brakes
-from studio.core.kernels.priorities import eliminate, find_step, move_joints
-from studio.core.kernels.pulls import ASK, HOLD
 from studio.core.kernels.records import Pose
+from studio.core.kernels.search.joints import ROOT, add_point_row, carry_arm, carry_trunk, set_brakes
+from studio.core.kernels.search.priorities import eliminate, find_step, move_joints
+from studio.core.kernels.search.reused_step import step_again
+from studio.core.kernels.tasks.second_order import ASK, HOLD
 from studio.core.normalized.realize import realize
 from studio.core.solver.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
 from tests.builders import make_morphology

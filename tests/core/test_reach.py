@@ -5,9 +5,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from studio.core.kernels import reach as kernel
-from studio.core.kernels.body import turn_part
-from studio.core.kernels.limb_constraints import limb_indices
+from studio.core.kernels.body.parts import turn_part
+from studio.core.kernels.limbs import reach as kernel
+from studio.core.kernels.limbs.limb_constraints import limb_indices
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
 from tests.core.motions import walk

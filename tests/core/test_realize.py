@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.realize import sample_spine
+from studio.core.kernels.body.realize import sample_spine
 from studio.core.morphology import Proportions
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize

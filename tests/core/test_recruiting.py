@@ -19,12 +19,18 @@ from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.ground import Ground
 from studio.core.joint_limits import limits_of
 from studio.core.kernels.adapt import make_search
-from studio.core.kernels.balance import add_leg_answer, centre_of_mass, let_arm_reach, set_balance_rows, sum_masses
-from studio.core.kernels.joints import ROOT
-from studio.core.kernels.placing import carry_body
-from studio.core.kernels.reach import aim_at
+from studio.core.kernels.limbs.reach import aim_at
 from studio.core.kernels.records import Body, Legs, Pose, Problem
-from studio.core.kernels.tasks import TASK
+from studio.core.kernels.search.joints import ROOT
+from studio.core.kernels.search.placing import carry_body
+from studio.core.kernels.tasks.balance import (
+    add_leg_answer,
+    centre_of_mass,
+    let_arm_reach,
+    set_balance_rows,
+    sum_masses,
+)
+from studio.core.kernels.tasks.task import TASK
 from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion

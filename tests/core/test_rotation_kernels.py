@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.kernels import rotation as kernel
+from studio.core.kernels.algebra import rotation as kernel
 from tests.core.twins import rotation as twin
 
 seeds = st.integers(0, 2**32 - 1)

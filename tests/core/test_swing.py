@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from studio.core.grounds import Bumps, Slope, Steps
-from studio.core.kernels import swing as kernel
+from studio.core.kernels.support import swing as kernel
 from studio.core.rotations import to_matrix
 from studio.core.solver.swing import Sole, led_clear, worn_height
 from tests.core.motions import from_vectors

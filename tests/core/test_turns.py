@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.kernels import turns as kernel
+from studio.core.kernels.algebra import turns as kernel
 from studio.core.rotations import frame_along
 from tests.core.motions import random_rotations
 from tests.core.twins import rotation as twin

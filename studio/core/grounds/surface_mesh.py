@@ -60,7 +60,7 @@ class SurfaceMesh(Ground):
         places = np.ascontiguousarray(xy, dtype=np.float64).reshape(-1, 2)
         heights, slopes = np.zeros(len(places)), np.zeros((len(places), 2))
         if len(self.triangles):
-            from studio.core.kernels.surface import highest_triangles  # late: it loads numba
+            from studio.core.kernels.support.surface import highest_triangles  # late: it loads numba
 
             found = np.zeros(len(places), dtype=np.bool_)
             highest_triangles(places, *self._index, heights, slopes, found)

@@ -2,15 +2,12 @@
 
 import numpy as np
 
-from studio.core.kernels.body import copy_pose, move_all
-from studio.core.kernels.clearing import clear_after, clear_before, make_clearing
+from studio.core.kernels.algebra.vectors import clear_points
+from studio.core.kernels.body.parts import copy_pose, move_all
 from studio.core.kernels.compiling import allocating_kernel, kernel, pack, small_kernel
-from studio.core.kernels.constraints import note_carried, solve_frame
-from studio.core.kernels.easing import ease_frame
-from studio.core.kernels.edges import keep_solution, next_edge, note_misses, pose_between
-from studio.core.kernels.jolts import note_jolts
-from studio.core.kernels.legs import is_placed, place_leg
-from studio.core.kernels.placing import follow
+from studio.core.kernels.limbs.legs import is_placed, place_leg
+from studio.core.kernels.limits.clearance_stages import hold_above, keep_stage, make_kept, next_stage
+from studio.core.kernels.limits.clearing import clear_after, clear_before, make_clearing
 from studio.core.kernels.records import (
     BRAKE,
     LAST_STEP,
@@ -28,11 +25,14 @@ from studio.core.kernels.records import (
     Search,
     TaskRows,
 )
-from studio.core.kernels.recruiting import free_limbs
-from studio.core.kernels.stages import hold_above, keep_stage, make_kept, next_stage
-from studio.core.kernels.tasks import INACTIVE, ON_EDGE
-from studio.core.kernels.vectors import clear_points
-from studio.core.kernels.wishes import set_goals
+from studio.core.kernels.search.levels import note_carried, solve_frame
+from studio.core.kernels.search.placing import follow
+from studio.core.kernels.search.recruiting import free_limbs
+from studio.core.kernels.tasks.targets import set_goals
+from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
+from studio.core.kernels.time.activation_blend import keep_solution, next_edge, note_misses, pose_between
+from studio.core.kernels.time.easing import ease_frame
+from studio.core.kernels.time.jolts import note_jolts
 
 
 @allocating_kernel
@@ -124,7 +124,9 @@ def solve_eased(frame, clears, clip, problem):
 
 @kernel
 def solve_staged(frame, clip, problem):
-    """One frame solved and cleared stage by stage (``kernels.stages``); whether anything acts in the last."""
+    """One frame solved and cleared stage by stage (``kernels.limits.clearance_stages``); whether anything acts in the
+    last.
+    """
     last = clip.asked.activations.shape[0] - 1
     waited = clear_before(frame, False, clip, problem.start)
     stage, first, acts = next_stage(0, frame, clip), True, False

@@ -1,8 +1,8 @@
 """The records that kernels hand to each other, and what their fields are.
 
-C constraints on a body of S segments and P points; N joints that a search may turn (``kernels.joints``), L levels of
-priority, R rows of the Jacobian, Q constraints that keep arms clear, F frames. Kernels take a record packed, as one
-address (``kernels.compiling``), and read its fields by name.
+C constraints on a body of S segments and P points; N joints that a search may turn (``kernels.search.joints``), L
+levels of priority, R rows of the Jacobian, Q constraints that keep arms clear, F frames. Kernels take a record packed,
+as one address (``kernels.compiling``), and read its fields by name.
 """
 
 from typing import Any, NamedTuple
@@ -67,14 +67,14 @@ class BodyFrames(NamedTuple):
     measures: Array
     """(F or 1, n) of ``kernels.layout``."""
     masses: Array
-    """(S, 2) of ``kernels.balance``."""
+    """(S, 2) of ``kernels.tasks.balance``."""
     leashes: Array
     """(2, F) as ``Body`` has them."""
     legs: Legs
     limits: Array
-    """(4,) of ``kernels.joint_limits``, none where limbs have no limits."""
+    """(4,) of ``kernels.limits.joint_limits``, none where limbs have no limits."""
     shares: Array
-    """(P,) of ``kernels.balance``."""
+    """(P,) of ``kernels.tasks.balance``."""
 
 
 class Body(NamedTuple):
@@ -83,14 +83,14 @@ class Body(NamedTuple):
     measures: Array
     """(n,) of ``kernels.layout``."""
     masses: Array
-    """(S, 2) of ``kernels.balance``."""
+    """(S, 2) of ``kernels.tasks.balance``."""
     leashes: Array
     """(2,) parts of their lengths to which the root may stretch the legs, inf where a foot is free."""
     legs: Legs
     limits: Array
-    """(4,) of ``kernels.joint_limits``."""
+    """(4,) of ``kernels.limits.joint_limits``."""
     shares: Array
-    """(P,) of ``kernels.balance``."""
+    """(P,) of ``kernels.tasks.balance``."""
 
 
 class Recruits(NamedTuple):
@@ -125,7 +125,7 @@ class TaskRows(NamedTuple):
     owners: Array
     """(R,) the row of the mobilities by which each moves joints."""
     roles: Array
-    """(R,) whether it is held, asks, or is a bound (``kernels.pulls``)."""
+    """(R,) whether it is held, asks, or is a bound (``kernels.tasks.second_order``)."""
     brakes: Array
     """(N,) records of ``BRAKE``."""
     pulls: Array
@@ -146,7 +146,7 @@ class FlatRows(NamedTuple):
 
 
 class Equations(NamedTuple):
-    """What ``kernels.priorities`` solves for one step."""
+    """What ``kernels.search.priorities`` solves for one step."""
 
     gram: Array
     """(R, R) M, every row of the Jacobian times every weighted one."""
@@ -166,7 +166,7 @@ class Equations(NamedTuple):
 
 
 class DampedStep(NamedTuple):
-    """Scratch of ``kernels.newton``, with D = 3 N."""
+    """Scratch of ``kernels.search.all_joints``, with D = 3 N."""
 
     system: Array
     """(D, D + 1)."""
@@ -189,7 +189,7 @@ class Search(NamedTuple):
     carried: Array
     """(S + 1, 3, 3) how far each segment has turned away from the motion, nothing last."""
     state: Array
-    """(N, 3) of ``kernels.joints``: how each joint has turned away from the motion."""
+    """(N, 3) of ``kernels.search.joints``: how each joint has turned away from the motion."""
     before: Array
     """(N, 3) the state where the level began, or that is blended with the one that is kept."""
     kept: Array
@@ -199,11 +199,11 @@ class Search(NamedTuple):
     ends: Array
     """(4,) the task that holds the end of each limb, -1 none."""
     hung: Array
-    """(4,) whether a limb stays as it is blended (``kernels.edges``)."""
+    """(4,) whether a limb stays as it is blended (``kernels.time.activation_blend``)."""
     idle: Array
     """(4,) whether nothing asks anything of a limb."""
     sums: Array
-    """(S + 1, 4) of ``kernels.balance``."""
+    """(S + 1, 4) of ``kernels.tasks.balance``."""
     points: Array
     """(8, 3) scratch."""
     turns: Array
@@ -220,9 +220,9 @@ class Problem(NamedTuple):
     """One frame: what is asked, of what body, from which pose."""
 
     tasks: Array
-    """(C,) records of ``kernels.tasks``, in order of rank."""
+    """(C,) records of ``kernels.tasks.task``, in order of rank."""
     areas: Array
-    """(C, n) of ``kernels.areas``."""
+    """(C, n) of ``kernels.tasks.areas``."""
     chain: Chain
     body: Body
     search: Search
@@ -236,14 +236,14 @@ class Asked(NamedTuple):
     """What is asked of all frames."""
 
     tasks: Array
-    """(C,) records of ``kernels.tasks``, in order of rank."""
+    """(C,) records of ``kernels.tasks.task``, in order of rank."""
     areas: Array
-    """(C, n) of ``kernels.areas``."""
+    """(C, n) of ``kernels.tasks.areas``."""
     chain: Chain
     recruits: Recruits
     targets: Targets
     activations: Array
-    """(K, C, F) of all down to each of K stages of ``kernels.stages``, the last of all."""
+    """(K, C, F) of all down to each of K stages of ``kernels.limits.clearance_stages``, the last of all."""
 
 
 class Volume(NamedTuple):
@@ -284,7 +284,7 @@ class Clearance(NamedTuple):
     freedoms: Array
     """(Q,) of the wrist."""
     above: Array
-    """(Q, C) how constraints stand to each (``kernels.clearing``)."""
+    """(Q, C) how constraints stand to each (``kernels.limits.clearing``)."""
     misses: Array
     """(Q, F) metres, written by kernels."""
     rooms: Array
@@ -292,7 +292,7 @@ class Clearance(NamedTuple):
     ways: Array
     """(F, 2, 5, 3) out of the actor's body."""
     stages: Array
-    """(Q + C,) of them and of the constraints (``kernels.stages``)."""
+    """(Q + C,) of them and of the constraints (``kernels.limits.clearance_stages``)."""
 
 
 class Clearing(NamedTuple):
@@ -317,7 +317,7 @@ class Clearing(NamedTuple):
 
 
 class KeptStage(NamedTuple):
-    """What has come to be of the stages above one (``kernels.stages``)."""
+    """What has come to be of the stages above one (``kernels.limits.clearance_stages``)."""
 
     state: Array
     """(N, 3) of the search."""
@@ -347,7 +347,7 @@ class Above(NamedTuple):
 
 
 class Easing(NamedTuple):
-    """What is to be solved, or posed again as it was eased in time (``kernels.easing``)."""
+    """What is to be solved, or posed again as it was eased in time (``kernels.time.easing``)."""
 
     frames: Array
     """(n,) to be solved."""
@@ -369,7 +369,7 @@ class Easing(NamedTuple):
     rate: Array
     """(1,) frames a second."""
     jolts: Array
-    """(F, 3) of ``kernels.jolts``; the first becomes by how much those above are changed by the easing."""
+    """(F, 3) of ``kernels.time.jolts``; the first becomes by how much those above are changed by the easing."""
 
 
 class Clip(NamedTuple):
@@ -410,7 +410,8 @@ PULL = np.dtype(
     ],
     align=True,
 )
-"""What the second derivatives of a row come from (``kernels.pulls``): an error in metres, of a point of the segment
+"""What the second derivatives of a row come from (``kernels.tasks.second_order``): an error in metres, of a point of
+the segment
 ``carrier`` (-1 none), or of a limb of length ``span`` from there; how much it counts.
 """
 LAST_STEP = np.dtype(

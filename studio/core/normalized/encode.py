@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.normalize import continue_turns, encode_frames
+from studio.core.kernels.body.normalize import continue_turns, encode_frames
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import trunk_places

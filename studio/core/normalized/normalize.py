@@ -25,7 +25,7 @@ from studio.core.contacts import (
 )
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
-from studio.core.kernels.normalize import continue_turns, encode_frames
+from studio.core.kernels.body.normalize import continue_turns, encode_frames
 from studio.core.kinematics import joint_world
 from studio.core.morphology import Morphology
 from studio.core.normalized.actor import Actor

@@ -21,7 +21,7 @@ def realize(
     ``play`` keeps the actor's own stray of hips and head (as far as the capture's extra joints moved them); a
     character with rigid bones drops it.
     """
-    from studio.core.kernels import realize as kernel  # late: it takes longer than a window
+    from studio.core.kernels.body import realize as kernel  # late: it takes longer than a window
 
     layout = morphology.layout
     positions = np.empty((motion.frame_count, layout.point_count, 3))

@@ -13,7 +13,7 @@ from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.contacts import ContactInterval, on_ground
 from studio.core.ground import Ground
 from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.carrying import place_arms
+from studio.core.kernels.support.carrying import place_arms
 from studio.core.metrics import angular_acceleration
 from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion

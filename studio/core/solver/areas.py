@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.distance_field import distance_field
-from studio.core.kernels import areas
+from studio.core.kernels.tasks import areas
 
 FloatArray = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ _SHAPES = {
 
 
 def area_row(constraint: AreaConstraint, centre: FloatArray = ORIGIN, heading: float = 0.0) -> FloatArray:
-    """(10,) an area as ``kernels.areas`` takes it, longer by its field for a mesh.
+    """(10,) an area as ``kernels.tasks.areas`` takes it, longer by its field for a mesh.
 
     Frame by frame its place is put in there (``put_area``).
     """

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.contacts import BODY_POINTS, ContactInterval, ContactPoint, contact_mask, touching_points
 from studio.core.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.kernels.feet import SMALLEST, fill_gaps
+from studio.core.kernels.support.feet import SMALLEST, fill_gaps
 from studio.core.morphology import AnyMorphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc

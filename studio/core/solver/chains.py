@@ -11,7 +11,7 @@ from studio.core.constraints.base import CLAVICLES, THIGHS, UPPER_ARMS, Chain, C
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels import records
-from studio.core.kernels.joints import ROOT, joint_table
+from studio.core.kernels.search.joints import ROOT, joint_table
 from studio.core.solver.packing import limb_of
 
 FloatArray = NDArray[np.float64]
@@ -34,10 +34,10 @@ _USUAL = {
 
 @dataclass(frozen=True, eq=False)
 class FreeJoints:
-    """The joints that any of some chains frees, as ``kernels.joints`` takes them: ``mobilities`` (C + L, N) what each
-    chain makes of them and each level any down to it, ``joints`` (N,), ``slots`` (S + 1,), ``limits`` (N,) the
-    tan of half the angle that each may turn in all. ``recruited`` (n,) of them are shoulders and hips, of ``limbs``
-    (n,).
+    """The joints that any of some chains frees, as ``kernels.search.joints`` takes them: ``mobilities`` (C + L, N)
+    what each chain makes of them and each level any down to it, ``joints`` (N,), ``slots`` (S + 1,), ``limits`` (N,)
+    the tan of half the angle that each may turn in all. ``recruited`` (n,) of them are shoulders and hips, of
+    ``limbs`` (n,).
     """
 
     mobilities: FloatArray

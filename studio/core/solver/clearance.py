@@ -1,4 +1,4 @@
-"""What keeps arms out of their own body, in the words of ``kernels.clearance``."""
+"""What keeps arms out of their own body, in the words of ``kernels.limits.clearance``."""
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
-from studio.core.kernels import clearance as kernel
-from studio.core.kernels.clearing import HIGHER, STANDS
+from studio.core.kernels.limits import clearance as kernel
+from studio.core.kernels.limits.clearing import HIGHER, STANDS
 from studio.core.kernels.records import Clearance, Volume
 from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
@@ -74,7 +74,7 @@ def pack_clearance(
 
 
 def _stages(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Stages of ``kernels.stages`` by priorities: 0 down to the highest of ``clears``, then one each."""
+    """Stages of ``clearance_stages`` by priorities: 0 down to the highest of ``clears``, then one each."""
     priorities = np.maximum(np.concatenate([clears, others]), min(clears))
     return np.asarray(np.searchsorted(np.unique(priorities), priorities), dtype=np.int64)
 

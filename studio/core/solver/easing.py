@@ -18,10 +18,10 @@ from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
 from studio.core.canonical import BodyLayout
 from studio.core.kernels import records
-from studio.core.kernels.easing import HELD
-from studio.core.kernels.joints import ROOT
-from studio.core.kernels.jolts import ADDED, WHOLE, note_eased_jolts
 from studio.core.kernels.records import EASED_LEVEL, Above
+from studio.core.kernels.search.joints import ROOT
+from studio.core.kernels.time.easing import HELD
+from studio.core.kernels.time.jolts import ADDED, WHOLE, note_eased_jolts
 from studio.core.metrics import QUIET
 from studio.core.solver.limb_charts import LimbCharts
 from studio.core.solver.root_leash import RootLeash
@@ -77,7 +77,7 @@ class Solve:
 
     ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``carriers`` of every segment that
     counts as source (legs only where constraints are about them), ``states`` (F, N, 3) of the search, and as in
-    ``kernels.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
+    ``kernels.time.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
     """
 
     layout: BodyLayout
@@ -110,7 +110,7 @@ class Solve:
         misses: FloatArray,
         above: Above,
     ) -> records.Easing:
-        """As ``kernels.easing`` takes it; ``level`` as ``Level.stands``."""
+        """As ``kernels.time.easing`` takes it; ``level`` as ``Level.stands``."""
         noted = self.limbs, self.carriers, self.source, np.array([self.rate]), self.sharp
         eased = np.array([(level[0], meets, self.held, holds, level[1])], dtype=EASED_LEVEL)
         return records.Easing(frames, self.states, turns, eased, misses, above, *noted)
@@ -132,7 +132,7 @@ class Solve:
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
 
-        As ``kernels.jolts`` has them, radians a second squared.
+        As ``kernels.time.jolts`` has them, radians a second squared.
         """
         sharp = np.zeros((len(turns), 3))
         note_eased_jolts(self.joints, states, self.limbs, turns, self.rate, sharp)

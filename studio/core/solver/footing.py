@@ -10,14 +10,14 @@ from scipy.ndimage import gaussian_filter1d
 
 from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.ground import Ground
-from studio.core.kernels import feet as kernel
 from studio.core.kernels import layout as at
-from studio.core.kernels.footing import plan_foot
-from studio.core.kernels.heels import roll_feet
 from studio.core.kernels.layout import LIMB_SLACK
-from studio.core.kernels.legs import hip_heights, lower_smoothly
-from studio.core.kernels.stance import LEASH
-from studio.core.kernels.swing import keep_above
+from studio.core.kernels.limbs.legs import hip_heights, lower_smoothly
+from studio.core.kernels.limits.root_reach import LEASH
+from studio.core.kernels.support import feet as kernel
+from studio.core.kernels.support.footing import plan_foot
+from studio.core.kernels.support.heels import roll_feet
+from studio.core.kernels.support.swing import keep_above
 from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.footprints import drape, find_footprints
@@ -55,7 +55,7 @@ class Footing:
     """What the ground asks of one body: ``states`` (2, F) bit 1 heel, bit 2 toe; ``comforts`` (2, F) part of its
     length to which each leg stretches freely; ``runs`` (2, F) how much farther the root may stretch it, inf where its
     foot is free; ``ankles`` (2, F, 3 or 7) targets, with those of knees that stand as
-    ``kernels.legs.place_leg`` takes them; ``feet``, ``toes`` (2, F, 3, 3) world
+    ``kernels.limbs.legs.place_leg`` takes them; ``feet``, ``toes`` (2, F, 3, 3) world
     rotations; ``drops`` (F,) metres by which the root is lowered.
     """
 

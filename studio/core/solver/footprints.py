@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from studio.core.ground import Ground
-from studio.core.kernels.feet import FLAT, HEEL
+from studio.core.kernels.support.feet import FLAT, HEEL
 from studio.core.morphology import at_frames
 
 FloatArray = NDArray[np.float64]

@@ -14,7 +14,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.contacts import ContactPoint
 from studio.core.kernels import layout as at
-from studio.core.kernels.carrying import place_arms
+from studio.core.kernels.support.carrying import place_arms
 from studio.core.morphology import AnyMorphology, at_frames
 from studio.core.solver.carrying import Hold, track_of
 from studio.core.solver.footing import Footing, freedom

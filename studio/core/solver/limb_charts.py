@@ -1,15 +1,15 @@
 """Turns of the limbs' joints as numbers whose means are turns again, and within the joints' limits (METHOD (37)).
 
-A joint with limits is charted by its angles about their middles (``kernels.limb_charts``). What limits allow is convex
-there, and so the way from one side of a shoulder to the other leads through the front of it. Free joints are charted by
-quaternions.
+A joint with limits is charted by its angles about their middles (``kernels.limits.limb_charts``). What limits allow is
+convex there, and so the way from one side of a shoulder to the other leads through the front of it. Free joints are
+charted by quaternions.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.canonical import BodyLayout
-from studio.core.kernels.limb_charts import keep_within, note_angles, note_limb_turns, note_turns
+from studio.core.kernels.limits.limb_charts import keep_within, note_angles, note_limb_turns, note_turns
 from studio.core.rotations import from_matrix, sign_continuous, to_matrix
 
 FloatArray = NDArray[np.float64]
@@ -26,7 +26,7 @@ class LimbCharts:
     def __init__(
         self, layout: BodyLayout, unsolved: FloatArray, limits: NDArray[np.void], limbs: IntArray = ALL
     ) -> None:
-        """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.joint_limits``, or none.
+        """``unsolved`` rotations (F, S, 3, 3); ``limits`` (4,) of ``kernels.limits.joint_limits``, or none.
 
         Of others than ``limbs`` (4,) nothing changes.
         """

@@ -26,8 +26,9 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.kernels import goals, records
-from studio.core.kernels.tasks import TASK
+from studio.core.kernels import records
+from studio.core.kernels.tasks import goals
+from studio.core.kernels.tasks.task import TASK
 from studio.core.rotations import to_matrix
 from studio.core.solver.areas import area_row
 from studio.core.solver.tracks import Targets
@@ -50,7 +51,7 @@ _NO_PLACE, _NO_TURN, _NO_DISTANCE = np.full((1, 3), np.nan), np.zeros((1, 3, 3))
 
 @dataclass(eq=False)
 class Rows:
-    """The arrays of C constraints while they are being written; ``kernels.tasks`` says what each record holds.
+    """The arrays of C constraints while they are being written; ``kernels.tasks.task`` says what each record holds.
 
     ``ranks`` (C,) are their levels, 0 the highest; ``places`` C of (F or 1, 3), ``turns`` of (F or 1, 3, 3) and
     ``distances`` of (F or 1,) where things are to be.

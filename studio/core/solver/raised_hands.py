@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from studio.core.contacts import spans_of
 from studio.core.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.kernels.carrying import place_arms
+from studio.core.kernels.support.carrying import place_arms
 from studio.core.morphology import AnyMorphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.carrying import lengths_of, reach_of

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.canonical import BodyLayout
 from studio.core.kernels import layout as at
-from studio.core.kernels.joints import ROOT
+from studio.core.kernels.search.joints import ROOT
 from studio.core.solver.footing import hann_window
 
 FloatArray = NDArray[np.float64]

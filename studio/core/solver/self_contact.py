@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d
 
 from studio.core.contacts import ContactInterval, Touch, contact_mask
-from studio.core.kernels import clearance as clearing
 from studio.core.kernels import layout as at
-from studio.core.kernels.hands import find_ways_out, join_hands, move_arms, rest_hands
+from studio.core.kernels.limits import clearance as clearing
+from studio.core.kernels.limits.hands import find_ways_out, join_hands, move_arms, rest_hands
 from studio.core.kernels.records import ActorRooms
 from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion

@@ -9,10 +9,10 @@ from scipy.spatial.transform import Rotation
 from studio.core.contacts import ContactPoint
 from studio.core.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.kernels.carrying import move_bodies, settle_frames
-from studio.core.kernels.feet import HEEL, TOE
-from studio.core.kernels.legs import face_knees, knee_swivels
-from studio.core.kernels.swing import keep_above
+from studio.core.kernels.limbs.legs import face_knees, knee_swivels
+from studio.core.kernels.support.carrying import move_bodies, settle_frames
+from studio.core.kernels.support.feet import HEEL, TOE
+from studio.core.kernels.support.swing import keep_above
 from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc

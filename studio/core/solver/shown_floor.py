@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from studio.core.contacts import ContactInterval
-from studio.core.kernels.feet import FLAT, fill_gaps
+from studio.core.kernels.support.feet import FLAT, fill_gaps
 from studio.core.morphology import AnyMorphology, sole_rows
 from studio.core.solver.footing import foot_states, freedom
 

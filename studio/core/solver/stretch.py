@@ -17,8 +17,8 @@ from studio.core.errors import StudioError
 from studio.core.joint_limits import limits_of
 from studio.core.kernels import records
 from studio.core.kernels.adapt import solve_frames
-from studio.core.kernels.goals import AREA
 from studio.core.kernels.records import Asked, BodyFrames, Legs, Motion, Recruits
+from studio.core.kernels.tasks.goals import AREA
 from studio.core.metrics import QUIET
 from studio.core.morphology import at_frames
 from studio.core.normalized.motion import NormalizedMotion

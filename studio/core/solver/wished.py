@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 from scipy.spatial.transform import Rotation
 
-from studio.core.kernels import goals
-from studio.core.kernels.jolts import LEVER
+from studio.core.kernels.tasks import goals
+from studio.core.kernels.time.jolts import LEVER
 from studio.core.morphology import Morphology
 from studio.core.solver.packing import Rows
 from studio.core.solver.support import mass_path

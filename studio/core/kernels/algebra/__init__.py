@@ -1,0 +1,1 @@
+"""Rotations, points and small matrices."""

@@ -1,0 +1,1 @@
+"""A posed body: from channels and back, its joints, its skin."""

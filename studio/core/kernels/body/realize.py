@@ -1,0 +1,243 @@
+"""From channels to a posed body: the morphology-independent motion takes the measures of one body (METHOD 3)."""
+
+import math
+
+import numpy as np
+
+from studio.core.kernels import layout as at
+from studio.core.kernels.algebra.turns import along, product, put_beside, put_turn, sine_and_cosine, turn_of
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
+from studio.core.kernels.limbs.limb import place_limb
+
+
+@allocating_kernel
+def realize_frames(channels, places, measures, girdles, play, out_positions, out_rotations):
+    """Pose a body at every frame (METHOD 3; eq. 2 of K05).
+
+    ``channels`` (F, 89 + 4 K_motion); ``places`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K);
+    ``girdles`` (F or 1,) parts of their turns that clavicles take; ``play`` 1 keeps the actor's stray of hips and head,
+    0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
+    """
+    spine_from, spine_share = sample_spine(places, measures[0])
+    realize_each(channels, measures, girdles, spine_from, spine_share, play, out_positions, out_rotations)
+
+
+@kernel
+def realize_each(channels, measures, girdles, spine_from, spine_share, play, out_positions, out_rotations):
+    """``realize_frames`` with its spine sampled."""
+    for frame in range(channels.shape[0]):
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        girdle, positions, rotations = girdles[frame % girdles.shape[0]], out_positions[frame], out_rotations[frame]
+        realize_frame(channels[frame], row, girdle, spine_from, spine_share, play, positions, rotations)
+
+
+@allocating_kernel
+def sample_spine(places, measures):
+    """For each of a body's K spine segments: after which of the motion's it lies, and how far to the next (0 to 1).
+
+    The pelvis takes the pelvis and the thorax the thorax; what lies between is sampled by its place along the
+    trunk, so arms hang the same however many vertebrae a body has. ``places`` (K_motion,) from 0 to 1.
+    """
+    count, last = (measures.shape[0] - at.M_SPINE) // 3, places.shape[0] - 1
+    own, index, share = np.zeros(count), np.zeros(count, np.int64), np.zeros(count)
+    for k in range(1, count):
+        m = at.M_SPINE + 3 * (k - 1)
+        own[k] = own[k - 1] + math.sqrt(measures[m] ** 2 + measures[m + 1] ** 2 + measures[m + 2] ** 2)
+    for k in range(count):
+        place = own[k] / own[count - 1]
+        while index[k] < last and places[index[k] + 1] <= place + 1e-9:
+            index[k] += 1
+        begin = places[index[k]]
+        span = places[index[k] + 1] - begin if index[k] < last else 1.0
+        part = min(max((place - begin) / span, 0.0), 1.0)
+        share[k] = part if part >= 1e-6 else 0.0
+    return index, share
+
+
+@kernel
+def realize_frame(channels, measures, girdle, spine_from, spine_share, play, positions, rotations):
+    """One frame of ``realize_frames``."""
+    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, spine_from, spine_share, positions, rotations)
+    realize_head(channels, measures, play, neck_base, thorax, positions, rotations)
+    for side in range(2):
+        realize_arm(channels, measures, girdle, side, neck_base, thorax, positions, rotations)
+        realize_leg(channels, measures, side, play, root, pelvis, positions, rotations)
+
+
+@small_kernel
+def realize_trunk(channels, measures, spine_from, spine_share, positions, rotations):
+    """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax."""
+    pelvis = pelvis_turn(channels)
+    leg, m = mean_leg(measures), at.M_HIP_OFFSET
+    hips = (
+        channels[at.HIPS] * leg,
+        channels[at.HIPS + 1] * leg,
+        channels[at.HIPS + 2] * leg + 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1]),
+    )
+    root = put_beside(
+        hips,
+        pelvis,
+        -0.5 * (measures[m] + measures[m + 3]),
+        -0.5 * (measures[m + 1] + measures[m + 4]),
+        -0.5 * (measures[m + 2] + measures[m + 5]),
+        positions[0],
+    )
+    place, turn = root, pelvis
+    for k in range(spine_from.shape[0]):
+        if k > 0:
+            turn = product(pelvis, spine_turn(channels, spine_from[k], spine_share[k]))
+        put_turn(turn, rotations[k])
+        m = at.M_SPINE + 3 * k
+        place = put_beside(place, turn, measures[m], measures[m + 1], measures[m + 2], positions[k + 1])
+    return root, pelvis, place, turn
+
+
+@small_kernel
+def mean_leg(measures):
+    """Metres from hip to ankle, the mean of both legs."""
+    return 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
+
+
+@small_kernel
+def pelvis_turn(channels):
+    """The heading, and the pelvis relative to it."""
+    a = turn_of(channels, at.PELVIS)
+    s, c = sine_and_cosine(channels[at.YAW])
+    return (
+        c * a[0] - s * a[3], c * a[1] - s * a[4], c * a[2] - s * a[5],
+        s * a[0] + c * a[3], s * a[1] + c * a[4], s * a[2] + c * a[5],
+        a[6], a[7], a[8],
+    )  # fmt: skip
+
+
+@small_kernel
+def spine_turn(channels, index, share):
+    """Turn of a spine segment relative to the pelvis: normalised blend of two neighbours' quaternions."""
+    a = at.SPINE + 4 * (index - 1)
+    ax, ay, az, aw = 0.0, 0.0, 0.0, 1.0
+    if index > 0:
+        ax, ay, az, aw = channels[a], channels[a + 1], channels[a + 2], channels[a + 3]
+    if share > 0.0:
+        b = a + 4
+        bx, by, bz, bw = channels[b], channels[b + 1], channels[b + 2], channels[b + 3]
+        flip = -1.0 if ax * bx + ay * by + az * bz + aw * bw < 0.0 else 1.0
+        keep, take = 1.0 - share, flip * share
+        ax, ay, az, aw = (
+            keep * ax + take * bx,
+            keep * ay + take * by,
+            keep * az + take * bz,
+            keep * aw + take * bw,
+        )
+    scale = 1.0 / math.sqrt(ax * ax + ay * ay + az * az + aw * aw)
+    return turn_of((ax * scale, ay * scale, az * scale, aw * scale), 0)
+
+
+@small_kernel
+def realize_head(channels, measures, play, neck_base, thorax, positions, rotations):
+    """Neck and head (METHOD 3.3). The neck turns away from its own rest in the thorax, because bodies (and captures)
+    draw it along other lines: what a motion carries over is the turn, not the line. So do clavicles.
+    """
+    neck, m = (measures.shape[0] - at.M_SPINE) // 3, at.M_NECK_REST
+    carrier = product(thorax, turn_of(channels, at.NECK))
+    turn = product(carrier, along(measures[m], measures[m + 1], measures[m + 2]))
+    put_turn(turn, rotations[neck])
+    length = measures[at.M_NECK]
+    stray, c = play * length, at.HEAD_PLAY
+    x, y, z = stray * channels[c], stray * channels[c + 1], stray * channels[c + 2]
+    joint = put_beside(neck_base, turn, x, y, length + z, positions[neck + 1])
+    turn = product(carrier, turn_of(channels, at.HEAD))
+    put_turn(turn, rotations[neck + 1])
+    put_beside(joint, turn, 0.0, 0.0, measures[at.M_HEAD], positions[neck + 2])
+
+
+@small_kernel
+def part_of_turn(channels, column, share):
+    """A ``share`` of the shorter turn whose quaternion stands in four columns of a frame."""
+    x, y, z, w = channels[column], channels[column + 1], channels[column + 2], channels[column + 3]
+    size = math.sqrt(x * x + y * y + z * z)
+    angle = share * math.atan2(size, abs(w))
+    scale = math.copysign(math.sin(angle) / max(size, 1e-12), w)
+    return turn_of((scale * x, scale * y, scale * z, math.cos(angle)), 0)
+
+
+@small_kernel
+def realize_arm(channels, measures, girdle, side, neck_base, thorax, positions, rotations):
+    """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the actor's clavicle.
+
+    The body's own takes the part ``girdle`` of that turn.
+    """
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
+    carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
+    m = at.M_COLLAR_BASE + 3 * side
+    collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], positions[point])
+    m = at.M_CLAVICLE_REST + 3 * side
+    carried = carrier if girdle == 1.0 else product(thorax, part_of_turn(channels, at.CLAVICLE + 4 * side, girdle))
+    turn = product(carried, along(measures[m], measures[m + 1], measures[m + 2]))
+    put_turn(turn, rotations[segment])
+    shoulder = put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], positions[point + 1])
+    m = at.M_ARM + 2 * side
+    wrist, forearm = realize_limb(
+        channels, measures, m, side, carrier, shoulder, point + 1, segment + 1, positions, rotations
+    )
+    hand = product(forearm, turn_of(channels, at.HAND + 4 * side))
+    put_turn(hand, rotations[segment + 3])
+    m = at.M_HAND + 3 * side
+    put_beside(wrist, hand, measures[m], measures[m + 1], measures[m + 2], positions[point + 4])
+
+
+@small_kernel
+def realize_leg(channels, measures, side, play, root, pelvis, positions, rotations):
+    """Leg, foot and toe (METHOD 3.4, 3.5); the foot lies in the pelvis."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
+    hip = put_hip(channels, measures, side, play, root, pelvis, positions[point])
+    m = at.M_LEG + 2 * side
+    ankle, _ = realize_limb(channels, measures, m, 2 + side, pelvis, hip, point, segment, positions, rotations)
+    foot = product(pelvis, turn_of(channels, at.FOOT + 4 * side))
+    toe = product(foot, turn_of(channels, at.TOE + 4 * side))
+    put_foot(measures, side, ankle, foot, toe, point + 3, segment + 2, positions, rotations)
+
+
+@small_kernel
+def realize_limb(channels, measures, m, limb, carrier, root, point, segment, positions, rotations):
+    """Both bones of arm (limb 0, 1) or leg (2, 3), their lengths at measure ``m``; place and turn at their end."""
+    length = measures[m] + measures[m + 1]
+    return place_limb(
+        root,
+        product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)),
+        (1.0 - channels[at.LIMB_SLACK + limb]) * length,
+        (measures[m], measures[m + 1]),
+        channels[at.LIMB_OFF_PLANE + limb] * length,
+        channels[at.LIMB_BEND + limb],
+        (channels[at.LIMB_TWIST + 2 * limb], channels[at.LIMB_TWIST + 2 * limb + 1]),
+        positions[point + 1],
+        positions[point + 2],
+        rotations[segment],
+        rotations[segment + 1],
+    )
+
+
+@small_kernel
+def put_hip(channels, measures, side, play, root, pelvis, out_hip):
+    """Write the hip joint (3,): its place in the pelvis and, for the actor, its stray from there; that place."""
+    m, c, stray = at.M_HIP_OFFSET + 3 * side, at.HIP_PLAY + 3 * side, play * mean_leg(measures)
+    return put_beside(
+        root,
+        pelvis,
+        measures[m] + stray * channels[c],
+        measures[m + 1] + stray * channels[c + 1],
+        measures[m + 2] + stray * channels[c + 2],
+        out_hip,
+    )
+
+
+@small_kernel
+def put_foot(measures, side, ankle, foot, toe, point, segment, positions, rotations):
+    """Foot and toe by their turns from the ankle on, as ``segment`` and the next, ``point`` and the next."""
+    put_turn(foot, rotations[segment])
+    put_turn(toe, rotations[segment + 1])
+    m = at.M_FOOT + 3 * side
+    joint = put_beside(ankle, foot, measures[m], measures[m + 1], measures[m + 2], positions[point])
+    m = at.M_TOE + 3 * side
+    put_beside(joint, toe, measures[m], measures[m + 1], measures[m + 2], positions[point + 1])

@@ -1,0 +1,1 @@
+"""Limbs in closed form."""

@@ -1,0 +1,228 @@
+"""Legs placed on the ankles that the ground asks for (METHOD 4)."""
+
+import math
+
+import numpy as np
+
+from studio.core.kernels import layout as at
+from studio.core.kernels.algebra.turns import aimed, product, put_beside, turn_in, turn_of, twisted
+from studio.core.kernels.body.realize import put_foot, put_hip
+from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
+from studio.core.kernels.limbs.limb import middle_of, place_limb, soft_reach
+from studio.core.kernels.support.feet import smoothstep
+
+KNEE_GUARD = 0.0004
+"""Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
+FACED = 0.5
+"""Parts of its length away from a leg's line at which the place lies that a knee in the air faces."""
+
+
+@allocating_kernel
+def hip_heights(channels, measures, rotations, ankles, comforts, states, out_drops):
+    """How far the root must come down at each frame, (F,) metres, for standing feet to be in reach (K05 section 7).
+
+    The heights h2, h3 of the paper against h1, the root as it is.
+    ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root as it is; ``comforts`` (2, F) part
+    of its length to which each leg stretches freely; ``states`` (2, F).
+
+    METHOD (9).
+    """
+    hip, root = np.empty(3), np.zeros(3)
+    for frame in range(channels.shape[0]):
+        out_drops[frame] = 0.0
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        for side in range(2):
+            if states[side, frame] == 0:
+                continue
+            put_hip(channels[frame], row, side, 0.0, root, turn_in(rotations[frame, 0]), hip)
+            length = row[at.M_LEG + 2 * side] + row[at.M_LEG + 2 * side + 1]
+            reach = length * comforts[side, frame]
+            x, y = ankles[side, frame, 0] - hip[0], ankles[side, frame, 1] - hip[1]
+            below = math.sqrt(max(0.0, reach * reach - x * x - y * y))
+            drop = -(ankles[side, frame, 2] - hip[2]) - below
+            out_drops[frame] = max(out_drops[frame], drop)
+
+
+@kernel
+def lower_smoothly(drops, window, out_peaks, out_drops):
+    """At least ``drops`` (F,) and 0 everywhere: the greatest around, averaged over the same support by ``window``.
+
+    The window (2 n + 1,) adds up to 1; beyond its ends a motion goes on as it is there. METHOD (9).
+    """
+    count, half = drops.shape[0], window.shape[0] // 2
+    for frame in range(count):
+        out_peaks[frame] = 0.0
+        for other in range(max(frame - half, 0), min(frame + half + 1, count)):
+            out_peaks[frame] = max(out_peaks[frame], drops[other])
+    for frame in range(count):
+        out_drops[frame] = 0.0
+        for step in range(2 * half + 1):
+            other = min(max(frame + step - half, 0), count - 1)
+            out_drops[frame] += window[step] * out_peaks[other]
+
+
+@kernel
+def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, rotations):
+    """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
+
+    The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
+    leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
+    ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; writes into the frame's arrays. An ``ankle`` of 7 numbers goes on
+    with a place that the knee faces, and 1 where it does.
+    """
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
+    hip, frame, reach, bones, off_plane = aim_leg(channels, measures, side, comfort, ankle, positions, rotations)
+    t = at.LIMB_TWIST + 2 * (2 + side)
+    end, _ = place_limb(
+        hip,
+        frame,
+        reach,
+        bones,
+        off_plane,
+        1.0,
+        (channels[t], channels[t + 1]),
+        positions[point + 1],
+        positions[point + 2],
+        rotations[segment],
+        rotations[segment + 1],
+    )
+    put_foot(measures, side, end, turn_in(foot), turn_in(toe), point + 3, segment + 2, positions, rotations)
+
+
+@small_kernel
+def aim_leg(channels, measures, side, comfort, ankle, positions, rotations):
+    """Put the hip on the pelvis; its place, the leg's frame and length to its ankle, its bones' and off its plane."""
+    point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
+    pelvis = turn_in(rotations[0])
+    hip = put_hip(channels, measures, side, 0.0, positions[0], pelvis, positions[point])
+    frame, reach, off_plane = leg_line(channels, measures, side, comfort, ankle, hip, pelvis)
+    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    if ankle.shape[0] > 3 and ankle[6] > 0.0:
+        frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
+    return hip, frame, reach, (upper, lower), off_plane
+
+
+@kernel
+def place_leg_points(channels, measures, side, comfort, ankle, before, positions, rotations):
+    """The points alone of ``place_leg``; ``before`` (P, 3) has the foot beside its ankle as it is to be."""
+    point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
+    hip, frame, reach, bones, off_plane = aim_leg(channels, measures, side, comfort, ankle, positions, rotations)
+    x, y, z, distance = middle_of(reach, bones, off_plane, 1.0)
+    put_beside(hip, frame, x, y, z, positions[point + 1])
+    put_beside(hip, frame, 0.0, 0.0, distance, positions[point + 2])
+    for bone in range(3, 5):
+        for axis in range(3):
+            positions[point + bone, axis] = positions[point + 2, axis] + (
+                before[point + bone, axis] - before[point + 2, axis]
+            )
+
+
+@kernel
+def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
+    """A leg's frame (a turn) aimed from its ``hip`` (3,) at its ankle, its reach in metres, its knee off the plane.
+
+    METHOD (4), (11).
+    """
+    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    length = upper + lower
+    x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
+    distance = math.sqrt(x * x + y * y + z * z)
+    frame = product(pelvis, turn_of(channels, at.LIMB_FRAME + 4 * (2 + side)))
+    if distance > 1e-9:
+        per = 1.0 / distance
+        frame = aimed(frame, per * x, per * y, per * z)
+    reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
+    return frame, reach, channels[at.LIMB_OFF_PLANE + 2 + side] * length
+
+
+@allocating_kernel
+def knee_swivels(channels, measures, side, comforts, ankles, hips, pelvises, out_angles):
+    """Radians (F,) by which a knee turns about the line of hip and ankle to face its place in ``ankles`` (F, 7).
+
+    ``comforts`` (F,); ``hips`` (F, 3); ``pelvises`` (F, 3, 3).
+    """
+    for frame in range(channels.shape[0]):
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        turn, reach, off_plane = leg_line(
+            channels[frame], row, side, comforts[frame], ankles[frame], hips[frame], turn_in(pelvises[frame])
+        )
+        upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
+        out_angles[frame] = knee_swivel(hips[frame], ankles[frame], upper, lower, reach, off_plane, turn)
+
+
+@allocating_kernel
+def face_knees(channels, measures, side, comforts, angles, hips, pelvises, ankles):
+    """Write into ``ankles`` (F, 7) places that knees turned by ``angles`` (F,) face: ``knee_swivels`` backwards."""
+    for frame in range(channels.shape[0]):
+        ankle, hip = ankles[frame], hips[frame]
+        ankle[6] = 0.0
+        if angles[frame] == 0.0:
+            continue
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        turn, reach, off_plane = leg_line(
+            channels[frame], row, side, comforts[frame], ankle, hip, turn_in(pelvises[frame])
+        )
+        upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
+        x, y, _ = natural_knee(upper, lower, reach, off_plane)
+        angle = math.atan2(y, x) + angles[frame]
+        c, s = FACED * (upper + lower) * math.cos(angle), FACED * (upper + lower) * math.sin(angle)
+        for axis in range(3):
+            ankle[3 + axis] = hip[axis] + c * turn[3 * axis] + s * turn[3 * axis + 1]
+        ankle[6] = 1.0
+
+
+@small_kernel
+def natural_knee(upper, lower, distance, off_plane):
+    """Where a leg's knee is in its frame, across the line of hip and ankle, and how far from that line (METHOD (5))."""
+    z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
+    radius = math.sqrt(max(0.0, upper * upper - z * z))
+    x = min(max(off_plane, -radius), radius)
+    return x, math.sqrt(max(0.0, radius * radius - x * x)), radius
+
+
+@kernel
+def is_placed(channels, measures, side, comfort, ankle, foot, toe, positions, rotations):
+    """Whether a leg as realised is already where ``place_leg`` would put it."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 15 + 5 * side, spine_count + 12 + 4 * side
+    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
+    if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > comfort:
+        return False
+    if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (ankle.shape[0] > 3 and ankle[6] > 0.0):
+        return False
+    return (
+        same_point(ankle, positions[point])
+        and same_turn(foot, rotations[segment])
+        and same_turn(toe, rotations[segment + 1])
+    )
+
+
+@small_kernel
+def same_point(a, b):
+    """Whether two points (3,) are one."""
+    return a[0] == b[0] and a[1] == b[1] and a[2] == b[2]
+
+
+@small_kernel
+def same_turn(a, b):
+    """Whether two matrices (3, 3) are one."""
+    return same_point(a[0], b[0]) and same_point(a[1], b[1]) and same_point(a[2], b[2])
+
+
+@kernel
+def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
+    """Radians by which a leg's ``frame`` (a turn) turns about its z axis until the knee faces its place (METHOD (4)).
+
+    ``ankle`` (7,) as in ``place_leg``. Hardly at all where the knee is on the line of hip and ankle, or its place is.
+    """
+    x, y, radius = natural_knee(upper, lower, distance, off_plane)
+    wanted_x, wanted_y = 0.0, 0.0
+    for axis in range(3):
+        wanted_x += frame[3 * axis] * (ankle[3 + axis] - hip[axis])
+        wanted_y += frame[3 * axis + 1] * (ankle[3 + axis] - hip[axis])
+    away = radius * math.hypot(wanted_x, wanted_y)
+    angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
+    angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+    return smoothstep(min(away / KNEE_GUARD, 1.0)) * angle

@@ -1,0 +1,72 @@
+"""Arms and legs as links of variable length: the analytic heart of the method (METHOD 3)."""
+
+import math
+
+from studio.core.kernels.algebra.turns import put_beside, put_turn, sine_and_cosine
+from studio.core.kernels.compiling import kernel, small_kernel
+
+
+@small_kernel
+def place_limb(root, frame, distance, bones, off_plane, bend, twists, out_middle, out_end, out_upper, out_lower):
+    """Middle joint and both segments of a limb from its frame and its length (K05 section 8; METHOD 3.4, (5)).
+
+    ``root`` the place of its root; ``frame`` the turn (``kernels.algebra.turns``) whose z axis points to the extremity;
+    lengths of both ``bones``, ``off_plane`` metres; ``twists`` of both, radians. ``out_middle``, ``out_end`` (3,):
+    middle joint and extremity; ``out_upper``, ``out_lower`` (3, 3) rotations. Returns the extremity's place and the
+    lower bone's turn.
+    """
+    x, y, z, d = middle_of(distance, bones, off_plane, bend)
+    put_beside(root, frame, x, y, z, out_middle)
+    put_turn(bone_turn(frame, x, y, z, twists[0]), out_upper)
+    last = bone_turn(frame, -x, -y, d - z, twists[1])
+    put_turn(last, out_lower)
+    return put_beside(root, frame, 0.0, 0.0, d, out_end), last
+
+
+@small_kernel
+def middle_of(distance, bones, off_plane, bend):
+    """Place (x, y, z) of the middle joint in the limb's frame, and the distance of its extremity, which is not 0."""
+    upper, lower = bones
+    d = max(distance, 1e-6)
+    z = (upper * upper - lower * lower + d * d) / (2.0 * d)
+    radius = math.sqrt(max(0.0, upper * upper - z * z))
+    x = min(max(off_plane, -radius), radius)
+    return x, bend * math.sqrt(max(0.0, radius * radius - x * x)), z, d
+
+
+@small_kernel
+def bone_turn(frame, x, y, z, twist):
+    """Turn of a bone along (x, y, z) in the axes of ``frame``: the shortest way there, then twisted about the bone.
+
+    SA of METHOD (1) from z to v takes x to x - x . v / (1 + z . v) h with h = z + v, and y likewise; where they oppose
+    it is half a turn about y.
+    """
+    across = x * x + y * y
+    length = math.sqrt(across + z * z)
+    rise = length + z if z > 0.0 else across / (length - z)
+    opposed = rise < 1e-200 * length
+    k, side = (0.0, -1.0) if opposed else (1.0 / rise, 1.0)
+    inverse = 1.0 / length
+    hx = inverse * (frame[0] * x + frame[1] * y + frame[2] * rise)
+    hy = inverse * (frame[3] * x + frame[4] * y + frame[5] * rise)
+    hz = inverse * (frame[6] * x + frame[7] * y + frame[8] * rise)
+    ax, bx = side * frame[0] - k * x * hx, frame[1] - k * y * hx
+    ay, by = side * frame[3] - k * x * hy, frame[4] - k * y * hy
+    az, bz = side * frame[6] - k * x * hz, frame[7] - k * y * hz
+    sine, cosine = sine_and_cosine(twist)
+    return (
+        cosine * ax + sine * bx, cosine * bx - sine * ax, hx - frame[2],
+        cosine * ay + sine * by, cosine * by - sine * ay, hy - frame[5],
+        cosine * az + sine * bz, cosine * bz - sine * az, hz - frame[8],
+    )  # fmt: skip
+
+
+@kernel
+def soft_reach(needed, comfort):
+    """Part of its length to which a limb stretches when ``needed`` is asked: all of it up to ``comfort``, then
+    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 6, (11)).
+    """
+    if needed <= comfort:
+        return needed
+    room = 1.0 - comfort
+    return comfort + room * (1.0 - math.exp(-(needed - comfort) / room))

@@ -1,0 +1,284 @@
+"""Arms kept clear of their own body: out of capsules, by moving the wrist and by turning the elbow about its axis.
+
+In smooth closed-form steps from the frame's own pose, so that it needs no frame before; ``kernels.limits.clearing``
+says when. Records are those of ``kernels.records``; ``capsules`` (N, 9) are begin, axis, 1 / length^2 and both radii
+in the world; an arm has five spheres, its probes: at the elbow, half way down the forearm, at the wrist, in the palm
+and in the fingers. *Room* is how far a probe's surface is from the body's, negative inside.
+"""
+
+import math
+
+import numpy as np
+
+from studio.core.kernels.algebra.rotation import add_rotated
+from studio.core.kernels.algebra.turns import turn_by
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
+from studio.core.kernels.body.parts import turn_part
+from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.limbs.limb import soft_reach
+from studio.core.kernels.limbs.reach import reach_to, span_range
+from studio.core.kernels.records import Pose
+
+PROBES = 5
+BLEND = 0.02
+"""Metres over which the distances to two capsules run into each other."""
+CORE = 0.3
+"""Part of a capsule's radius within which its outward direction fades: at the axis there is none."""
+FADE, LEAST_FADE, TOUCH = 0.08, 0.015, 0.003
+"""Metres before its place at which a probe begins to be led there at most and at least, and within which it is kept."""
+SWEEPS = 6
+SWIVEL_COST = 0.08
+"""Metres of wrist that are worth one radian of swivel."""
+MOST_SWIVEL = 1.2
+"""Radians to which a swivel tends."""
+NEARNESS, FLESH = 0.02, 0.04
+"""Metres of room, and of depth, to which what the actor itself has is kept at most."""
+DEEP = 0.06
+"""Metres in the body at which an arm comes out the actor's way alone."""
+COMFORT = 0.97
+RIM = math.sqrt(1.0 + CORE * CORE)
+FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
+"""Part of the wrist's way that each probe goes along."""
+
+
+@kernel
+def place_capsules(volume, pose, proximal, out_capsules):
+    """The capsules in the world, (N, 9); ``proximal`` (S,) is the point where each segment begins."""
+    segments, places, radii = volume.segments, volume.places, volume.radii
+    for n in range(segments.shape[0]):
+        capsule = out_capsules[n]
+        for end in range(2):
+            segment, place = segments[n, end], places[n, end]
+            origin, out = pose.positions[proximal[segment]], capsule[3 * end : 3 * end + 3]
+            add_rotated(origin, pose.rotations[segment], place[0], place[1], place[2], out)
+        for axis in range(3):
+            capsule[3 + axis] -= capsule[axis]
+        capsule[6] = 1.0 / max(capsule[3] ** 2 + capsule[4] ** 2 + capsule[5] ** 2, 1e-9)
+        capsule[7], capsule[8] = radii[n, 0], radii[n, 1] - radii[n, 0]
+
+
+@allocating_kernel
+def room_at(x, y, z, girth, capsules, out_way):
+    """Metres of room of a sphere, and the unit way out of the body (3,), shorter towards a capsule's axis.
+
+    The smooth minimum (polynomial, over ``BLEND``) of the distances from tapered capsules.
+    """
+    room, most = math.inf, math.inf
+    out_way[0] = out_way[1] = out_way[2] = 0.0
+    for n in range(capsules.shape[0]):
+        capsule = capsules[n]
+        ux, uy, uz = capsule[3], capsule[4], capsule[5]
+        px, py, pz = x - capsule[0], y - capsule[1], z - capsule[2]
+        t = soft_clamp((px * ux + py * uy + pz * uz) * capsule[6])
+        px, py, pz = px - t * ux, py - t * uy, pz - t * uz
+        radius = capsule[7] + t * capsule[8]
+        squared = px * px + py * py + pz * pz + CORE * CORE * radius * radius
+        if squared >= (most + RIM * radius) ** 2:
+            continue
+        away = math.sqrt(squared)
+        here = away - RIM * radius - girth
+        if here >= room + BLEND:
+            continue
+        share = 1.0
+        if here > room - BLEND:
+            share = 0.5 * (1.0 + (room - here) / BLEND)
+            room = room + share * (here - room) - 0.5 * BLEND * share * (1.0 - share)
+        else:
+            room = here
+        most = max(room + BLEND + girth, 0.0)
+        keep = 1.0 - share
+        out_way[0] = keep * out_way[0] + share * px / away
+        out_way[1] = keep * out_way[1] + share * py / away
+        out_way[2] = keep * out_way[2] + share * pz / away
+    return room
+
+
+@kernel
+def soft_clamp(t):
+    """``t`` held between 0 and 1 with a tenth of rounding at either end."""
+    return t + ramp(-t, 0.1) - ramp(t - 1.0, 0.1)
+
+
+@kernel
+def ramp(x, band):
+    """max(x, 0) with its corner rounded over ``band`` on either side; never below it."""
+    if x <= -band:
+        return 0.0
+    return x if x >= band else (x + band) ** 2 / (4.0 * band)
+
+
+@kernel
+def probe_at(probe, shoulder, positions, out_point):
+    """The centre (3,) of a probe of the arm whose shoulder is the point of that index."""
+    if probe < 3:
+        begin, end, share = shoulder + 1, shoulder + 2, 0.5 * probe
+    else:
+        begin, end, share = shoulder + 2, shoulder + 3, 0.45 if probe == 3 else 0.85
+    for axis in range(3):
+        out_point[axis] = positions[begin, axis] + share * (positions[end, axis] - positions[begin, axis])
+
+
+@allocating_kernel
+def measure_arm(side, volume, capsules, positions, out_rooms, out_ways):
+    """The room of every probe of one arm, (5,) metres, and the way out (5, 3)."""
+    shoulder, point = positions.shape[0] - 19 + 5 * side, np.empty(3)
+    for probe in range(PROBES):
+        probe_at(probe, shoulder, positions, point)
+        girth = volume.girths[probe]
+        out_rooms[probe] = room_at(point[0], point[1], point[2], girth, capsules, out_ways[probe])
+
+
+@allocating_kernel
+def room_frames(volume, proximal, positions, rotations, out_rooms, out_ways):
+    """The room of every probe at every frame, (F, 2, 5) metres, and the way out (F, 2, 5, 3)."""
+    capsules = np.empty((volume.segments.shape[0], 9))
+    for frame in range(positions.shape[0]):
+        place_capsules(volume, Pose(positions[frame], rotations[frame]), proximal, capsules)
+        for side in range(2):
+            measure_arm(side, volume, capsules, positions[frame], out_rooms[frame, side], out_ways[frame, side])
+
+
+@allocating_kernel
+def wanted_rooms(actor_rooms, margin, out_wanted):
+    """Room that probes are to have, any shape: ``margin`` more than y C / (|y| + C), where y is the actor's.
+
+    So a hand lands on a wide body as softly as the actor's does on its own, and where the actor seems to sink in, the
+    body may too, but never deeper. C is ``NEARNESS`` outside and ``FLESH`` inside.
+    """
+    own, wanted = actor_rooms.ravel(), out_wanted.ravel()
+    for i in range(own.shape[0]):
+        most = NEARNESS if own[i] > 0.0 else FLESH
+        wanted[i] = margin + own[i] * most / (abs(own[i]) + most)
+
+
+@allocating_kernel
+def clear_arm(side, touch, frame, shares, clearance, clearing, pose):
+    """Bring one arm out of its body where its probes have less room than ``clearing.asks``; True when it moved.
+
+    In sweeps, each from where the last one has brought the arm. ``shares`` (3,): how much of the answer is taken, how
+    freely the wrist and the swivel may move; ``touch`` metres within which a probe is led, 0 for as usual. An arm with
+    enough room is not touched, and ``clearing.rooms`` become the room that it has.
+    """
+    positions, rotations = pose
+    spine_count = positions.shape[0] - 23
+    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    saved, turn = clearing.saved, clearing.turn
+    moved, shift, swivel, step = False, np.zeros(3), 0.0, np.empty(4)
+    for _ in range(SWEEPS):
+        near = touch if touch > 0.0 else TOUCH if moved else 0.0
+        if not sweep_arm(side, near, frame, shares, clearance, clearing, positions, step):
+            break
+        if not moved:
+            copy_arm(Pose(positions[shoulder : shoulder + 4], rotations[upper : upper + 3]), saved)
+            moved = True
+        for axis in range(3):
+            shift[axis] += step[axis]
+        swivel += step[3]
+        move_arm(side, 1.0, shift, swivel, saved, turn, pose)
+    if moved and shares[0] < 1.0:
+        move_arm(side, shares[0], shift, swivel, saved, turn, pose)
+    return moved
+
+
+@allocating_kernel
+def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_step):
+    """The step (4,) of wrist (metres) and swivel (radians) that gives every probe its room; False when none is needed.
+
+    Probe after probe takes the least step for itself, wrist and swivel counted by their cost, where the steps before
+    have brought it. The narrower the actor is beside this body, the earlier a probe begins to give way, unless it is to
+    be kept ``near`` its place, in metres.
+    """
+    wanted, own, ways = clearing.asks, clearance.rooms[frame, side], clearance.ways[frame, side]
+    shoulder = positions.shape[0] - 19 + 5 * side
+    place, arc, way = np.empty(3), np.empty(3), np.empty(3)
+    out_step[0] = out_step[1] = out_step[2] = out_step[3] = 0.0
+    for probe in range(PROBES):
+        k = FOLLOWS[probe]
+        probe_at(probe, shoulder, positions, place)
+        arc_of(probe, shoulder, place, positions, arc)
+        for axis in range(3):
+            place[axis] += k * out_step[axis] + out_step[3] * arc[axis]
+        room = room_at(place[0], place[1], place[2], clearance.volume.girths[probe], clearing.capsules, way)
+        clearing.rooms[side, probe] = room
+        if near > 0.0:
+            short = ramp(wanted[probe] - room, near)
+        else:
+            narrower = max(own[probe] - room, 0.0)
+            fade = LEAST_FADE + narrower * FADE / (narrower + FADE)
+            short = ramp(wanted[probe] + TOUCH - room, fade)
+        if short == 0.0:
+            continue
+        turn_way(room, own[probe], ways[probe], way)
+        lever = (way[0] * arc[0] + way[1] * arc[1] + way[2] * arc[2]) / SWIVEL_COST
+        step = short / (k * k * shares[1] + lever * lever * shares[2] + 0.02)
+        for axis in range(3):
+            out_step[axis] += step * k * shares[1] * way[axis]
+        out_step[3] += step * lever / SWIVEL_COST * shares[2]
+    return out_step[0] != 0.0 or out_step[1] != 0.0 or out_step[2] != 0.0 or out_step[3] != 0.0
+
+
+@kernel
+def turn_way(room, actor_room, actor_way, way):
+    """Blend the way out (3,), in place, into the actor's: deep in the body, and near an axis, where there is none.
+
+    So an arm comes out on the side on which the actor's is, which counts as far as that is outside its own body.
+    """
+    depth = min(actor_room, 0.0)
+    outside = FLESH * FLESH / (FLESH * FLESH + depth * depth)
+    deep = min(max(-room / DEEP, 0.0), 1.0)
+    deep = outside * deep * deep * (3.0 - 2.0 * deep)
+    take = deep + (1.0 - deep) * outside * (1.0 - way[0] ** 2 - way[1] ** 2 - way[2] ** 2)
+    for axis in range(3):
+        way[axis] = (1.0 - deep) * way[axis] + take * actor_way[axis]
+
+
+@allocating_kernel
+def arc_of(probe, shoulder, place, positions, out_arc):
+    """Metres a radian by which a probe moves when the arm swivels about the line from shoulder to wrist, (3,)."""
+    if probe > 1:
+        out_arc[0] = out_arc[1] = out_arc[2] = 0.0
+        return
+    root, wrist = positions[shoulder], positions[shoulder + 2]
+    ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
+    length = max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
+    ax, ay, az = ax / length, ay / length, az / length
+    x, y, z = place[0] - root[0], place[1] - root[1], place[2] - root[2]
+    out_arc[0], out_arc[1], out_arc[2] = ay * z - az * y, az * x - ax * z, ax * y - ay * x
+
+
+@allocating_kernel
+def move_arm(side, share, shift, swivel, saved, turn, pose):
+    """The ``saved`` arm with its wrist moved by ``share`` of ``shift`` (3,) and turned about its axis by ``swivel``.
+
+    The hand keeps its orientation; where the arm is too short it stretches as ``limb.soft_reach`` says.
+    """
+    positions, rotations = pose
+    spine_count = positions.shape[0] - 23
+    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    copy_arm(saved, Pose(positions[shoulder : shoulder + 4], rotations[upper : upper + 3]))
+    root, wrist, target = positions[shoulder], positions[shoulder + 2], np.empty(3)
+    reach = span_range(root, positions[shoulder + 1], rotations[upper, :, 0], wrist)[1]
+    now, needed = 0.0, 0.0
+    for axis in range(3):
+        target[axis] = saved.positions[2, axis] + share * shift[axis]
+        now += (saved.positions[2, axis] - root[axis]) ** 2
+        needed += (target[axis] - root[axis]) ** 2
+    now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
+    needed = soft_reach(needed, min(max(now, COMFORT), 0.9999))
+    reach_to(target, needed * reach, upper, shoulder, wrist, positions, rotations)
+    angle = MOST_SWIVEL * math.tanh(share * swivel / MOST_SWIVEL)
+    ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]
+    scale = angle / max(math.sqrt(ax * ax + ay * ay + az * az), 1e-9)
+    turn_part(turn_by(scale * ax, scale * ay, scale * az), upper, spine_count, root, positions, rotations)
+    copy_matrix(saved.rotations[2], rotations[upper + 2])
+    for axis in range(3):
+        positions[shoulder + 3, axis] = wrist[axis] + saved.positions[3, axis] - saved.positions[2, axis]
+
+
+@kernel
+def copy_arm(arm, out_arm):
+    """``out_arm`` becomes ``arm``: points (4, 3) and rotations (3, 3, 3)."""
+    for point in range(4):
+        copy_point(arm.positions[point], out_arm.positions[point])
+    for segment in range(3):
+        copy_matrix(arm.rotations[segment], out_arm.rotations[segment])

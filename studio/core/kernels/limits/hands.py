@@ -1,0 +1,141 @@
+"""Hands put where they touch: on their own body, and beside each other; arms brought out of that body."""
+
+import numpy as np
+
+from studio.core.kernels.algebra.rotation import add_rotated
+from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.limits.clearance import TOUCH, copy_arm, move_arm, place_capsules, probe_at, sweep_arm
+from studio.core.kernels.limits.clearing import make_clearing
+from studio.core.kernels.records import Pose
+
+PALM = 3
+"""The probe in the palm."""
+ROUNDS = 6
+"""Times that hands go what is left of their way: an arm near its full length goes but a part of it."""
+CLOSE_ENOUGH = 1e-5
+TURNS = 3
+"""Sweeps over an arm's probes from where the last one has brought it: more bring it no farther out."""
+
+
+@allocating_kernel
+def join_hands(gaps, shares, positions, rotations):
+    """Move arms of all frames, in place, so that the right wrist lies ``gaps`` (F, 3) metres from the left one.
+
+    ``shares`` (F, 2) are the parts of the way that each goes, together how much of it; hands keep their turns.
+    """
+    saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
+    goal, shift = np.empty(3), np.empty(3)
+    for frame in range(positions.shape[0]):
+        whole = shares[frame, 0] + shares[frame, 1]
+        if whole == 0.0:
+            continue
+        pose = Pose(positions[frame], rotations[frame])
+        left, right = pose.positions[pose.positions.shape[0] - 17], pose.positions[pose.positions.shape[0] - 12]
+        for axis in range(3):
+            now = right[axis] - left[axis]
+            goal[axis] = now + whole * (gaps[frame, axis] - now)
+        for _ in range(ROUNDS):
+            missed = 0.0
+            for axis in range(3):
+                shift[axis] = left[axis] - right[axis] + goal[axis]
+                missed = max(missed, abs(shift[axis]))
+                shift[axis] *= -shares[frame, 0] / whole
+            if missed < CLOSE_ENOUGH:
+                break
+            bring(0, shift, saved, turn, pose)
+            rest = min(4.0 * shares[frame, 1] / whole, 1.0)  # all that the left one leaves, unless it is to stay
+            for axis in range(3):
+                shift[axis] = rest * (left[axis] - right[axis] + goal[axis])
+            bring(1, shift, saved, turn, pose)
+
+
+@kernel
+def bring(side, shift, saved, turn, pose):
+    """Move the wrist of an arm by ``shift`` (3,), as far as it reaches; no shift leaves it alone."""
+    if shift[0] == 0.0 and shift[1] == 0.0 and shift[2] == 0.0:
+        return
+    spine_count = pose.positions.shape[0] - 23
+    shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+    copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
+    move_arm(side, 1.0, shift, 0.0, saved, turn, pose)
+
+
+@allocating_kernel
+def rest_hands(side, members, spots, firm, volume, proximal, positions, rotations):
+    """Move one arm of all frames, in place, so that its palm lies on the body where ``spots`` (F, M, 6) say.
+
+    Those are, for M capsules ``members`` (M,) of ``volume``: how much it counts, part of its length, the way out in the
+    axes of the segment of its begin (3,) and metres of room. ``firm`` (F,) is the part of the way that is gone.
+    """
+    saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
+    capsules, place, shift = np.empty((volume.segments.shape[0], 9)), np.empty(3), np.empty(3)
+    for frame in range(positions.shape[0]):
+        if firm[frame] == 0.0:
+            continue
+        pose = Pose(positions[frame], rotations[frame])
+        place_capsules(volume, pose, proximal, capsules)
+        probe_at(PALM, pose.positions.shape[0] - 19 + 5 * side, pose.positions, place)
+        for axis in range(3):
+            shift[axis] = -firm[frame] * place[axis]
+        for m in range(members.shape[0]):
+            capsule, spot = capsules[members[m]], spots[frame, m]
+            for axis in range(3):
+                place[axis] = capsule[axis] + spot[1] * capsule[3 + axis]
+            far = capsule[7] + spot[1] * capsule[8] + volume.girths[PALM] + spot[5]
+            axes = pose.rotations[volume.segments[members[m], 0]]
+            add_rotated(place, axes, far * spot[2], far * spot[3], far * spot[4], place)
+            for axis in range(3):
+                shift[axis] += firm[frame] * spot[0] * place[axis]
+        bring(side, shift, saved, turn, pose)
+
+
+@allocating_kernel
+def find_ways_out(wanted, actor, free, proximal, positions, rotations, out_moves):
+    """The way of each wrist (metres) and swivel of each arm (radians), ``out_moves`` (F, 2, 4), out of the body.
+
+    That gives probes the room ``wanted`` (F, 2, 5); ``actor`` the record ``ActorRooms``; ``free`` (F, 2, 2) how freely
+    wrist and swivel move. Poses are left as they were.
+    """
+    clearing, step, spine_count = make_clearing(actor.volume), np.empty(4), positions.shape[1] - 23
+    saved, turn = clearing.saved, clearing.turn
+    for frame in range(positions.shape[0]):
+        pose = Pose(positions[frame], rotations[frame])
+        placed = False
+        for side in range(2):
+            move = out_moves[frame, side]
+            move[0] = move[1] = move[2] = move[3] = 0.0
+            shares = (1.0, free[frame, side, 0], free[frame, side, 1])
+            if shares[1] == 0.0 and shares[2] == 0.0:
+                continue
+            if not placed:
+                place_capsules(actor.volume, pose, proximal, clearing.capsules)
+                placed = True
+            for probe in range(wanted.shape[2]):
+                clearing.asks[probe] = wanted[frame, side, probe]
+            shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+            moved = False
+            for _ in range(TURNS):
+                if not sweep_arm(side, TOUCH, frame, shares, actor, clearing, pose.positions, step):
+                    break
+                if not moved:
+                    copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
+                    moved = True
+                for each in range(4):
+                    move[each] += step[each]
+                move_arm(side, 1.0, move[:3], move[3], saved, turn, pose)
+            if moved:
+                copy_arm(saved, Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]))
+
+
+@allocating_kernel
+def move_arms(moves, positions, rotations):
+    """Move the wrist of each arm of all frames, in place, and swivel it, by ``moves`` (F, 2, 4)."""
+    saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
+    spine_count = positions.shape[1] - 23
+    for frame in range(positions.shape[0]):
+        for side in range(2):
+            move, pose = moves[frame, side], Pose(positions[frame], rotations[frame])
+            if move[0] != 0.0 or move[1] != 0.0 or move[2] != 0.0 or move[3] != 0.0:
+                shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
+                copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
+                move_arm(side, 1.0, move[:3], move[3], saved, turn, pose)

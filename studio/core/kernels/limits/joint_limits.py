@@ -1,0 +1,460 @@
+"""Limits of the joints of limbs, and limbs that are brought back within them (METHOD 6, (25) to (28)).
+
+``limits`` (4,), a record a limb, none where joints are free, holds for all frames, of shoulder or hip and of wrist or
+ankle: ``axes`` (2, 3, 3) of the joint at the middle of its range in the segment that carries it (z along the bone),
+``radii`` (2, 4) how far the bone swings from there about x, about -x, y and -y, ``twists`` (2, 2) the middle and the
+half of the range of its turn about itself, ``well`` (2, 4) cosines of three quarters of the least radius and of half
+the range, cosine and sine of its middle; and of elbow or knee ``bends`` (2,), ``aslant`` and ``turns`` (2,), in
+radians. For one frame: what the unsolved pose has of all these, ``own_swings`` (2, 2), ``own_parts`` (2,) of the
+limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``caps`` (2, 3) the parts of its limits that
+swing, twist and twist back may take now, ``agreed`` (2, 3) those that stay for all of a search, ``fresh`` whether these
+are not noted yet, and both as they were when the level began; ``sure``, less than 1 where a wish could be had by either
+way round; ``tip_turns`` whether wrist or ankle has turned; ``lets_go`` the part of what hand or foot are beyond by
+which they are drawn back, 0 for a foot that stands, which no limit turns; ``acts``, 1 + the constraint whose place a
+limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is as far as it
+goes.
+"""
+
+import math
+
+import numpy as np
+
+from studio.core.kernels.algebra.turns import inverse, product, turn_by, turn_in
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
+from studio.core.kernels.body.parts import turn_part
+from studio.core.kernels.compiling import kernel
+
+_REAL = np.float64
+LIMITED = np.dtype(
+    [
+        ("axes", _REAL, (2, 3, 3)),
+        ("radii", _REAL, (2, 4)),
+        ("twists", _REAL, (2, 2)),
+        ("well", _REAL, (2, 4)),
+        ("bends", _REAL, (2,)),
+        ("aslant", _REAL),
+        ("turns", _REAL, (2,)),
+        ("own_swings", _REAL, (2, 2)),
+        ("own_parts", _REAL, (2,)),
+        ("own_twists", _REAL, (2,)),
+        ("own_bend", _REAL),
+        ("own_slant", _REAL),
+        ("own_turn", _REAL),
+        ("caps", _REAL, (2, 3)),
+        ("agreed", _REAL, (2, 3)),
+        ("kept_caps", _REAL, (2, 3)),
+        ("kept_fresh", np.int64),
+        ("sure", _REAL),
+        ("tip_turns", np.int64),
+        ("lets_go", _REAL),
+        ("fresh", np.int64),
+        ("acts", np.int64),
+    ],
+    align=True,
+)
+BRAKED = 0.95
+"""Part of its limit from which on a joint gives way ever more, so that it never stops at once."""
+SWIVELLED, SWIVELLED_TO = 0.75, 0.92
+"""Parts of its limit between which a limb swivels back, if that leaves its point in place."""
+WALK = 10
+"""Steps of a swivel towards a second wish."""
+BRAKING = 0.1
+"""Part of a second wish's swivel that brakes take before it counts as braked."""
+UNTWISTED = 0.3
+"""Part of a swing's limit beyond it by which the motion's own twist is the best."""
+FADE = 0.7
+"""Radians short of a half turn, beyond any limit, within which a wish fades: it could be had by either way round."""
+
+
+@kernel
+def into(parent, axes, x, y, z):
+    """A direction of the world in the ``axes`` (3, 3) of a joint that ``parent`` (3, 3) carries."""
+    px = parent[0, 0] * x + parent[1, 0] * y + parent[2, 0] * z
+    py = parent[0, 1] * x + parent[1, 1] * y + parent[2, 1] * z
+    pz = parent[0, 2] * x + parent[1, 2] * y + parent[2, 2] * z
+    return (
+        axes[0, 0] * px + axes[1, 0] * py + axes[2, 0] * pz,
+        axes[0, 1] * px + axes[1, 1] * py + axes[2, 1] * pz,
+        axes[0, 2] * px + axes[1, 2] * py + axes[2, 2] * pz,
+    )
+
+
+@kernel
+def swing_and_twist(x, z):
+    """Swing (a rotation vector about x and y) and twist about z of a rotation with columns ``x`` and ``z`` (25)."""
+    twist = math.atan2(x[1] - (z[1] * x[2] - z[2] * x[1]), x[0] + z[2] * x[0] - z[0] * x[2])
+    across = math.sqrt(z[0] * z[0] + z[1] * z[1])
+    k = math.atan2(across, z[2]) / across if across > 1e-9 else 1.0
+    return -k * z[1], k * z[0], twist
+
+
+@kernel
+def swing_of(row, joint, parent, child):
+    """``swing_and_twist`` of a segment's rotation ``child`` in its joint."""
+    axes = row.axes[joint]
+    x = into(parent, axes, child[0, 0], child[1, 0], child[2, 0])
+    z = into(parent, axes, child[0, 2], child[1, 2], child[2, 2])
+    return swing_and_twist(x, z)
+
+
+@kernel
+def part_of_swing(radii, x, y):
+    """Which part of its limit a swing is: 1 on a curve of four quarters of ellipses (26)."""
+    along, across = x / radii[0 if x >= 0.0 else 1], y / radii[2 if y >= 0.0 else 3]
+    return math.sqrt(along * along + across * across)
+
+
+@kernel
+def half_turns_off(angle):
+    """An angle as one between -pi and pi."""
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+
+
+@kernel
+def part_of_range(middle, half, angle):
+    """Which part of the way from the middle of its range to its end a turn is, with its sign."""
+    return half_turns_off(angle - middle) / half
+
+
+@kernel
+def soft(value, own, free, most):
+    """``value`` up to ``free``, from there ever less, never ``most``; both are at least what the motion has, ``own``.
+
+    f + (m - f)(1 - exp(-(v - f)/(m - f))) (27).
+    """
+    free, most = max(free, own), max(most, own)
+    if value <= free:
+        return value
+    room = most - free
+    return free + room * (1.0 - math.exp((free - value) / room)) if room > 1e-9 else free
+
+
+@kernel
+def soft_part(part, own, free, most):
+    """``soft`` on either side of nought."""
+    return soft(part, own, free, most) if part >= 0.0 else -soft(-part, -own, free, most)
+
+
+@kernel
+def surely(angle, edge):
+    """1 where an angle beyond a limit at ``edge`` is far from half a turn, fading to 0 there."""
+    share = min(max(math.pi - angle, 0.0) / max(min(FADE, math.pi - edge), 1e-6), 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
+@kernel
+def bend_of(upper, lower):
+    """(bend, slant, turn) of elbow or knee: R_upper^T R_lower = Rx(bend) Ry(slant) Rz(turn)."""
+    xx = yx = zx = zy = zz = 0.0
+    for axis in range(3):
+        xx += upper[axis, 0] * lower[axis, 0]
+        yx += upper[axis, 0] * lower[axis, 1]
+        zx += upper[axis, 0] * lower[axis, 2]
+        zy += upper[axis, 1] * lower[axis, 2]
+        zz += upper[axis, 2] * lower[axis, 2]
+    return math.atan2(-zy, zz), math.asin(min(max(zx, -1.0), 1.0)), math.atan2(-yx, xx)
+
+
+@kernel
+def note_own(limb, joints, limits, pose):
+    """Note what the unsolved ``pose`` has of one limb: of its root, and if ``joints`` is 2 of wrist or ankle."""
+    row, rotations = limits[limb], pose.rotations
+    carrier, upper, _ = limb_parts(limb, rotations.shape[0] - 18)
+    for joint in range(joints):
+        parent = rotations[carrier if joint == 0 else upper + 1]
+        x, y, twist = swing_of(row, joint, parent, rotations[upper + 2 * joint])
+        row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_twists[joint] = x, y, twist
+        row.own_parts[joint] = part_of_swing(row.radii[joint], x, y)
+        note_caps(row, joint, (x, y, twist))
+        copy_point(row.caps[joint], row.agreed[joint])
+    row.own_bend, row.own_slant, row.own_turn = bend_of(rotations[upper], rotations[upper + 1])
+    row.acts, row.fresh = 0, 1
+
+
+@kernel
+def keep_caps(limits):
+    """Note how far joints may go, should the level that begins be given up."""
+    for limb in range(limits.shape[0]):
+        row = limits[limb]
+        row.kept_fresh = row.fresh
+        for joint in range(2):
+            copy_point(row.agreed[joint], row.kept_caps[joint])
+
+
+@kernel
+def restore_caps(limits):
+    """Joints may go as far as when the level began."""
+    for limb in range(limits.shape[0]):
+        row = limits[limb]
+        row.fresh = row.kept_fresh
+        for joint in range(2):
+            copy_point(row.kept_caps[joint], row.agreed[joint])
+
+
+@kernel
+def limb_parts(limb, spine_count):
+    """(carrier, upper segment, root point) of a limb: clavicle, upper arm and shoulder, or pelvis, thigh and hip."""
+    side = limb % 2
+    if limb >= 2:
+        return 0, spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
+    return spine_count + 2 + 4 * side, spine_count + 3 + 4 * side, spine_count + 4 + 5 * side
+
+
+@kernel
+def is_well_within(limb, joint, limits, rotations):
+    """Whether a joint is so far within its limits that nobody need look closer."""
+    row = limits[limb]
+    carrier, upper, _ = limb_parts(limb, rotations.shape[0] - 18)
+    parent, child = rotations[carrier if joint == 0 else upper + 1], rotations[upper + 2 * joint]
+    axes, well = row.axes[joint], row.well[joint]
+    z = into(parent, axes, child[0, 2], child[1, 2], child[2, 2])
+    if z[2] < well[0]:
+        return False
+    x = into(parent, axes, child[0, 0], child[1, 0], child[2, 0])
+    cosine, sine = x[0] + z[2] * x[0] - z[0] * x[2], x[1] - (z[1] * x[2] - z[2] * x[1])
+    return bool(well[2] * cosine + well[3] * sine > well[1] * (1.0 + z[2]))
+
+
+@kernel
+def note_caps(row, joint, swing):
+    """Note how far a joint goes that wants to be at ``swing_and_twist``: as far as that up to ``BRAKED``, then softly.
+
+    METHOD (27).
+    """
+    own, own_turn = (
+        row.own_parts[joint],
+        part_of_range(row.twists[joint, 0], row.twists[joint, 1], row.own_twists[joint]),
+    )
+    part = part_of_swing(row.radii[joint], swing[0], swing[1])
+    turn = part_of_range(row.twists[joint, 0], row.twists[joint, 1], swing[2])
+    row.caps[joint, 0] = max(soft(part, own, BRAKED, 1.0), max(own, BRAKED))
+    row.caps[joint, 1] = max(soft(turn, own_turn, BRAKED, 1.0), max(own_turn, BRAKED))
+    row.caps[joint, 2] = max(soft(-turn, -own_turn, BRAKED, 1.0), max(-own_turn, BRAKED))
+
+
+@kernel
+def twisted_back(row, joint, swing):
+    """``swing_and_twist`` with a twist within its range, and the more of the motion's own the further out it is.
+
+    Opposite to the middle of its range a twist might come back by either way round, and so might every twist there is
+    where the bone lies opposite to the middle of its swings: in both places there is none but the motion's own.
+    """
+    x, y, twist = swing
+    middle, half = row.twists[joint, 0], row.twists[joint, 1]
+    part, turn, own = part_of_swing(row.radii[joint], x, y), part_of_range(middle, half, twist), row.own_twists[joint]
+    own_turn = part_of_range(middle, half, own)
+    least, most = min(own_turn, -1.0), max(own_turn, 1.0)
+    kept = min(max(turn, least), most)
+    if kept == turn and part <= max(BRAKED, row.own_parts[joint]):
+        return swing
+    share = eased_off(abs(turn - kept) * half / (math.pi - half * abs(kept))) if kept != turn else 1.0
+    share *= eased_off((part - max(BRAKED, row.own_parts[joint])) / UNTWISTED)
+    return x, y, middle + half * (own_turn + share * (kept - own_turn))
+
+
+@kernel
+def eased_off(share):
+    """1 at 0 and below, 0 at 1 and beyond, smoothly between."""
+    share = min(max(share, 0.0), 1.0)
+    return 1.0 - share * share * (3.0 - 2.0 * share)
+
+
+@kernel
+def drawn_back(row, joint, swing):
+    """``swing_and_twist`` (3,) no further than ``note_caps`` says, and how sure that is."""
+    x, y, twist = swing
+    own_x, own_y, own_part = row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_parts[joint]
+    part = part_of_swing(row.radii[joint], x, y)
+    kept = min(part, row.caps[joint, 0])
+    middle, half = row.twists[joint, 0], row.twists[joint, 1]
+    turn = part_of_range(middle, half, twist)
+    kept_turn = min(max(turn, -row.caps[joint, 2]), row.caps[joint, 1])
+    if kept == part and kept_turn == turn:
+        return x, y, twist, 1.0
+    share = 1.0
+    if kept != part:
+        angle = math.sqrt(x * x + y * y)
+        share = surely(angle, max(1.0, own_part) * angle / part)
+        x, y = own_x + share * (kept / part * x - own_x), own_y + share * (kept / part * y - own_y)
+    return x, y, middle + half * kept_turn, share
+
+
+@kernel
+def braked_swivel(row, parent, upper, ax, ay, az, wish):
+    """How much of a swivel by ``wish`` about a world axis there is until the limits, which brake it ever more.
+
+    Walked in ``WALK`` steps from where the limb is: drawn back from beyond, it would come back by either way round. So
+    it would be where half a turn is wished: one that is braked fades there.
+    """
+    axes, radii, well = row.axes[0], row.radii[0], row.well[0]
+    middle, half = row.twists[0, 0], row.twists[0, 1]
+    own = part_of_range(middle, half, row.own_twists[0])
+    x0 = into(parent, axes, upper[0, 0], upper[1, 0], upper[2, 0])
+    z0 = into(parent, axes, upper[0, 2], upper[1, 2], upper[2, 2])
+    a = into(parent, axes, ax, ay, az)
+    angle, x, z = 0.0, x0, z0
+    for _ in range(WALK):
+        left = 1.0
+        cosine, sine = x[0] + z[2] * x[0] - z[0] * x[2], x[1] - (z[1] * x[2] - z[2] * x[1])
+        if z[2] < well[0] or well[2] * cosine + well[3] * sine <= well[1] * (1.0 + z[2]):
+            sx, sy, twist = swing_and_twist(x, z)
+            turn = part_of_range(middle, half, twist)
+            part = part_of_swing(radii, sx, sy)
+            out, on = swing_slope(radii, z, sx, sy, part), twist_slope(z)
+            if wish * (a[0] * out[0] + a[1] * out[1] + a[2] * out[2]) > 0.0:
+                left = min(left, left_of(part, row.own_parts[0]))
+            if wish * turn * (a[0] * on[0] + a[1] * on[1] + a[2] * on[2]) > 0.0:
+                left = min(left, left_of(abs(turn), own if turn > 0.0 else -own))
+        angle += left * wish / WALK
+        x, z = turned_about(a, angle, x0), turned_about(a, angle, z0)
+    braked = min(1.0 - angle / wish, BRAKING) / BRAKING if wish != 0.0 else 0.0
+    return angle * (1.0 - braked * (1.0 - surely(abs(wish), 0.0)))
+
+
+@kernel
+def left_of(part, own):
+    """What brakes leave of a turn that goes towards a limit: 1 up to ``SWIVELLED``, 0 from ``SWIVELLED_TO`` on."""
+    free, most = max(SWIVELLED, own), max(SWIVELLED_TO, own)
+    return min(max((most - part) / max(most - free, 1e-3), 0.0), 1.0)
+
+
+@kernel
+def swing_slope(radii, z, sx, sy, part):
+    """How fast ``part_of_swing`` grows while the bone ``z`` turns about each axis, (3,)."""
+    across = max(math.sqrt(z[0] * z[0] + z[1] * z[1]), 1e-6)
+    size = math.sqrt(sx * sx + sy * sy)
+    px, py = sx / radii[0 if sx >= 0.0 else 1] ** 2, sy / radii[2 if sy >= 0.0 else 3] ** 2
+    scale = 1.0 / (max(part, 1e-6) * across)
+    out = scale * (py * z[0] - px * z[1]) / across
+    about = -scale * (px * z[0] + py * z[1]) * size / (across * across)
+    return -out * z[1] - about * z[0] * z[2], out * z[0] - about * z[1] * z[2], about * across * across
+
+
+@kernel
+def twist_slope(z):
+    """How fast the twist grows while the bone ``z`` turns about each axis, (3,)."""
+    scale = 1.0 / max(1.0 + z[2], 1e-3)
+    return scale * z[0], scale * z[1], 1.0
+
+
+@kernel
+def turned_about(a, angle, v):
+    """``v`` (3,) turned about the unit axis ``a`` (Rodrigues)."""
+    c, s = math.cos(angle), math.sin(angle)
+    along = (1.0 - c) * (a[0] * v[0] + a[1] * v[1] + a[2] * v[2])
+    return (
+        c * v[0] + s * (a[1] * v[2] - a[2] * v[1]) + along * a[0],
+        c * v[1] + s * (a[2] * v[0] - a[0] * v[2]) + along * a[1],
+        c * v[2] + s * (a[0] * v[1] - a[1] * v[0]) + along * a[2],
+    )
+
+
+@kernel
+def keep_root(limb, anew, noting, limits, pose):
+    """Draw shoulder or hip back within its limits; whether that was needed.
+
+    ``anew``: from where a wish has put it; ``noting`` how far it goes for that.
+    """
+    carrier, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    return keep_joint(limits[limb], 0, carrier, upper, pose.positions[root], 1.0, anew, noting, pose)
+
+
+@kernel
+def keep_tip(limb, anew, noting, limits, pose):
+    """The same of wrist or ankle, as far as its end does not stand."""
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    lets_go = limits[limb].lets_go
+    if lets_go == 0.0:
+        return False
+    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose.positions[root + 2], lets_go, anew, noting, pose)
+
+
+@kernel
+def keep_middle(limb, limits, pose):
+    """Draw a forearm or shank that was turned for itself back to what elbow or knee can do."""
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    return keep_bend(limits[limb], upper, pose.positions[root + 1], pose)
+
+
+@kernel
+def keep_joint(row, joint, carrier, segment, pivot, part, anew, noting, pose):
+    """Draw one joint back within its limits, by ``part`` of what it is beyond; whether that was needed."""
+    positions, rotations = pose
+    swing = swing_of(row, joint, rotations[carrier], rotations[segment])
+    wish = twisted_back(row, joint, swing) if anew else swing
+    if noting:
+        note_caps(row, joint, wish)
+    x, y, twist, sure = drawn_back(row, joint, wish)
+    row.sure = min(row.sure, sure)
+    if x == swing[0] and y == swing[1] and twist == swing[2]:
+        return False
+    axes = product(turn_in(rotations[carrier]), turn_in(row.axes[joint]))
+    wanted = product(axes, product(turn_by(x, y, 0.0), turn_by(0.0, 0.0, twist)))
+    turn_to(segment, pivot, wanted, part, positions, rotations)
+    row.acts = 1
+    return True
+
+
+@kernel
+def keep_bend(row, upper, pivot, pose):
+    """Draw one elbow or knee back within its limits; whether that was needed."""
+    positions, rotations = pose
+    bend, slant, turn = bend_of(rotations[upper], rotations[upper + 1])
+    middle, half = 0.5 * (row.bends[0] + row.bends[1]), 0.5 * (row.bends[1] - row.bends[0])
+    part, own_part = part_of_range(middle, half, bend), part_of_range(middle, half, row.own_bend)
+    twist, own_twist = (
+        part_of_range(row.turns[0], row.turns[1], turn),
+        part_of_range(row.turns[0], row.turns[1], row.own_turn),
+    )
+    tilt, own_tilt = slant / row.aslant, row.own_slant / row.aslant
+    kept, kept_twist = soft_part(part, own_part, BRAKED, 1.0), soft_part(twist, own_twist, BRAKED, 1.0)
+    kept_tilt = soft_part(tilt, own_tilt, BRAKED, 1.0)
+    if kept == part and kept_twist == twist and kept_tilt == tilt:
+        return False
+    share = surely(0.5 * math.pi + abs(slant), 0.5 * math.pi + row.aslant) if kept_tilt != tilt else 1.0
+    bent = share * (surely(half * abs(part), half * max(1.0, abs(own_part))) if kept != part else 1.0)
+    twisted = share * (
+        surely(row.turns[1] * abs(twist), row.turns[1] * max(1.0, abs(own_twist))) if kept_twist != twist else 1.0
+    )
+    bend = middle + half * (own_part + bent * (kept - own_part))
+    slant = row.aslant * (own_tilt + share * (kept_tilt - own_tilt))
+    turn = row.turns[0] + row.turns[1] * (own_twist + twisted * (kept_twist - own_twist))
+    bent = product(turn_by(bend, 0.0, 0.0), product(turn_by(0.0, slant, 0.0), turn_by(0.0, 0.0, turn)))
+    turn_to(upper + 1, pivot, product(turn_in(rotations[upper]), bent), 1.0, positions, rotations)
+    row.acts = 1
+    return True
+
+
+@kernel
+def turn_to(segment, pivot, wanted, part, positions, rotations):
+    """Turn a segment, and what hangs on it, about ``pivot`` by ``part`` of the way to the rotation ``wanted``.
+
+    By a turn made exact: what a rotation lacks of one would be doubled every time.
+    """
+    turn = product(wanted, inverse(turn_in(rotations[segment])))
+    x, y, z = turn[7] - turn[5], turn[2] - turn[6], turn[3] - turn[1]
+    size = math.sqrt(x * x + y * y + z * z)
+    angle = math.atan2(size, turn[0] + turn[4] + turn[8] - 1.0)
+    scale = part * (angle / size if size > 1e-12 else 0.5)
+    exact = turn_by(scale * x, scale * y, scale * z)
+    turn_part(exact, segment, positions.shape[0] - 23, pivot, positions, rotations)
+
+
+@kernel
+def lift_end(limb, tip, end, turns, points, pose):
+    """Note how hand or foot and toe, from segment ``end`` and point ``tip`` on, lie in the world."""
+    positions, rotations = pose
+    for other in range(2 if limb >= 2 else 1):
+        copy_matrix(rotations[end + other], turns[1 + other])
+        for axis in range(3):
+            points[5 + other, axis] = positions[tip + 1 + other, axis] - positions[tip, axis]
+
+
+@kernel
+def put_end(limb, tip, end, turns, points, pose):
+    """Lay hand or foot on wrist or ankle as ``lift_end`` found it."""
+    positions, rotations = pose
+    for other in range(2 if limb >= 2 else 1):
+        copy_matrix(turns[1 + other], rotations[end + other])
+        for axis in range(3):
+            positions[tip + 1 + other, axis] = positions[tip, axis] + points[5 + other, axis]

@@ -1,0 +1,101 @@
+"""Arms and legs that a balance recruits: as free as they are at a frame, and no farther than they can (METHOD 7).
+
+Records are those of ``kernels.records``.
+"""
+
+import math
+
+from studio.core.kernels.algebra.vectors import copy_point
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.limbs.limb import soft_reach
+from studio.core.kernels.limits.joint_limits import limb_parts
+from studio.core.kernels.search.joints import may_turn
+from studio.core.kernels.tasks.balance import centre_of_mass, set_balance_rows, sum_masses
+from studio.core.kernels.tasks.goals import BALANCE
+from studio.core.kernels.tasks.task import ACTIVE
+
+MASS_COMFORT, MASS_REACH = 0.5, 0.65
+"""Part of what joints can do for the centre of mass that is asked of them freely, and of what their levers promise that
+they can do.
+"""
+
+
+@kernel
+def free_limbs(frame, recruits, problem):
+    """Shoulders and hips as free as their limbs are at this frame for each level, in mobility and, for the highest that
+    turns them, in how far they may turn.
+    """
+    tasks, chain, joints = problem.tasks, problem.chain, recruits.joints
+    usual, free = recruits.usual, recruits.free
+    mobilities, limits, count = chain.mobilities, chain.limits, tasks.shape[0]
+    for n in range(joints.shape[0]):
+        joint, most = joints[n], 0.0
+        for row in range(mobilities.shape[0]):
+            part = free[tasks[row].rank if row < count else row - count, n, frame]
+            mobilities[row, joint] = part * usual[row, n]
+            if usual[row, n] > 0.0:
+                most = max(most, part)
+        limits[joint] = most * usual[mobilities.shape[0], n]
+
+
+@kernel
+def note_balances(level, problem):
+    """Where a level's balances are to bring the centre of mass: where they want it, or (METHOD (33)) softly on the way
+    there as far as the joints can, where limbs help: at their limits arms would whirl about for what is out of reach.
+
+    Whether there are any.
+    """
+    tasks, chain, body, search, pose = problem.tasks, problem.chain, problem.body, problem.search, problem.pose
+    found = False
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if row.kind != BALANCE or row.status != ACTIVE or row.rank != level:
+            continue
+        found = True
+        copy_point(row.places[0], row.places[1])
+        if not frees_limbs(c, chain):
+            continue
+        point = search.points[0]
+        centre_of_mass(body.shares, pose.positions, point)
+        squared = 0.0
+        for axis in range(row.axes):
+            squared += (row.places[0, axis] - point[axis]) ** 2
+        if squared < 1e-12:
+            continue
+        way = math.sqrt(squared)
+        reach = MASS_REACH * mass_reach(row, chain.mobilities[c], problem) / way
+        part = reach * soft_reach(way / reach, MASS_COMFORT) / way if reach > 1e-9 else 0.0
+        for axis in range(row.axes):
+            row.places[1, axis] = point[axis] + part * (row.places[0, axis] - point[axis])
+    return found
+
+
+@kernel
+def frees_limbs(row, chain):
+    """Whether a constraint, or a level any down to it (``row`` of the mobilities), may turn a shoulder or a hip."""
+    found = False
+    for limb in range(4):
+        found = found or may_turn(row, limb_parts(limb, chain.slots.shape[0] - 19)[1], chain)
+    return found
+
+
+@kernel
+def mass_reach(row, mobilities, problem):
+    """How far (metres squared) all joints that may help, each turned to its limit, move the centre of mass from
+    the first point of the scratch towards its place, times that way: their levers along it.
+    """
+    chain, masses, search, positions = problem.chain, problem.body.masses, problem.search, problem.pose.positions
+    jacobian, point, total = search.rows.jacobian, search.points[0], 0.0
+    sum_masses(masses, positions, search.sums)
+    set_balance_rows(row.axes, masses, search.sums, chain.joints, positions, jacobian)
+    for joint in range(chain.joints.shape[0]):
+        if mobilities[joint] <= 0.0:
+            continue
+        squared = 0.0
+        for side in range(3):
+            along = 0.0
+            for axis in range(row.axes):
+                along += jacobian[axis, joint, side] * (row.places[0, axis] - point[axis])
+            squared += along * along
+        total += 2.0 * math.atan(chain.limits[joint]) * math.sqrt(squared)
+    return total

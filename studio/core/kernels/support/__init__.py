@@ -1,0 +1,1 @@
+"""What stands: feet, hands, knees, and the ground under them."""

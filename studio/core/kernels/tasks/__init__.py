@@ -1,0 +1,1 @@
+"""What is asked: tasks, their targets, errors and Jacobian rows."""

@@ -1,0 +1,145 @@
+"""Restricted areas: the nearest allowed place to a point (METHOD 5, "area")."""
+
+import math
+
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.tasks.distance_field import surface_place
+
+HALF_SPACE, BOX, SPHERE, CYLINDER, TABLE, MESH = 0, 1, 2, 3, 4, 5
+"""Shapes, the first of an area's ten numbers: shape, side, centre (3), size (3), cosine and sine of the heading.
+
+After them comes, for a mesh, its field (``kernels.tasks.distance_field``) in the area's own space.
+"""
+OUTSIDE, INSIDE, ON = 0, 1, 2
+"""Sides: where the point may be."""
+NUMBERS = 10
+
+EDGE = 0.1
+"""Metres from a table's edge within which its push turns outwards, so that a hand coming from the side does not pop,
+and from its lower face within which it goes back there.
+"""
+
+
+@kernel
+def put_area(area, centre, turn):
+    """Move an area (10,) to ``centre`` (3,) and head it as ``turn`` (3, 3) does; a centre of NaN leaves it.
+
+    The normal of a half-space is the first column of its turn.
+    """
+    if math.isnan(centre[0]):
+        return
+    area[2], area[3], area[4] = centre[0], centre[1], centre[2]
+    if int(area[0]) == HALF_SPACE:
+        area[5], area[6], area[7], area[8], area[9] = turn[0, 0], turn[1, 0], turn[2, 0], 1.0, 0.0
+    else:
+        area[8], area[9] = turn[0, 0], turn[1, 0]
+
+
+@kernel
+def nearest_allowed(area, point, out_place):
+    """Write the nearest place (3,) where the point may be; its distance from there, 0 when it may stay.
+
+    ``area`` (10 or more,) as above; ``point`` (3,) metres.
+    """
+    x, y, z = point[0] - area[2], point[1] - area[3], point[2] - area[4]
+    c, s = area[8], area[9]
+    x, y = c * x + s * y, c * y - s * x
+    side = int(area[1])
+    if int(area[0]) == MESH:
+        nx, ny, nz = surface_place(area[NUMBERS:], x, y, z, side)
+    else:
+        nx, ny, nz = place_of(area, x, y, z, side == INSIDE)
+        if side == ON and nx == x and ny == y and nz == z:
+            nx, ny, nz = place_of(area, x, y, z, True)
+    distance = math.sqrt((nx - x) ** 2 + (ny - y) ** 2 + (nz - z) ** 2)
+    out_place[0] = area[2] + c * nx - s * ny
+    out_place[1] = area[3] + s * nx + c * ny
+    out_place[2] = area[4] + nz
+    return distance
+
+
+@kernel
+def place_of(area, x, y, z, inside):
+    """Nearest place on the allowed side of a shape, in the area's own space."""
+    shape = int(area[0])
+    if shape == HALF_SPACE:
+        return half_space(area, x, y, z, inside)
+    if shape == SPHERE:
+        return round_place(x, y, z, 0.5 * area[5], inside)
+    if shape == CYLINDER:
+        return upright(x, y, z, 0.5 * area[5], 0.5 * area[7], inside)
+    return box(x, y, z, 0.5 * area[5], 0.5 * area[6], 0.5 * area[7], inside, shape == TABLE)
+
+
+@kernel
+def half_space(area, x, y, z, inside):
+    """Nearest place on the allowed side of the plane through 0 with normal ``area`` 5 to 7."""
+    nx, ny, nz = area[5], area[6], area[7]
+    length = math.sqrt(nx * nx + ny * ny + nz * nz)
+    nx, ny, nz = nx / length, ny / length, nz / length
+    height = x * nx + y * ny + z * nz
+    wrong = height > 0.0 if inside else height < 0.0
+    if wrong:
+        return x - height * nx, y - height * ny, z - height * nz
+    return x, y, z
+
+
+@kernel
+def round_place(x, y, z, radius, inside):
+    """Nearest place within, or outside of, a sphere about 0; from its centre, upwards."""
+    length = math.sqrt(x * x + y * y + z * z)
+    if (length > radius) if inside else (length < radius):
+        if length < 1e-9:
+            return 0.0, 0.0, radius
+        return x * radius / length, y * radius / length, z * radius / length
+    return x, y, z
+
+
+@kernel
+def upright(x, y, z, radius, half, inside):
+    """Nearest place within, or outside of, an upright cylinder about 0."""
+    length = math.sqrt(x * x + y * y)
+    if inside:
+        scale = min(1.0, radius / max(length, 1e-9))
+        return x * scale, y * scale, min(max(z, -half), half)
+    if length >= radius or abs(z) >= half:
+        return x, y, z
+    if radius - length < half - abs(z):
+        scale = radius / max(length, 1e-9)
+        return (x * scale, y * scale, z) if length > 1e-9 else (radius, 0.0, z)
+    return x, y, half if z >= 0.0 else -half
+
+
+@kernel
+def box(x, y, z, a, b, h, inside, upwards):
+    """Nearest place within, or outside of, a box about 0; out of a table upwards, fading at edges and below."""
+    if inside:
+        return min(max(x, -a), a), min(max(y, -b), b), min(max(z, -h), h)
+    if abs(x) >= a or abs(y) >= b or abs(z) >= h:
+        return x, y, z
+    if upwards and h + z > min(EDGE, h):
+        return over_edge(x, y, z, a, b, h)
+    left, right, over = a - abs(x), b - abs(y), h - abs(z)
+    if left <= right and left <= over:
+        return (a if x >= 0.0 else -a), y, z
+    if right <= over:
+        return x, (b if y >= 0.0 else -b), z
+    return x, y, (h if z >= 0.0 else -h)
+
+
+@kernel
+def over_edge(x, y, z, a, b, h):
+    """Out of a table: straight up, and near its edge ever more outwards, away from what lies as far within and below.
+
+    Continuous wherever it is inside, and at its top and sides, where a point stays.
+    """
+    edge = min(EDGE, a, b)
+    inner_x, inner_y = min(max(x, edge - a), a - edge), min(max(y, edge - b), b - edge)
+    below = max(z - EDGE, -h)
+    out_x, out_y, up = x - inner_x, y - inner_y, z - below
+    far = (h - below) / up
+    if out_x != 0.0:
+        far = min(far, edge / abs(out_x))
+    if out_y != 0.0:
+        far = min(far, edge / abs(out_y))
+    return inner_x + far * out_x, inner_y + far * out_y, below + far * up

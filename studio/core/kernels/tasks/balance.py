@@ -1,0 +1,174 @@
+"""The centre of mass, and how joints move it (METHOD 7)."""
+
+import math
+
+import numpy as np
+
+from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.search.joints import ROOT
+
+LEAST_BEND = 0.3
+"""Part of a leg's length by which its knee is taken to lie off its line besides: straight, it would shoot forward."""
+MEETING = 0.005
+"""Metres short of its goal from which on an arm is taken to stay with it."""
+
+
+@kernel
+def centre_of_mass(shares, positions, out_point):
+    """Centre of mass (3,) from the ``shares`` (P,) of the body's mass that its points have."""
+    x = y = z = 0.0
+    for point in range(shares.shape[0]):
+        share, place = shares[point], positions[point]
+        x, y, z = x + share * place[0], y + share * place[1], z + share * place[2]
+    out_point[0], out_point[1], out_point[2] = x, y, z
+
+
+@kernel
+def sum_masses(masses, positions, out_sums):
+    """Moments and shares of all segments before each, (S + 1, 4), so that those of a range are a difference.
+
+    ``masses`` (S, 2): share of the body's mass, place along the segment. The last are the centre of mass, and 1.
+    """
+    count = masses.shape[0]
+    out_sums[0, 0] = out_sums[0, 1] = out_sums[0, 2] = out_sums[0, 3] = 0.0
+    add_masses(0, count - 16, 0, masses, positions, out_sums)
+    for limb in range(4):
+        first = count - 16 + 4 * limb
+        add_masses(first, first + 4, first + 1 + limb, masses, positions, out_sums)
+
+
+@small_kernel
+def add_masses(first, past, point, masses, positions, out_sums):
+    """Add moments and shares of a row of segments, the first of which begins at ``point``, to ``out_sums``."""
+    x, y, z, whole = out_sums[first, 0], out_sums[first, 1], out_sums[first, 2], out_sums[first, 3]
+    for place in range(past - first):
+        segment = np.uint64(first + place)
+        near, far = positions[np.uint64(point + place)], positions[np.uint64(point + place + 1)]
+        mass = masses[segment]
+        farther = mass[0] * mass[1]
+        nearer = mass[0] - farther
+        x += nearer * near[0] + farther * far[0]
+        y += nearer * near[1] + farther * far[1]
+        z += nearer * near[2] + farther * far[2]
+        whole += mass[0]
+        sums = out_sums[np.uint64(first + place + 1)]
+        sums[0], sums[1], sums[2], sums[3] = x, y, z, whole
+
+
+@kernel
+def set_balance_rows(axes, masses, sums, joints, positions, rows):
+    """How joints move the centre of mass along ``axes`` (2 or 3) world axes, m (c - o) x v, into ``rows`` (axes, N, 3).
+
+    ``sums`` as from ``sum_masses``. The ankles stay where they are, so legs answer the root's travel as
+    ``add_leg_answer`` says; to the pelvis' turn they do not.
+    """
+    spine_count = positions.shape[0] - 23
+    for joint in range(joints.shape[0]):
+        if joints[joint].segment == ROOT:
+            whole = sums[spine_count + 10, 3]
+            put_to(rows[0, joint], whole, 0.0, 0.0)
+            put_to(rows[1, joint], 0.0, whole, 0.0)
+            if axes > 2:
+                put_to(rows[2, joint], 0.0, 0.0, whole)
+            for side in range(2):
+                add_leg_answer(side, axes, LEAST_BEND, masses, positions, rows[:, joint])
+            continue
+        origin, first = positions[joints[joint].pivot], sums[joints[joint].first]
+        past = sums[min(joints[joint].past, spine_count + 10) if joints[joint].segment == 0 else joints[joint].past]
+        share = past[3] - first[3]
+        x = past[0] - first[0] - share * origin[0]
+        y = past[1] - first[1] - share * origin[1]
+        z = past[2] - first[2] - share * origin[2]
+        put_to(rows[0, joint], 0.0, z, -y)
+        put_to(rows[1, joint], -z, 0.0, x)
+        if axes > 2:
+            put_to(rows[2, joint], y, -x, 0.0)
+
+
+@kernel
+def add_leg_answer(side, axes, least_bend, masses, positions, out_levers):
+    """Add how the mass of a leg whose ankle stays goes along world axes v while its hip travels: levers (axes, 3).
+
+    The knee goes with J u, J^T v = (1 - z/d) (v - (n.v) n) + (z/d) (n.v) n + (z/r^2) (1 - z/d) (e.v) n + (n.v) e / d
+    for the unit n to the ankle, d away, and the knee z along it and off it by e, r long.
+
+    METHOD (35).
+    """
+    spine_count = positions.shape[0] - 23
+    thigh, hip = spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
+    kx = positions[hip + 1, 0] - positions[hip, 0]
+    ky = positions[hip + 1, 1] - positions[hip, 1]
+    kz = positions[hip + 1, 2] - positions[hip, 2]
+    nx = positions[hip + 2, 0] - positions[hip, 0]
+    ny = positions[hip + 2, 1] - positions[hip, 1]
+    nz = positions[hip + 2, 2] - positions[hip, 2]
+    d = max(math.sqrt(nx * nx + ny * ny + nz * nz), 1e-6)
+    per = 1.0 / d
+    nx, ny, nz = per * nx, per * ny, per * nz
+    z = kx * nx + ky * ny + kz * nz
+    ex, ey, ez = kx - z * nx, ky - z * ny, kz - z * nz
+    part, squared = per * z, ex * ex + ey * ey + ez * ez + (least_bend * d) ** 2
+    knee = masses[thigh, 0] * masses[thigh, 1] + masses[thigh + 1, 0] * (1.0 - masses[thigh + 1, 1])
+    stays = masses[thigh, 0] * (1.0 - masses[thigh, 1]) + knee * (1.0 - part)
+    bends, forward, to_ankle = knee * z / squared * (1.0 - part), per * knee, knee * (2.0 * part - 1.0)
+    go, off = to_ankle * nx + bends * ex, forward * nx
+    add_to(out_levers[0], stays + go * nx + off * ex, go * ny + off * ey, go * nz + off * ez)
+    go, off = to_ankle * ny + bends * ey, forward * ny
+    add_to(out_levers[1], go * nx + off * ex, stays + go * ny + off * ey, go * nz + off * ez)
+    if axes > 2:
+        go, off = to_ankle * nz + bends * ez, forward * nz
+        add_to(out_levers[2], go * nx + off * ex, go * ny + off * ey, stays + go * nz + off * ez)
+
+
+@kernel
+def let_arm_reach(side, axes, goal, reach, sums, joints, positions, rows):
+    """Correct ``set_balance_rows`` for an arm that aims at a ``goal`` (3,) which it could meet ``reach`` metres away.
+
+    It does not go with its shoulder by u, as the rows have it: its mass, at a part f of the l metres to the wrist, goes
+    by (1 - f l / d) u across the way to a goal d away, and along it by u, or by (1 - f) u where the goal is met.
+
+    METHOD (34).
+    """
+    spine_count = positions.shape[0] - 23
+    upper, root = spine_count + 3 + 4 * side, spine_count + 4 + 5 * side
+    mass = sums[upper + 3, 3] - sums[upper, 3]
+    shoulder, wrist = positions[root], positions[root + 2]
+    x, y, z = goal[0] - shoulder[0], goal[1] - shoulder[1], goal[2] - shoulder[2]
+    span = max(math.sqrt(x * x + y * y + z * z), 1e-6)
+    per = 1.0 / span
+    x, y, z = per * x, per * y, per * z
+    mx = sums[upper + 3, 0] - sums[upper, 0] - mass * shoulder[0]
+    my = sums[upper + 3, 1] - sums[upper, 1] - mass * shoulder[1]
+    mz = sums[upper + 3, 2] - sums[upper, 2] - mass * shoulder[2]
+    lx, ly, lz = wrist[0] - shoulder[0], wrist[1] - shoulder[1], wrist[2] - shoulder[2]
+    length = max(math.sqrt(lx * lx + ly * ly + lz * lz), 1e-6)
+    moment = (mx * x + my * y + mz * z) / length
+    across = -moment * min(length / span, 1.0)
+    along = -moment * (1.0 - min(max(span - reach, 0.0) / MEETING, 1.0)) - across
+    xx, xy, xz = across + along * x * x, along * x * y, along * x * z
+    yy, yz, zz = across + along * y * y, along * y * z, across + along * z * z
+    for joint in range(joints.shape[0]):
+        if joints[joint].segment == ROOT:
+            add_to(rows[0, joint], xx, xy, xz)
+            add_to(rows[1, joint], xy, yy, yz)
+            if axes > 2:
+                add_to(rows[2, joint], xz, yz, zz)
+        elif joints[joint].first <= upper < joints[joint].past:
+            origin = positions[joints[joint].pivot]
+            ox, oy, oz = shoulder[0] - origin[0], shoulder[1] - origin[1], shoulder[2] - origin[2]
+            add_to(rows[0, joint], oy * xz - oz * xy, oz * xx - ox * xz - mz, ox * xy - oy * xx + my)
+            add_to(rows[1, joint], oy * yz - oz * yy + mz, oz * xy - ox * yz, ox * yy - oy * xy - mx)
+            if axes > 2:
+                add_to(rows[2, joint], oy * zz - oz * yz - my, oz * xz - ox * zz + mx, ox * yz - oy * xz)
+
+
+@small_kernel
+def put_to(row, x, y, z):
+    """Write the levers (3,) of one joint."""
+    row[0], row[1], row[2] = x, y, z
+
+
+@small_kernel
+def add_to(row, x, y, z):
+    """Add to the levers (3,) of one joint."""
+    row[0], row[1], row[2] = row[0] + x, row[1] + y, row[2] + z

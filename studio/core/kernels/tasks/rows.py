@@ -1,0 +1,221 @@
+"""What each constraint asks of the joints in one step: rows for ``kernels.search.priorities`` (METHOD 6).
+
+Records are those of ``kernels.records``.
+"""
+
+import math
+
+from studio.core.kernels.algebra.vectors import distance
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.limbs.limb_constraints import limb_indices
+from studio.core.kernels.limits.root_reach import leash_of
+from studio.core.kernels.search.joints import add_point_row, add_turn_row, may_turn
+from studio.core.kernels.search.means import within_means
+from studio.core.kernels.search.placing import turn_error
+from studio.core.kernels.tasks.balance import let_arm_reach, set_balance_rows, sum_masses
+from studio.core.kernels.tasks.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
+from studio.core.kernels.tasks.limb_rows import (
+    HARDLY_MISSED,
+    add_apart_row,
+    add_point_rows,
+    add_reach_rows,
+    add_second_row,
+    add_swivel_row,
+    holds_already,
+)
+from studio.core.kernels.tasks.second_order import BOUND, HOLD, begin_row, note_pull, note_row
+from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP
+
+TURN_ARM = 0.3
+"""Metres that count as one radian where both are weighed together."""
+AWAY = 1.0
+"""Radians of miss from which on a look that is held keeps its turn: what it misses has no clear direction there."""
+
+
+@kernel
+def add_feet_rows(owner, count, problem):
+    """Bounds of both legs: their hips go no further from the ankles than the leash. The new number of rows."""
+    chain, body, task_rows, positions = problem.chain, problem.body, problem.search.rows, problem.pose.positions
+    ankles = body.legs.ankles
+    spine_count = positions.shape[0] - 23
+    for side in range(2):
+        if body.leashes[side] == math.inf:
+            continue
+        point = spine_count + 13 + 5 * side
+        hip, ankle = positions[point], ankles[side]
+        length, room = leash_of(side, body, problem.start)
+        span = max(distance(hip, ankle), 1e-9)
+        begin_row(task_rows, count, owner, span - length)
+        task_rows.roles[count], task_rows.rooms[count] = BOUND, room
+        per = 1.0 / span
+        x, y, z = per * (ankle[0] - hip[0]), per * (ankle[1] - hip[1]), per * (ankle[2] - hip[2])
+        note_pull(task_rows.pulls[count], x, y, z, span, hip, 0)
+        add_point_row(hip, x, y, z, 0, chain.joints, positions, task_rows.jacobian[count])
+        count += 1
+    return count
+
+
+@kernel
+def add_rows(c, level, owner, is_held, count, problem):
+    """Rows of one constraint, towards its goal or, when held, towards what it has; the new number of rows."""
+    tasks, search = problem.tasks, problem.search
+    task_rows = search.rows
+    row = tasks[c]
+    first = count
+    if row.kind == AREA and not row.engaged:
+        return count
+    if row.second and not is_held:
+        return add_second_row(c, owner, count, problem)
+    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+        count = add_turn_rows(row, owner, is_held, count, problem)
+    elif row.kind == BALANCE:
+        count = add_balance_rows(row, level, owner, is_held, count, problem)
+    else:
+        for end in range(2):
+            if row.points[end] < 0:
+                continue
+            free = row.limbs[end] >= 0 and row.freedoms[end, 0] > 0.0
+            if row.status == GIVEN_UP and row.limbs[end] >= 0:
+                count = add_idle_row(c, level, end, owner, count, problem)
+                continue
+            if is_held and row.kind != AREA and row.points[1] >= 0 and row.kept_miss > HARDLY_MISSED:
+                if end == 0:
+                    count = add_apart_row(c, owner, count, problem)
+                continue
+            aims = not row.stiff or row.parts[end, 0] == 1.0
+            if free and aims:
+                if row.second and row.kept_miss > HARDLY_MISSED:
+                    count = add_swivel_row(c, end, owner, count, problem)
+                count = add_reach_rows(c, row, end, owner, is_held, count, problem)
+            elif free or (row.kind != DISTANCE and end == 0):
+                count = add_place_rows(row, end, owner, is_held, count, problem)
+    if is_held:
+        for other in range(first, count):
+            task_rows.roles[other] = max(task_rows.roles[other], HOLD)
+    elif row.weight != 1.0:
+        scale = math.sqrt(row.weight)
+        for other in range(first, count):
+            task_rows.errors[other] *= scale
+            task_rows.pulls[other].weight = row.weight
+            for joint in range(task_rows.jacobian.shape[1]):
+                for axis in range(3):
+                    task_rows.jacobian[other, joint, axis] *= scale
+    return count
+
+
+@kernel
+def add_turn_rows(row, owner, is_held, count, problem):
+    """Three rows that turn a segment of the trunk; a limb's own segments are turned in closed form, and, held, keep
+    what limits leave them to miss as if the limb were stiff.
+
+    A look that is held keeps what it misses of its target, wherever the eyes go, unless it looks away.
+    """
+    chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
+    turn, vector, segment = problem.search.turns[0], problem.search.points[0], row.segments[0]
+    if row.limbs[0] >= 0:
+        if not is_held or row.kept_miss <= HARDLY_MISSED:
+            return count
+        turn_error(row.turn, pose.rotations[segment], turn, vector)
+        size = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+        begin_row(task_rows, count, owner, TURN_ARM * (size - row.kept_miss))
+        for axis in range(3):
+            add_turn_row(
+                axis, TURN_ARM * vector[axis] / max(size, 1e-9), segment, chain.joints, task_rows.jacobian[count]
+            )
+        return count + 1
+    if is_held and row.kind == LOOK_AT and row.kept_miss < AWAY:
+        turn_error(row.turn, pose.rotations[segment], turn, vector)
+        size = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+        part = 1.0 - row.kept_miss / max(size, 0.5 * row.kept_miss, 1e-9)
+        vector[0], vector[1], vector[2] = part * vector[0], part * vector[1], part * vector[2]
+    else:
+        turn_error(row.kept_turn if is_held else row.turn, pose.rotations[segment], turn, vector)
+    for axis in range(3):
+        begin_row(task_rows, count, owner, TURN_ARM * vector[axis])
+        add_turn_row(axis, TURN_ARM, segment, chain.joints, task_rows.jacobian[count])
+        count += 1
+    return count
+
+
+@kernel
+def add_balance_rows(row, level, owner, is_held, count, problem):
+    """Two rows that move the centre of mass over the ground, or three, while arms reach for goals down to ``level``."""
+    tasks, chain, masses, positions = problem.tasks, problem.chain, problem.body.masses, problem.pose.positions
+    task_rows, sums = problem.search.rows, problem.search.sums
+    sum_masses(masses, positions, sums)
+    now = sums[sums.shape[0] - 1]
+    for axis in range(row.axes):
+        wanted = row.kept_places[0, axis] if is_held else row.places[1, axis]
+        note_row(task_rows, count, owner, wanted - now[axis])
+        count += 1
+    rows = task_rows.jacobian[count - row.axes : count]
+    spine_count, down_to = positions.shape[0] - 23, min(tasks.shape[0] + level, chain.mobilities.shape[0] - 1)
+    set_balance_rows(row.axes, masses, sums, chain.joints, positions, rows)
+    for c in range(tasks.shape[0]):
+        other = tasks[c]
+        if other.kind == POSITION and other.status == ACTIVE and other.rank <= level and not other.second:
+            limb = other.limbs[0]
+            if not 0 <= limb < 2 or other.freedoms[0, 0] == 0.0:
+                continue
+            if not may_turn(down_to, limb_indices(limb, spine_count)[1], chain):
+                let_arm_reach(limb, row.axes, other.places[0], other.reaches[0], sums, chain.joints, positions, rows)
+    return count
+
+
+@kernel
+def add_idle_row(c, level, end, owner, count, problem):
+    """Hold what an arm misses that is not asked for it any more, and goes as it lies with what carries it.
+
+    Where another constraint poses it, what that does to the miss is only seen in the end.
+    """
+    tasks, chain, pose, task_rows = problem.tasks, problem.chain, problem.pose, problem.search.rows
+    row, point = tasks[c], problem.search.points[0]
+    if row.kind != POSITION or row.limbs[end] >= 2:
+        return count
+    for other in tasks:
+        poses = other.limbs[0] == row.limbs[end] or other.limbs[1] == row.limbs[end]
+        if poses and other.status == ACTIVE and other.rank <= level:
+            return count
+    end_place(row, end, pose, point)
+    goal = row.places[end]
+    x, y, z = goal[0] - point[0], goal[1] - point[1], goal[2] - point[2]
+    size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
+    begin_row(task_rows, count, owner, size - row.kept_miss)
+    add_point_row(
+        point, x / size, y / size, z / size, row.segments[end], chain.joints, pose.positions, task_rows.jacobian[count]
+    )
+    note_pull(task_rows.pulls[count], 0.0, 0.0, 0.0, 0.0, point, row.segments[end])
+    return count + 1
+
+
+@kernel
+def add_place_rows(row, end, owner, is_held, count, problem):
+    """Three rows that bring a point of the trunk, or of a limb that is not free, to its place."""
+    chain, pose, points, task_rows = problem.chain, problem.pose, problem.search.points, problem.search.rows
+    point = points[0]
+    end_place(row, end, pose, point)
+    wanted = row.kept_places[end] if is_held else row.places[end]
+    segment = row.segments[end]
+    first, follows = count, row.kind == POSITION and row.points[1] >= 0
+    if is_held and not follows and holds_already(point, segment, count, task_rows):
+        return count
+    if row.kind == POSITION and end == 0 and not is_held:
+        wanted = points[1]
+        within_means(row, wanted)
+    x, y, z = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2]
+    if is_held and follows:
+        now, kept, share = points[1], row.kept_places[1], row.share
+        end_place(row, 1, pose, now)
+        x, y, z = x + share * (now[0] - kept[0]), y + share * (now[1] - kept[1]), z + share * (now[2] - kept[2])
+    count = add_point_rows(point, segment, x, y, z, owner, count, problem)
+    if not (is_held and follows):
+        note_pull(task_rows.pulls[first], x, y, z, 0.0, point, segment)
+    if follows:
+        end_place(row, 1, pose, point)
+        for axis in range(3):
+            x, y, z = (1.0 if axis == 0 else 0.0), (1.0 if axis == 1 else 0.0), (1.0 if axis == 2 else 0.0)
+            x, y, z = -row.share * x, -row.share * y, -row.share * z
+            add_point_row(
+                point, x, y, z, row.segments[1], chain.joints, pose.positions, task_rows.jacobian[first + axis]
+            )
+    return count

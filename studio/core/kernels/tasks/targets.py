@@ -1,0 +1,75 @@
+"""What is to be at a frame: between the unsolved pose and the wish, by activation (METHOD 5)."""
+
+import math
+
+from studio.core.kernels.algebra.rotation import multiply, rotation_vector_to_matrix
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, distance
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.search.placing import follow_body, turn_error
+from studio.core.kernels.tasks.areas import put_area
+from studio.core.kernels.tasks.balance import centre_of_mass
+from studio.core.kernels.tasks.goals import (
+    AREA,
+    BALANCE,
+    DISTANCE,
+    LOOK_AT,
+    ORIENTATION,
+    ease_goal,
+    end_place,
+    second_place,
+)
+from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE
+
+
+@kernel
+def set_goals(least, frame, activations, targets, problem):
+    """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts.
+
+    What ``kernels.time.activation_blend`` blends is wholly wanted, or, where its activation is below ``least``, not at
+    all.
+    """
+    tasks, areas, body, search, pose = problem.tasks, problem.areas, problem.body, problem.search, problem.start
+    places, turns, distances = targets
+    acts, point, other, turn = False, search.points[0], search.points[1], search.turns[0]
+    for c in range(tasks.shape[0]):
+        row, share = tasks[c], activations[c, frame]
+        if share < 1.0 and row.blends:
+            share = 1.0 if share >= least else 0.0
+        row.share = share
+        row.status, row.pinned = ACTIVE if share > 0.0 else INACTIVE, FREE
+        if share <= 0.0:
+            continue
+        acts = True
+        wish = places[c, frame if places.shape[1] > 1 else 0]
+        if row.kind == ORIENTATION:
+            begin = pose.rotations[row.segments[0]]
+            turn_error(turns[c, frame if turns.shape[1] > 1 else 0], begin, turn, point)
+            rotation_vector_to_matrix(share * point[0], share * point[1], share * point[2], turn)
+            multiply(turn, begin, row.turn)
+        elif row.kind == BALANCE:
+            centre_of_mass(body.shares, pose.positions, point)
+            copy_point(point, row.begin)
+            for axis in range(3):
+                way = 0.0 if math.isnan(wish[axis]) else wish[axis] - point[axis]
+                row.places[0, axis] = point[axis] + share * way
+        elif row.kind == LOOK_AT:
+            copy_point(wish, row.places[0])
+            for axis in range(3):
+                row.places[1, axis] = pose.rotations[row.segments[0], axis, 0]
+            row.distance = share
+        elif row.kind == AREA:
+            row.distance = share
+            copy_matrix(turns[c, frame if turns.shape[1] > 1 else 0], row.turn)
+            put_area(areas[c], wish, row.turn)
+        elif row.kind == DISTANCE:
+            copy_point(wish, row.places[1])
+            end_place(row, 0, pose, point)
+            second_place(row, pose, other)
+            now = distance(point, other)
+            row.distance = now + share * (distances[c, frame if distances.shape[1] > 1 else 0] - now)
+        else:
+            end_place(row, 0, pose, point)
+            ease_goal(point, wish, share, row.places[0])
+        if row.kind != DISTANCE and row.points[1] >= 0:
+            follow_body(row, areas[c], pose, problem)
+    return acts

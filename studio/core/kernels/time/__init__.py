@@ -1,0 +1,1 @@
+"""What has to do with other moments: the edges of activations, easing where single frames jolt."""

@@ -1,0 +1,254 @@
+"""Frames on the edge of a constraint's activation: what is solved is blended there, not what is asked (METHOD (31)).
+
+On the straight way from where a point is to where it is to be, a hand passes by its own shoulder, where the arm whirls
+about, or is out of reach after a moment, where elbow and trunk stop at once. So such a frame is solved with all its
+constraints, then without the one that acts least, and so on until what is wholly active is left, and each pose is
+blended with the one before, joint by joint. Those that both have then get back what the blend has cost them.
+
+The pose before is the ``kept`` state and turns of a ``Search``, that just solved its ``before`` and ``solved_turns``,
+and the blend its ``state`` and ``hung_turns``; misses are ``blended`` in the records of the tasks.
+"""
+
+import math
+
+from studio.core.kernels.algebra.rotation import multiply, rotation_vector_to_matrix
+from studio.core.kernels.algebra.vectors import blend_points, copy_matrix, copy_point, copy_points, distance
+from studio.core.kernels.compiling import kernel
+from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH, HUNG
+from studio.core.kernels.limits.joint_limits import limb_parts
+from studio.core.kernels.search.levels import disturbance, mend, note_kept
+from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs, turn_error
+from studio.core.kernels.search.step import KEPT
+from studio.core.kernels.tasks.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
+from studio.core.kernels.tasks.limb_rows import MISSED, aim_limb
+from studio.core.kernels.tasks.rows import TURN_ARM
+from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE
+
+LOST = 2e-4
+"""Metres or radians by which what is blended may be missed more than what it is blended of."""
+GIVEN_UP_THERE = 2
+"""What a limb is whose constraint was given up in what is kept, while the next is solved."""
+
+STRAIGHT = 0.01
+"""Part of its length that a limb has to spare from which on it bends as its place wants, rather than the trunk."""
+
+
+@kernel
+def next_edge(least, frame, tasks, activations):
+    """The smallest activation above ``least`` of what is on its edge; 1 where there is none."""
+    found = 1.0
+    for c in range(tasks.shape[0]):
+        if least < activations[c, frame] < found and tasks[c].blends:
+            found = activations[c, frame]
+    return found
+
+
+@kernel
+def keep_solution(first, problem):
+    """Note a pose, to be blended with the next; what is missed by the ``first``."""
+    tasks, search, pose = problem.tasks, problem.search, problem.pose
+    copy_points(search.state, search.kept)
+    note_turns(search.kept_turns, pose)
+    for limb in range(4):
+        search.hung[limb] = 0
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if first:
+            row.blended = miss_of(c, problem) if row.status != INACTIVE else 0.0
+        note_hung(row, GIVEN_UP_THERE, search.hung)
+
+
+@kernel
+def note_turns(out_turns, pose):
+    """Note the rotations of all limbs' segments in what carries each, (16, 3, 3), four a limb."""
+    for limb in range(4):
+        before, upper, _ = limb_parts(limb, pose.positions.shape[0] - 23)
+        for bone in range(3 if limb < 2 else 4):
+            turn_between(pose.rotations[before], pose.rotations[upper + bone], out_turns[4 * limb + bone])
+            before = upper + bone
+
+
+@kernel
+def note_hung(row, how, out_hung):
+    """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
+    if row.status > ACTIVE and row.kind != BALANCE:
+        for end in range(2):
+            if row.limbs[end] >= 0 and row.freedoms[end, 0] > 0.0:
+                out_hung[row.limbs[end]] = how
+
+
+@kernel
+def note_blended(part, problem):
+    """Note the pose just solved, and what is missed where that which is kept counts ``part``."""
+    tasks, search, pose = problem.tasks, problem.search, problem.pose
+    copy_points(search.state, search.before)
+    note_turns(search.solved_turns, pose)
+    for c in range(tasks.shape[0]):
+        now = miss_of(c, problem) if tasks[c].status != INACTIVE else 0.0
+        tasks[c].blended = part * tasks[c].blended + (1.0 - part) * now
+
+
+@kernel
+def blend_kept(part, search):
+    """Blend state and limbs of what is kept, which counts ``part``, into those of what was just solved."""
+    blend_points(part, search.before, search.kept, search.state)
+    for limb in range(4):
+        blend_limb(part, limb, search)
+
+
+@kernel
+def blend_limb(part, limb, search):
+    """``blend_kept`` of one limb alone."""
+    turn, vector = search.turns[0], search.points[7]
+    for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
+        turn_error(search.kept_turns[bone], search.solved_turns[bone], turn, vector)
+        rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
+        multiply(turn, search.solved_turns[bone], search.hung_turns[bone])
+
+
+@kernel
+def turn_between(carrier, segment, out_turn):
+    """Rotation of a segment in the axes of what carries it, all (3, 3)."""
+    for row in range(3):
+        for column in range(3):
+            out_turn[row, column] = (
+                carrier[0, row] * segment[0, column]
+                + carrier[1, row] * segment[1, column]
+                + carrier[2, row] * segment[2, column]
+            )
+
+
+@kernel
+def pose_between(part, frame, activations, problem):
+    """Pose the body ``part`` of the way from what was just solved to what was kept; what both have is held.
+
+    Where that cannot be held in between, the body is as the nearer of both has it.
+    """
+    search = problem.search
+    note_blended(part, problem)
+    blend_kept(part, search)
+    pose_kept(frame, activations, problem)
+    if loses(problem):
+        blend_kept(1.0 if part >= 0.5 else 0.0, search)
+        for limb in range(4):
+            search.hung[limb] = HUNG
+        carry_body(problem)
+        for limb in range(4):
+            search.hung[limb] = 0
+
+
+@kernel
+def loses(problem):
+    """Whether anything that was to be held is missed by more than what is blended."""
+    tasks = problem.tasks
+    lost = False
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        lost = lost or (row.status == ACTIVE and miss_of(c, problem) > row.blended + LOST)
+    return lost
+
+
+@kernel
+def note_misses(frame, problem, out_residuals):
+    """By how much each constraint is missed at one frame."""
+    tasks = problem.tasks
+    for c in range(tasks.shape[0]):
+        out_residuals[c, frame] = math.nan
+        if tasks[c].status == ON_EDGE:
+            out_residuals[c, frame] = tasks[c].blended
+        elif tasks[c].status != INACTIVE:
+            out_residuals[c, frame] = miss_of(c, problem)
+
+
+@kernel
+def pose_kept(frame, activations, problem):
+    """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks."""
+    tasks, chain, search = problem.tasks, problem.chain, problem.search
+    level = chain.mobilities.shape[0] - tasks.shape[0]
+    hung = search.hung
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        on_edge = row.status == INACTIVE and 0.0 < activations[c, frame] < 1.0
+        turns = row.kind == ORIENTATION or row.kind == LOOK_AT
+        if on_edge or (
+            row.status == ACTIVE and row.pinned == FREE and row.blended * (TURN_ARM if turns else 1.0) > MISSED
+        ):
+            row.status = ON_EDGE
+        note_hung(row, HUNG, hung)
+    for limb in range(4):
+        hung[limb] = HUNG if hung[limb] else 0
+    carry_body(problem)
+    note_kept(0, level, problem)
+    for c in range(tasks.shape[0]):
+        if tasks[c].status == ACTIVE:
+            note_held(tasks[c], problem)
+    place_limbs(level, problem)
+    mend_kept(level, problem)
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        if row.status == ACTIVE and row.blended > KEPT and row.limbs[0] >= 0 and hung[row.limbs[0]]:
+            row.status = ON_EDGE  # its place was where the blend has it, and not where it wants to be
+    for limb in range(4):
+        hung[limb] = 0
+
+
+@kernel
+def mend_kept(level, problem):
+    """Give what was blended with little missing what it asks; where steps lead away from that, none is taken."""
+    search = problem.search
+    copy_points(search.state, search.tried)
+    missed, search.last[0].held = disturbance(level, False, problem), -1
+    if mend(level, CLOSE_ENOUGH, False, problem):
+        return
+    if disturbance(level, False, problem) > missed:
+        copy_points(search.tried, search.state)
+        carry_body(problem)
+        place_limbs(level, problem)
+
+
+@kernel
+def note_held(row, problem):
+    """What both poses have keeps what it asks, or as much of it as they brought."""
+    search, pose = problem.search, problem.pose
+    turn, vector, hung = search.turns[0], search.points[7], search.hung
+    missed = row.blended * (TURN_ARM if row.kind == ORIENTATION or row.kind == LOOK_AT else 1.0)
+    part = min(max(1.1 * (1.0 - missed / MISSED), 0.0), 1.0)
+    row.kept_miss = row.blended
+    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+        turn_error(row.turn, pose.rotations[row.segments[0]], turn, vector)
+        rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
+        multiply(turn, pose.rotations[row.segments[0]], row.kept_turn)
+        if row.limbs[0] >= 0 and hung[row.limbs[0]]:
+            copy_matrix(row.kept_turn, row.turn)
+        return
+    for end in range(2):
+        wish = row.places[1 if row.kind == BALANCE else end]
+        for axis in range(3):
+            row.kept_places[end, axis] += part * (wish[axis] - row.kept_places[end, axis])
+        if row.kind == POSITION and row.limbs[end] >= 0 and hung[row.limbs[end]]:
+            copy_point(row.kept_places[end], row.places[end])
+            row.comforts[end], row.easings[end] = 1.0, 0.0
+            if row.longest[end] > 0.0:  # a shoulder has no limb before it
+                note_stretch(row, end, row.limbs[end] >= 2 or search.ends[row.limbs[end]] >= 0, search.points, pose)
+
+
+@kernel
+def note_stretch(row, end, holds_end, points, pose):
+    """How far a limb that was blended is to stretch for its place: the straighter it is, the less it does.
+
+    With d of its length to spare as it was blended, and w for its place, it keeps d s(w) / s(d) (``softly``); what that
+    is beside w is for the trunk (METHOD (31)).
+    """
+    root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)[2], row.longest[end]
+    x, y, z = aim_limb(row, end, False, holds_end, points, pose)
+    shoulder, edge = pose.positions[root], STRAIGHT * longest
+    span = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
+    spare = max(longest - distance(points[0], shoulder), 0.0)
+    row.reaches[end] = longest - spare * softly(longest - span, edge) / softly(spare, edge)
+    row.folds[end] = row.reaches[end]
+
+
+@kernel
+def softly(value, edge):
+    """``value`` where it is well above ``edge``, and ever less but never 0 below."""
+    return 0.5 * (value + math.sqrt(value * value + 4.0 * edge * edge))

@@ -1,0 +1,224 @@
+"""Frames where what was solved jolts, posed again as they were eased in time (METHOD (36) to (38))."""
+
+import math
+
+from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, copy_points, distance
+from studio.core.kernels.body.parts import copy_pose
+from studio.core.kernels.compiling import kernel, pack
+from studio.core.kernels.limbs.limb_constraints import HUNG
+from studio.core.kernels.limits.clearance_stages import measure_rooms, note_spot
+from studio.core.kernels.limits.clearing import clear_after
+from studio.core.kernels.limits.root_reach import keep_feet_in_reach
+from studio.core.kernels.records import Pose
+from studio.core.kernels.search.placing import carry_body, follow, miss_of, posed
+from studio.core.kernels.tasks.balance import centre_of_mass
+from studio.core.kernels.tasks.goals import BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place, second_place
+from studio.core.kernels.tasks.rows import AWAY
+from studio.core.kernels.tasks.targets import set_goals
+from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, PINNED_TURN
+from studio.core.kernels.time.activation_blend import blend_kept, next_edge, note_misses, note_turns, pose_kept
+
+ANY = 1e-9
+"""The least activation: of what is told of all that act at all."""
+HELD = 1.5e-4
+"""Metres or radians by which easing a level may change what those above it miss."""
+HALVES = 5
+"""Times that the way of a frame is halved."""
+
+
+@kernel
+def ease_frame(frame, waited, clip, problem):
+    """Pose a frame that was just solved as it was eased, and hold what stands above where that has come to be; tell
+    what everything misses. Whether what keeps clear has ``waited``.
+    """
+    easing, chain, search = clip.easing, problem.chain, problem.search
+    level, lost = easing.level[0], easing.jolts[frame]
+    above = pack(posed(problem, pack(Pose(easing.above.positions[frame], easing.above.rotations[frame]))))
+    for joint in range(search.state.shape[0]):
+        put_state(easing.states[frame, joint], chain.limits[joint], search.state[joint])
+    for turn in range(16):
+        copy_matrix(easing.turns[frame, turn], search.hung_turns[turn])
+    pull_root(problem)
+    if easing.above.back[frame] == 1.0:
+        lost[0] = pose_as_above(frame, clip, problem, above)
+    else:
+        lost[0] = pose_eased(frame, level.meets, waited, clip, problem, above)
+        if level.strict and lost[0] >= HELD:
+            go_back(frame, waited, clip, problem, above)
+    tell_misses(frame, clip, problem)
+
+
+@kernel
+def pose_eased(frame, meets, waited, clip, problem, above):
+    """Pose the body as its state and limbs are kept, and hold what stands above a level; by how much that changes.
+
+    Whether the level ``meets`` what it wants, as far as it may, or stays as it is.
+    """
+    tasks, activations = problem.tasks, clip.asked.activations[-1]
+    misses, level = clip.easing.misses, clip.easing.level[0]
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        row.blended = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
+        if activations[c, frame] > 0.0 and row.rank < level.rank:
+            pin(c, row.rank < level.contacts, above)
+        elif row.status == ACTIVE and not meets:
+            row.status = ON_EDGE
+    pose_kept(frame, activations, problem)
+    clears = clip.clearance.wanted.shape[0]
+    if clears > 0:
+        tell_misses(frame, clip, problem)
+        clear_after(frame, tasks.shape[0] + clears, True, waited, clip, problem)
+    return change_above(frame, clip, problem, above)
+
+
+@kernel
+def go_back(frame, waited, clip, problem, above):
+    """Leave but as much of the way from what stands above as changes nothing there; in the end that is none."""
+    search, least, most, share = problem.search, 0.0, 1.0, 1.0
+    copy_points(search.state, search.before)
+    copy_points(clip.easing.above.states[frame], search.kept)
+    note_turns(search.solved_turns, problem.pose)
+    note_turns(search.kept_turns, above.pose)
+    for _ in range(HALVES):
+        share = 0.5 * (least + most)
+        blend_kept(1.0 - share, search)
+        if pose_eased(frame, False, waited, clip, problem, above) < HELD:
+            least = share
+        else:
+            most = share
+    if share == least:
+        return
+    blend_kept(1.0 - least, search)
+    if least == 0.0 or pose_eased(frame, False, waited, clip, problem, above) >= HELD:
+        pose_as_above(frame, clip, problem, above)
+
+
+@kernel
+def pose_as_above(frame, clip, problem, above):
+    """Pose the body as what stands above a level has it; by how much that changes."""
+    copy_points(clip.easing.above.states[frame], problem.search.state)
+    copy_pose(above.pose, problem.pose)
+    if clip.clearance.wanted.shape[0] > 0:
+        measure_rooms(frame, clip, problem.pose)
+    return change_above(frame, clip, problem, above)
+
+
+@kernel
+def change_above(frame, clip, problem, above):
+    """By how much what stands above a level is missed otherwise than it is to be, metres or radians.
+
+    Where any is on its edge what is told of all is blended: they are to be missed as in the pose ``above``.
+    """
+    tasks, activations, misses = problem.tasks, clip.asked.activations[-1], clip.easing.misses
+    clearance, level = clip.clearance, clip.easing.level[0]
+    set_goals(ANY, frame, activations, clip.asked.targets, problem)
+    edges = has_edge(frame, tasks, activations)
+    for row in tasks:
+        row.engaged = 0
+    if edges:
+        follow(tasks.shape[0], False, above)
+        for c in range(tasks.shape[0]):
+            tasks[c].engaged = 0
+            if tasks[c].rank < level.rank and tasks[c].status != INACTIVE:
+                tasks[c].blended = miss_of(c, above)
+    follow(tasks.shape[0], False, problem)
+    most = 0.0
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        row.engaged = 0
+        if row.rank < level.rank and row.status != INACTIVE:
+            before = row.blended if edges else misses[c, frame]
+            most = max(most, abs(miss_of(c, problem) - before))
+    for q in range(level.clears, clearance.wanted.shape[0]):
+        if clearance.activations[q, frame] > 0.0:
+            most = max(most, abs(clearance.misses[q, frame] - misses[tasks.shape[0] + q, frame]))
+    return most
+
+
+@kernel
+def tell_misses(frame, clip, problem):
+    """Tell what everything misses as it is posed: on its edge what was blended, and then so of all above a level."""
+    tasks, activations, misses = problem.tasks, clip.asked.activations[-1], clip.easing.misses
+    note_goals(frame, activations, clip.asked.targets, problem)
+    edges = has_edge(frame, tasks, activations)
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        row.blended = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
+        if edges and row.rank < clip.easing.level[0].rank and row.status != INACTIVE:
+            row.status = ON_EDGE
+    note_misses(frame, problem, clip.residuals)
+
+
+@kernel
+def has_edge(frame, tasks, activations):
+    """Whether anything is on an edge that is blended (``kernels.time.activation_blend``)."""
+    return next_edge(0.0, frame, tasks, activations) < 1.0
+
+
+@kernel
+def pin(c, stands, above):
+    """Ask of a constraint, or of what ``stands``, what it has in the pose ``above``."""
+    row, search, pose = above.tasks[c], above.search, above.pose
+    point, other = search.points[0], search.points[1]
+    row.status, row.pinned, row.blended = ACTIVE, PINNED, 0.0
+    if row.kind == DISTANCE:
+        end_place(row, 0, pose, point)
+        second_place(row, pose, other)
+        row.distance = distance(point, other)
+    elif row.kind == POSITION:
+        note_spot(row, search, pose, row.relative[0] if row.points[1] >= 0 else row.places[0])
+    elif row.kind == ORIENTATION and row.points[1] < 0:
+        copy_matrix(pose.rotations[row.segments[0]], row.turn)
+    elif row.kind == BALANCE and row.points[1] < 0:
+        centre_of_mass(above.body.shares, pose.positions, row.places[0])
+        copy_point(row.places[0], row.places[1])
+    else:
+        row.engaged = 0
+        follow(row.rank, False, above)
+        row.blended = miss_of(c, above)
+        row.pinned = PINNED if row.kind == LOOK_AT else FREE
+        if row.kind == LOOK_AT and row.blended >= AWAY:
+            row.pinned, row.blended = PINNED_TURN, 0.0
+            copy_matrix(pose.rotations[row.segments[0]], row.turn)
+    for end in range(2):
+        limb = row.limbs[end]
+        if row.kind != BALANCE and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):
+            search.hung[limb] = HUNG  # legs that stand are placed on their ankles
+
+
+@kernel
+def put_state(state, most, out_state):
+    """Write how a joint has turned (3,), as far as it may at this frame."""
+    size = math.sqrt(state[0] * state[0] + state[1] * state[1] + state[2] * state[2])
+    part = most / size if size > most else 1.0
+    for axis in range(3):
+        out_state[axis] = part * state[axis]
+
+
+@kernel
+def pull_root(problem):
+    """Bring the root back to where planted feet are in reach."""
+    search, root = problem.search, problem.chain.slots[-1]
+    state, way = search.state, search.points[7]
+    if root < 0:
+        return
+    carry_body(problem)
+    way[0] = way[1] = way[2] = 0.0
+    keep_feet_in_reach(problem.body, problem.start, search.carried, state[root], way)
+    for axis in range(3):
+        state[root, axis] += way[axis]
+
+
+@kernel
+def note_goals(frame, activations, targets, problem):
+    """Let every constraint ask again what it asked before easing, for how much it misses now to be told."""
+    tasks = problem.tasks
+    set_goals(1.0, frame, activations, targets, problem)
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        row.engaged = 0
+        if row.status == INACTIVE and activations[c, frame] > 0.0:
+            row.status = ON_EDGE
+    follow(tasks.shape[0], False, problem)
+    for c in range(tasks.shape[0]):
+        tasks[c].engaged = 0
