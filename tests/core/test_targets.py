@@ -200,7 +200,9 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
     assert miss == pytest.approx(adapted.residuals[1], abs=np.radians(0.1))
     left, right = (adapted.rotations[:, segment] for segment in hands)
     wanted = right @ to_matrix(turn)
-    assert angle_between(from_matrix(left), from_matrix(wanted)) == pytest.approx(0.0, abs=np.radians(0.1))
+    missed = angle_between(from_matrix(left), from_matrix(wanted))
+    assert missed == pytest.approx(adapted.residuals[2], abs=np.radians(0.1))
+    assert missed[:11].max() < np.radians(0.1)  # near the frame whose turn it is; later a wrist may be at its limit
 
 
 @every_body
@@ -377,9 +379,10 @@ def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body
     stands = standing_points(CONTACTS, WALK.frame_count)
     areas, presence = smoothed(outlines(before.positions, before.rotations, stands, body), RATE)
     held = (presence > 1.0 - 1e-9) & (adapted.residuals[0] < 1e-3)
+    held[: round(0.1 * RATE)] = False  # the motion begins within a step, whose foot is landing
     margins = [support_margins(areas, centre_of_mass(each)[:, :2]) for each in (before, adapted)]
     assert held.sum() > 30
-    assert margins[1][held].min() > -5e-3  # of the margin, what smoothness takes
+    assert margins[1][held].min() > -margin  # what smoothness takes of it, while feet roll
     assert margins[0].min() < margins[1].min()
     plain = outlines(before.positions, before.rotations, stands, body)
     assert np.nanmin(support_margins(plain, plain_centre(plain))) > 0.0

@@ -109,7 +109,7 @@ def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
         QTest.mouseRelease(viewport, LEFT, NONE, tip - QPoint(0, 8))
         solved(window)
         assert document.project.constraints[constraint_id].target[2] > height + 0.01
-    assert max(miss for key, miss in missed.items() if key != "child") < HELD
+    assert max(miss for key, miss in missed.items() if key != "child") < SHORT
     curve = document.project.constraints[constraint_id].activation
     shown = {timeline.strip_state(constraint_id, "child", round(60 * time)) for time in (curve.full, curve.full_end)}
     assert StripState.NOT_REACHED in shown
