@@ -122,7 +122,7 @@ class Transport(QWidget):
         self._show_time()
 
     def _set_range(self) -> None:
-        self.playhead.set_range(self.first.value(), self.last.value())
+        self.playhead.set_range(*sorted((self.first.value(), self.last.value())))  # one may be typed past the other
 
     def _set_speed(self) -> None:
         self.playhead.speed = self.speed.currentData()

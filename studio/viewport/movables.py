@@ -189,7 +189,11 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
         return None
     floor = floor_under(project, pose)
     if collection == "performers":
-        return None if picking else PlacedPerformer(document, entity_id, pose, floor)
+        return (
+            None
+            if picking or entity_id not in project.performers
+            else PlacedPerformer(document, entity_id, pose, floor)
+        )
     moment = Moment(project, posed, pose)
     constraint = project.constraints.get(entity_id) if collection == "constraints" else None
     now = moment.fixed(constraint) if constraint else None
