@@ -38,9 +38,8 @@ def refine_step(count, rows, chain, carried, turned, step, damped, positions):
 
     The slope along it of what is brought to its least.
 
-    ``ask``, ``chain``, ``carried`` and ``turned`` as in ``kernels.search.priorities.find_step``, which comes first and
-    leaves rows as their brakes have them; ``full`` scratch (system (D, D + 1), vectors (2, D) of which the first is
-    the mobility of every unknown, levers (N, 3)).
+    Records as ``kernels.search.priorities.find_step``, which comes first, leaves them: rows as their brakes have them;
+    ``carried`` and ``turned`` those and the state of the search, ``damped`` scratch.
 
     METHOD (24).
     """
