@@ -25,7 +25,7 @@ from studio.cli.adaptation import ReadyCapture
 from studio.cli.bench import frame_cases
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import time_jobs
-from studio.core.character import Character
+from studio.core.body.character import Character
 from studio.core.solver.source import source_motion
 from studio.io.character_file import bundled_characters
 

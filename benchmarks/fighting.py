@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from benchmarks.report import table as markdown
 from studio.cli.live import guard_of, rehearse, swaying
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
 from studio.io.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index

@@ -22,7 +22,7 @@ prepare_process()
 
 from benchmarks.read_back import places_in  # noqa: E402
 from studio.cli.adaptation import ReadyCapture, made_ready  # noqa: E402
-from studio.core.kinematics import joint_world  # noqa: E402
+from studio.core.body.kinematics import joint_world  # noqa: E402
 from studio.core.rotations import angle_between, from_matrix  # noqa: E402
 from studio.core.solver.adapt import adapt  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402

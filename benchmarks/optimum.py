@@ -18,7 +18,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.search.joints import ROOT
 from studio.core.solver.adapt import Standing
-from studio.core.solver.chains import carrying_chain, free_joints, segment_masses
+from studio.core.solver.asking.chains import carrying_chain, free_joints, segment_masses
 
 FloatArray = NDArray[np.float64]
 

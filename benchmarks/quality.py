@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from benchmarks.optimum import excess
 from studio.cli.bench_cases import Task
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
-from studio.core.ground import Ground
-from studio.core.metrics import QUIET, angular_acceleration, centre_of_mass, contact_quality
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import QUIET, angular_acceleration, centre_of_mass, contact_quality
 from studio.core.solver.adapt import Standing, adapt, hold, stand
 from studio.core.solver.request import AdaptedMotion
 

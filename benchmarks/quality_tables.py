@@ -18,9 +18,9 @@ prepare_process()
 
 from studio.cli.adapt_report import Record, character_report  # noqa: E402
 from studio.cli.adaptation import ReadyCapture, made_ready  # noqa: E402
-from studio.core.ground import Ground  # noqa: E402
-from studio.core.motion_quality import MotionQuality, motion_quality  # noqa: E402
+from studio.core.grounds.ground import Ground  # noqa: E402
 from studio.core.normalized.round_trip import round_trip  # noqa: E402
+from studio.core.quality.motion_quality import MotionQuality, motion_quality  # noqa: E402
 from studio.core.solver.adapt import adapt  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.io.character_file import bundled_characters  # noqa: E402

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kinematics import joint_world
-from studio.core.pose import PoseSequence
-from studio.core.skeleton import Skeleton
+from studio.core.body.kinematics import joint_world
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 from studio.io.c3d import read_c3d
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from benchmarks.clips import BUNDLED, REAL
 from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.cli.bench_cases import ROOT, WHOLE, clip_of, make_tasks
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import QUIET, angular_acceleration
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import Standing, adapt, hold, place_of, stand
 from studio.core.solver.request import AdaptedMotion
 from studio.io.character_file import bundled_characters

@@ -7,16 +7,17 @@ import numpy as np
 
 from benchmarks.growth import CHARACTERS, Growth, fitted
 from studio.cli.render import prepared
-from studio.core.canonical import BodyPart
-from studio.core.character import Character
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Clip, Performer, Project
+from studio.core.project import Performer, Project
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performing import perform
-from studio.core.solver.rows import timing_of
+from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.rows import timing_of
+from studio.core.stage.clip import Clip
 from studio.library.scenes.stagehand import bodies, material
 
 ROW = Clip("walk", 100, 160, 0.0, "before"), Clip("walk", 300, 370, 0.8, "after", mirrored=True)

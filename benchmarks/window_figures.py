@@ -25,7 +25,7 @@ from benchmarks.window_scene import DRAGGED, long_clip, open_window
 from studio.app.main_window import MainWindow
 from studio.core.project import GROUND_ID, Project
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performing import perform
+from studio.core.solver.performers.performing import perform
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.engine.live_adaptation import normalised
 

@@ -22,7 +22,7 @@ MEASURED: tuple[tuple[str, type, str], ...] = (
     ("drawing: VTK and its copy", StageScene, "render"), ("drawing: other", Canvas, "_draw"),
     ("painting the view", Canvas, "paintEvent"), ("problem's chip", Viewport, "_tell_problem"),
     ("timeline", TrackView, "paintEvent"), ("timeline", TrackView, "lay_out"),
-    ("inspector", Inspector, "_entity_changed"),
+    ("inspector", Inspector, "_entity_changed"), ("inspector", Inspector, "_refresh"),
 )  # fmt: skip
 """Part, class and method; what one calls that is measured by itself is not counted with it."""
 

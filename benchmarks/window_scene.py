@@ -11,14 +11,14 @@ from studio.app.settings import Settings
 from studio.cli import first_run
 from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
 from studio.cli.bench_cases import ROOT
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Project
-from studio.core.staging import staged
+from studio.core.stage.staging import staged
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL
 from studio.library.scenes.stagehand import bodies

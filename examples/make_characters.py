@@ -4,7 +4,7 @@ import json
 import sys
 from pathlib import Path
 
-from studio.core.character import Character
+from studio.core.body.character import Character
 from studio.core.mannequin.physiques import BUNDLED
 from studio.core.mannequin.sculpt import make_mannequin
 from studio.io.character_file import write_character

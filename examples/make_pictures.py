@@ -7,8 +7,8 @@ from pictured.bodies import bodies, priorities
 from pictured.encode import write_film, write_picture
 from pictured.figures import FIGURES, write_figure
 from pictured.kick_film import FRAME_RATE, KickFilm
-from pictured.scenes import fight
-from pictured.shots import constrain, import_report, markers, sliders, timeline, window
+from pictured.scenes import fight, handstand
+from pictured.shots import behaviour, constrain, import_report, markers, sliders, timeline, window
 
 from studio.cli import first_run
 
@@ -16,11 +16,13 @@ FILM_WIDTH = 880
 STILLS = {
     "window": window,
     "fight": fight,
+    "handstand": handstand,
     "constrain": constrain,
     "timeline": timeline,
     "import_report": import_report,
     "markers": markers,
     "sliders": sliders,
+    "behaviour": behaviour,
     "method_bodies": bodies,
     "method_priorities": priorities,
 }

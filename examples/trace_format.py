@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.core.capture import Capture, Guess
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
-from studio.core.skeleton import Skeleton
 from studio.io.export import Take
 from studio.io.importing import ImportOptions
 from studio.io.registry import Format, Progress

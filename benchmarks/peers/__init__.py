@@ -15,14 +15,14 @@ import numpy as np
 
 from benchmarks.clips import ROOT
 from studio.cli.bench_cases import Task, places_of
-from studio.core.character_skeleton import character_poses, character_skeleton, joint_points
+from studio.core.body.character_skeleton import character_poses, character_skeleton, joint_points
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.metrics import centre_of_mass
-from studio.core.morphology import Morphology
+from studio.core.quality.metrics import centre_of_mass
 from studio.core.solver.adapt import adapt, hold, stand
-from studio.core.solver.chains import segment_masses
-from studio.core.solver.packing import point_indices
+from studio.core.solver.asking.chains import segment_masses
+from studio.core.solver.asking.packing import point_indices
 
 PYTHON = os.environ.get("PEERS_PYTHON", sys.executable)
 """The interpreter in which the peers are installed, as by ``pip install -e .[peers]``."""

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from studio.core.body.morphology import FloatArray
+from studio.core.body.rest_pose import FORWARD
+from studio.core.body.skeleton import Skeleton
 from studio.core.mannequin.physique import Physique
-from studio.core.morphology import FloatArray
-from studio.core.rest_pose import FORWARD
 from studio.core.rotations import frame_along
-from studio.core.skeleton import Skeleton
 
 BODY = Physique(stature=1.76).morphology()
 LAYOUT = BODY.layout

@@ -4,8 +4,9 @@ import numpy as np
 from scipy.ndimage import convolve1d, maximum_filter1d
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.pose import PoseSequence
 from studio.core.kernels.limbs.limb import place_limb
-from studio.core.pose import PoseSequence
+from studio.core.kernels.records import Limb, Pose
 from studio.core.rotations import from_matrix
 
 from .curves import FloatArray
@@ -16,6 +17,7 @@ _STRAIGHTEST_LEG, _STRAIGHTEST_ARM = 0.993, 0.99
 """Reach of a limb as a share of its length: nobody locks a knee or an elbow."""
 _SPINE_SHARES = np.linspace(0.0, 1.0, LAYOUT.spine_count) ** 0.9
 _NECK_SHARE = 0.4
+_OVERTURNED = np.radians(75.0)
 _SINKING = 0.12
 """Seconds before and after a far step over which the pelvis sinks for it."""
 
@@ -58,7 +60,7 @@ class _Body:
         return self.root + self.world[:, 0] @ BODY.hip_offset[side]
 
     def sink_pelvis(self) -> None:
-        """Lower the root where a planted leg would not reach: widest need nearby, then evened out (METHOD 4)."""
+        """Lower the root where a planted leg or arm would not reach: widest need nearby, evened out (METHOD 4)."""
         need = np.zeros(len(self.root))
         for side, foot in enumerate(self.targets.feet):
             away = foot.ankle - self.hip(side)
@@ -66,6 +68,13 @@ class _Body:
             highest = foot.ankle[:, 2] + np.sqrt(np.maximum(length**2 - away[:, 0] ** 2 - away[:, 1] ** 2, 0))
             standing = 1 - self.targets.air[side].share if side in self.targets.air else 1.0
             need = np.maximum(need, (self.hip(side)[:, 2] - highest) * standing)
+        for side, arm in enumerate(self.targets.arms):
+            if arm.carries and arm.held is not None and arm.holding is not None:
+                shoulder, _ = self._raise_shoulder(side, self._arm_axes(arm))
+                away = arm.held - shoulder
+                length = _STRAIGHTEST_ARM * BODY.arm[side].sum()
+                highest = arm.held[:, 2] + np.sqrt(np.maximum(length**2 - away[:, 0] ** 2 - away[:, 1] ** 2, 0))
+                need = np.maximum(need, (shoulder[:, 2] - highest) * arm.holding)
         frames = 2 * round(_SINKING * FRAME_RATE) + 1
         window = np.hanning(frames + 2)[1:-1]
         widest = maximum_filter1d(need, frames, mode="nearest")
@@ -78,7 +87,9 @@ class _Body:
         if side in self.targets.air:
             ankle, turn, toe = self._air(side, self.targets.air[side], ankle, turn, toe)
         left = self.world[:, 0, :, 1]
-        toes_out = np.radians(foot.yaw) - np.arctan2(-left[:, 0], left[:, 1])
+        yaw, _, roll = np.radians(self.targets.pelvis_turn).T
+        overturned = np.abs(roll) > _OVERTURNED  # left points to the right then
+        toes_out = np.radians(foot.yaw) - np.where(overturned, yaw, np.arctan2(-left[:, 0], left[:, 1]))
         following = 0.5 * np.arctan2(np.sin(toes_out), np.cos(toes_out))
         if side in self.targets.air:
             following *= 1 - self.targets.air[side].share
@@ -100,7 +111,7 @@ class _Body:
         kicked = self.hip(side) + upper.apply(down) * BODY.leg[side][0] + lower.apply(down) * BODY.leg[side][1]
         foot = lower * _about("y", leg.foot)
         share = leg.share[:, None]
-        between = Rotation.from_rotvec((turn.inv() * foot).as_rotvec() * share)
+        between = Rotation.from_rotvec(_continuous((turn.inv() * foot).as_rotvec()) * share)
         return ankle + share * (kicked - ankle), turn * between, toe + leg.share * (leg.toe - toe)
 
     def place_arm(self, side: int) -> None:
@@ -159,20 +170,10 @@ class _Body:
         x /= np.linalg.norm(x, axis=1, keepdims=True)
         frames = np.stack([x, np.cross(z, x), z], axis=2)
         lower_twist = np.broadcast_to(twist, distance.shape)
-        points = np.empty((2, 3))
         for frame in range(len(distance)):
-            place_limb(
-                start[frame],
-                tuple(frames[frame].ravel()),
-                distance[frame],
-                tuple(lengths),
-                0.0,
-                1.0,
-                (0.0, lower_twist[frame]),
-                *points,
-                self.world[frame, segment],
-                self.world[frame, segment + 1],
-            )
+            limb = Limb(tuple(lengths), distance[frame], 0.0, 1.0, (0.0, lower_twist[frame]))
+            pose = Pose(np.stack([start[frame]] * 3), self.world[frame])
+            place_limb(0, segment, tuple(frames[frame].ravel()), limb, pose)
 
     def poses(self) -> PoseSequence:
         """Local rotations of all joints; the ends stay at rest."""
@@ -187,6 +188,17 @@ class _Body:
         translations = np.tile(skeleton.offsets, (len(local), 1, 1))
         translations[:, 0] = self.root
         return PoseSequence(rotations, translations)
+
+
+def _continuous(vectors: FloatArray) -> FloatArray:
+    """Rotation vectors (F, 3) that go on beyond half a turn, and do not jump to the other way round."""
+    found = np.array(vectors)
+    for frame in range(1, len(found)):
+        angle = np.linalg.norm(found[frame])
+        other = found[frame] * (1.0 - 2.0 * np.pi / max(angle, 1e-9))
+        if np.linalg.norm(other - found[frame - 1]) < np.linalg.norm(found[frame] - found[frame - 1]):
+            found[frame] = other
+    return found
 
 
 def _about(axis: str, angles: FloatArray) -> Rotation:

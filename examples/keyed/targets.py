@@ -27,6 +27,8 @@ class ArmTargets:
     held: FloatArray | None = None
     """(F, 3) a place in the world that holds the wrist, by ``holding`` (F,) from 0 to 1."""
     holding: FloatArray | None = None
+    carries: bool = False
+    """Whether the body stands on the hand that is held: it sinks where the arm would not reach."""
     pronation: float | FloatArray = 0.0
     """Palm down; 0 has the thumb up when the forearm points forward."""
     flexion: float | FloatArray = 0.0

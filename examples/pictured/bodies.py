@@ -14,14 +14,14 @@ from scipy.spatial.transform import Rotation
 
 from pictured.session import example
 from studio.cli.adaptation import MOTION_ID, ready_capture
-from studio.core.canonical import BodyPart
-from studio.core.character import Character
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.skin import skin_vertices
+from studio.core.grounds.ground import Ground
+from studio.core.mesh.skin import skin_vertices
 from studio.core.solver.adapt import hold, stand
 from studio.core.solver.request import AdaptedMotion
 from studio.io.character_file import bundled_characters

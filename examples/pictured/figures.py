@@ -9,18 +9,19 @@ from matplotlib.figure import Figure
 
 from pictured.session import example
 from studio.cli.adaptation import MOTION_ID, ReadyCapture, ready_capture
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.activation import ActivationCurve, EaseShape, ease
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
+from studio.core.grounds.ground import Ground
 from studio.core.grounds.steps import Steps
 from studio.core.kernels.limbs.legs import hip_heights
 from studio.core.kernels.limbs.limb import place_limb, soft_reach
-from studio.core.metrics import angular_acceleration
-from studio.core.morphology import Morphology
+from studio.core.kernels.records import Limb, Pose
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold, stand
-from studio.core.solver.footing import STANDING_REACH, SWINGING_REACH
+from studio.core.solver.standing.footing import STANDING_REACH, SWINGING_REACH
 from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
 
@@ -31,10 +32,9 @@ mpl.rcParams.update({"svg.hashsalt": "morpho-studio", "font.size": 9, "svg.fontt
 def limb_frame() -> Figure:
     """An arm in its own frame, from the side and along the line from shoulder to wrist."""
     upper, lower, distance, aside = 0.30, 0.26, 0.47, 0.06
-    points, turns = np.empty((2, 3)), np.empty((2, 3, 3))
-    frame, straight = tuple(np.eye(3).ravel()), (0.0, 0.0)
-    place_limb(np.zeros(3), frame, distance, (upper, lower), aside, 1.0, straight, *points, *turns)
-    (x, y, z), radius = points[0], float(np.hypot(points[0, 0], points[0, 1]))
+    pose = Pose(np.zeros((3, 3)), np.empty((2, 3, 3)))
+    place_limb(0, 0, tuple(np.eye(3).ravel()), Limb((upper, lower), distance, aside, 1.0, (0.0, 0.0)), pose)
+    (x, y, z), radius = pose.positions[1], float(np.hypot(pose.positions[1, 0], pose.positions[1, 1]))
     figure = Figure(figsize=(9.0, 3.4), layout="constrained")
     side, front = figure.subplots(1, 2, width_ratios=[1.6, 1.0])
     side.plot([0, z, distance], [0, radius, 0], color=INK, linewidth=3, marker="o")

@@ -106,9 +106,8 @@ def _move(viewport, place: np.ndarray) -> None:
 
 
 def _paint_mouse(image: QImage, place: QPointF) -> None:
-    painter = QPainter(image)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(QPen(QColor("#101214"), 1.2))
-    painter.setBrush(QColor("#ffffff"))
-    painter.drawPolygon(QPolygonF([place + QPointF(*corner) for corner in ARROW]))
-    painter.end()
+    with QPainter(image) as painter:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor("#101214"), 1.2))
+        painter.setBrush(QColor("#ffffff"))
+        painter.drawPolygon(QPolygonF([place + QPointF(*corner) for corner in ARROW]))

@@ -16,12 +16,12 @@ from PySide6.QtGui import QImage
 
 from studio.app import application, importing
 from studio.app.settings import Settings
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.hand_shapes import AT_EASE, FIST
-from studio.core.staging import staged
+from studio.core.mesh.hand_shapes import AT_EASE, FIST
+from studio.core.stage.staging import staged
 from studio.document.document import Document
 from studio.io.character_file import bundled_characters
 from studio.io.importing import ImportOptions

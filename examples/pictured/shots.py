@@ -11,9 +11,10 @@ from PySide6.QtWidgets import QWidget
 
 from pictured.session import KICK_TIME, Session, example, kick_target, left_wrist
 from studio.app.marker_dialog import open_markers
-from studio.core.morphology import Proportions
+from studio.core.body.morphology import Proportions
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
+from studio.library.scenes import SCENES
 from studio.viewport.body_points import body_joints
 
 LEFT, NO_KEY = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
@@ -80,6 +81,22 @@ def markers() -> QImage:
     image = dialog.grab().toImage()
     session.close()
     return image
+
+
+def behaviour() -> QImage:
+    """Two who spar, and the states of one of them."""
+    session = Session("front_kick", (1440, 940))
+    session.document.new(next(scene for scene in SCENES if scene.title == "Sparring").make())
+    session.window.show_dock("Behaviour")
+    session.settle()
+    one = next(iter(session.document.project.performers))
+    behaviour_id = session.document.project.behaviour_of(one)
+    session.document.selection.set(("performers", one), ("states", f"{behaviour_id}/Low punch"))
+    session.window.behaviour.show_running(one, "Guard")
+    session.look(60, 8, 1.0)
+    session.window.behaviour.diagram.fit()
+    session.rest(0.3)
+    return _taken(session)
 
 
 def sliders() -> QImage:

@@ -33,6 +33,8 @@ class ActionSet(QObject):
         self._soon.timeout.connect(self.refresh)
         document.entity_changed.connect(lambda *_: self._soon.start())
         bench.live.interactive_changed.connect(self.refresh)
+        bench.live.play.running_changed.connect(self.refresh)
+        bench.live.play.recording_changed.connect(self.refresh)
         self.refresh()
 
     def refresh(self, *_: object) -> None:

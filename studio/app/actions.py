@@ -3,19 +3,30 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from studio.app import casting, recovery
+from studio.app import casting, playing_live, recovery
+from studio.app.live_control import (
+    is_head_tracked,
+    is_streaming,
+    show_live,
+    toggle_head_tracking,
+    toggle_streaming,
+)
 from studio.app.marker_dialog import has_markers, open_markers
-from studio.app.striking import show_strikes
-from studio.app.verbs import clips, editing, files, playback, props, view
+from studio.app.pose_mapping import show_map
+from studio.app.striking import label_strike, show_strikes, strike_chosen
+from studio.app.verbs import behaviours, clips, editing, files, playback, props, view
 from studio.app.verbs.constraining import adder, load_area_mesh, selected_area
 from studio.app.workbench import Workbench
-from studio.core.clip_row import players_of
+from studio.core.constraints.base import Shown
+from studio.core.constraints.kinds import KINDS
+from studio.core.stage.clip_row import players_of
 from studio.library.scenes import SCENES
+from studio.viewport.eyes import Stereo
 
 Run = Callable[[Workbench], object]
 Test = Callable[[Workbench], bool]
 
-MENUS = ("File", "Scenes", "Edit", "Character", "Clip", "Constraint", "Play", "View", "Help")
+MENUS = ("File", "Scenes", "Edit", "Character", "Clip", "Constraint", "Behaviour", "Play", "View", "Help")
 
 
 def _always(_: Workbench) -> bool:
@@ -28,6 +39,10 @@ def _viewing(bench: Workbench) -> bool:
 
 def _performing(bench: Workbench) -> bool:
     return bench.document.active_motion_id is not None
+
+
+def _ready(bench: Workbench) -> bool:
+    return _performing(bench) and _viewing(bench)
 
 
 def _keyed(bench: Workbench) -> bool:
@@ -51,7 +66,8 @@ def _clip_chosen(bench: Workbench) -> bool:
 
 
 def _copyable(bench: Workbench) -> bool:
-    return _constraint_selected(bench) or bool(bench.document.selection.of("clips"))
+    selection = bench.document.selection
+    return _constraint_selected(bench) or bool(selection.of("clips") or selection.of("states"))
 
 
 def _clip_shared(bench: Workbench) -> bool:
@@ -141,6 +157,8 @@ CLIP = (
     Action("add_clip", "Clip", "Add clip…", clips.add,
            tooltip="A motion of the library after what the selected bodies play, or all that are shown",
            enabled=_performing, ends_group=True),
+    Action("add_layer", "Clip", "Add layer…", clips.add_layer,
+           tooltip="A motion over the upper body, or another part, of the selected bodies", enabled=_performing),
     Action("split_clip", "Clip", "Split clip at playhead", clips.split, ("Ctrl+B",),
            "The clip becomes two that play as the one did", _clip_chosen),
     Action("mirror_clip", "Clip", "Mirror clip", clips.mirror, ("Ctrl+M",), "Left is right", _clip_chosen),
@@ -150,25 +168,18 @@ CLIP = (
            tooltip="Several bodies play it; this one's is edited alone from now on", enabled=_clip_shared),
 )  # fmt: skip
 
+
+def _adding(kind: str, shown: Shown) -> Action:
+    """The action that adds a constraint of a kind; a position is what C adds."""
+    name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
+    return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _picked)
+
+
 CONSTRAINT = (
-    Action("add_constraint", "Constraint", "Add position constraint", adder("position"), ("C",),
-           "Give the joint picked in the viewport a target", _picked),
-    Action("add_orientation", "Constraint", "Add orientation constraint", adder("orientation"),
-           tooltip="Keep what turns about the picked joint as it is turned now", enabled=_picked),
-    Action("add_look_at", "Constraint", "Add look-at constraint", adder("look_at"),
-           tooltip="Let the active body look at a place ahead of it", enabled=_picked),
-    Action("add_distance", "Constraint", "Add distance constraint", adder("distance"),
-           tooltip="From a picked wrist or hand to the other one; from another joint to a place", enabled=_picked),
-    Action("add_balance", "Constraint", "Add balance constraint", adder("balance"),
-           tooltip="Keep the centre of mass where the motion has it", enabled=_picked),
-    Action("add_area", "Constraint", "Add table (area) constraint", adder("area"),
-           tooltip="A table under the picked joint, which it does not sink into", enabled=_picked),
+    *(_adding(kind, each.shown) for kind, each in KINDS.items()),
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
-           enabled=lambda bench: selected_area(bench) is not None),
-    Action("add_clear", "Constraint", "Keep clear of body", adder("clear"),
-           tooltip="Keep both arms of the active body out of its trunk, head and thighs", enabled=_picked,
-           ends_group=True),
+           enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
     Action("add_box", "Constraint", "Add box", props.add_box,
            tooltip="A prop ahead of the body, for targets to follow", enabled=_viewing),
     Action("add_prop", "Constraint", "Add prop…", props.choose,
@@ -176,14 +187,39 @@ CONSTRAINT = (
     Action("hold_prop", "Constraint", "Hold prop in both hands", props.hold,
            tooltip="The active body carries the selected prop, a hand on either side, at any size",
            enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
+    Action("pick_up_prop", "Constraint", "Pick prop up at playhead", props.pick_up,
+           tooltip="From here on the active body has the selected prop in its hands",
+           enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
+    Action("put_down_prop", "Constraint", "Put prop down at playhead", props.put_down,
+           tooltip="From here on the selected prop lies where it is", enabled=props.is_held),
     Action("find_strike", "Constraint", "Find a strike…", show_strikes, ("Ctrl+F",),
-           "Which clip of the motion library hits a box best, and why", _performing, ends_group=True),
+           "Which clip of the motion library hits a box best, and why", _performing),
+    Action("label_strike", "Constraint", "Label strike…", label_strike,
+           tooltip="Confirm or correct where the chosen strike is cut, when it hits, limb and kind",
+           enabled=strike_chosen),
+    Action("pose_map", "Constraint", "Map of the library's poses", show_map,
+           tooltip="Figures of all kinds of poses in the motion library; click one to list its clips", ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
-           "Copy the selected constraints, or the clip", _copyable),
+           "Copy the selected constraints, the clip, or the states of a behaviour", _copyable),
+)  # fmt: skip
+
+BEHAVIOUR = (
+    Action("behaviour", "Behaviour", "Edit behaviour", behaviours.show, ("Shift+B",),
+           "The states that the active body goes through while the stage runs live", ends_group=True),
+    *(
+        Action(key, "Behaviour", text, run, tooltip=tip, enabled=_with_bodies)
+        for key, (text, tip, run) in behaviours.READY_MADE.items()
+    ),
 )  # fmt: skip
 
 PLAY = (
     Action("play", "Play", "Play or pause", playback.toggle, ("Space",)),
+    Action("play_live", "Play", "Play live", playing_live.toggle, ("Shift+Space",),
+           "The stage plays on by itself: keys 1 to 9 start clips of the selected body, all may be edited meanwhile",
+           _ready, lambda bench: bench.live.play.running),
+    Action("record_take", "Play", "Record a take", playing_live.record, ("R",),
+           "What is played live becomes clips and keyed targets", lambda bench: bench.live.play.running,
+           lambda bench: bench.live.play.recording, ends_group=True),
     Action("next_frame", "Play", "Next frame", playback.next_frame, ("Right",), repeats=True),
     Action("previous_frame", "Play", "Previous frame", playback.previous_frame, ("Left",), repeats=True),
     Action("first_frame", "Play", "To the start", playback.first_frame, ("Shift+Left", "Home")),
@@ -203,6 +239,13 @@ PLAY = (
            checked=lambda bench: bench.document.playhead.loop),
 )  # fmt: skip
 
+LIVE = (
+    Action("live_panel", "Play", "Live input and output…", show_live, ("Ctrl+Shift+L",),
+           "Bodies and trackers that come in by VMC, what they drive, and what goes out"),
+    Action("stream", "Play", "Stream bodies as VMC", toggle_streaming, tooltip="To where the Live panel says",
+           checked=is_streaming, ends_group=True),
+)  # fmt: skip
+
 VIEW = (
     Action("select_tool", "View", "Select tool", view.select_tool, ("Q",), "Click to select", _viewing,
            _tool_is("select"), tool="Q select"),
@@ -218,6 +261,15 @@ VIEW = (
     Action("follow", "View", "Camera follows character", view.toggle_following, ("Shift+F",),
            "The camera goes with the selected character, or the first one", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.following),
+    Action("side_by_side", "View", "Stereo, side by side", view.toggle_stereo(Stereo.SIDE_BY_SIDE),
+           tooltip="A picture for each eye, the left one's at the left", enabled=_viewing,
+           checked=lambda bench: _viewing(bench) and bench.viewport.sight.stereo is Stereo.SIDE_BY_SIDE),
+    Action("anaglyph", "View", "Stereo, red and cyan", view.toggle_stereo(Stereo.ANAGLYPH),
+           tooltip="One picture for red and cyan glasses", enabled=_viewing,
+           checked=lambda bench: _viewing(bench) and bench.viewport.sight.stereo is Stereo.ANAGLYPH),
+    Action("head_tracked", "View", "Head-tracked camera", toggle_head_tracking,
+           tooltip="The screen is a window: the head that the Live panel follows looks through it", enabled=_viewing,
+           checked=is_head_tracked, ends_group=True),
     Action("ghost", "View", "Ghost of source", view.toggle_ghost, ("G",), "The capture on its actor's own body",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.ghost_shown),
     Action("recorded_markers", "View", "Recorded markers", view.toggle_markers, ("Shift+G",),
@@ -245,4 +297,6 @@ SHOWN = tuple(
     for scene in SCENES
 )
 
-ACTIONS: tuple[Action, ...] = (*FILE, *SHOWN, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *PLAY, *VIEW, *HELP)
+ACTIONS: tuple[Action, ...] = (
+    *FILE, *SHOWN, *EDIT, *CHARACTER, *CLIP, *CONSTRAINT, *BEHAVIOUR, *PLAY, *LIVE, *VIEW, *HELP
+)  # fmt: skip

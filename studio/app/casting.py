@@ -6,11 +6,11 @@ from pathlib import Path
 
 from studio.app.importing import UNCHANGED, import_motion
 from studio.app.workbench import Workbench
-from studio.core.capture import Guess
-from studio.core.character import Character
+from studio.core.body.character import Character
+from studio.core.captures.capture import Guess
+from studio.core.captures.remarks import remarks_on_body
 from studio.core.errors import StudioError
 from studio.core.project import Performer
-from studio.core.remarks import remarks_on_body
 from studio.document import colours
 from studio.document.document import Document
 from studio.io.character_file import actor_character

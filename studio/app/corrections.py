@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from studio.core.canonical import BodyPart
-from studio.core.capture import Capture
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.io.importing import ImportOptions, load_capture
 from studio.io.registry import Progress

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.cli.render import performances
-from studio.core.annotations import Annotations
+from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
 from studio.io.export import take_of_capture, write_take
 from studio.io.export_options import ExportOptions

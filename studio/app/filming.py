@@ -58,7 +58,7 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
 
 def _played(project: Project) -> Project:
     """The project without the captures that nobody performs."""
-    clips = [clip for performer in project.performers.values() for clip in performer.clips]
+    clips = [clip for performer in project.performers.values() for clip in performer.all_clips]
     motions = {clip.motion_id: project.motions[clip.motion_id] for clip in clips if clip.motion_id in project.motions}
     captures = {each.capture_id: project.captures[each.capture_id] for each in motions.values()}
     return replace(project, motions=motions, captures=captures)

@@ -8,12 +8,13 @@ from typing import Any
 
 from studio.app.corrections import ReadAs, read_as_corrected, values_of, words
 from studio.app.workbench import Workbench
-from studio.core.annotations import Annotations
-from studio.core.capture import Capture
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.project import Clip, Motion, Project, new_id
-from studio.core.solver.rows import stage_span
-from studio.core.staging import side_by_side
+from studio.core.project import Motion, Project, new_id
+from studio.core.solver.performers.rows import stage_span
+from studio.core.stage.clip import Clip
+from studio.core.stage.staging import side_by_side
 from studio.document.document import Document
 from studio.io.importing import ImportOptions, load_annotations
 

@@ -6,16 +6,20 @@ from typing import Any
 
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QMouseEvent, QResizeEvent
-from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QTabWidget, QVBoxLayout, QWidget
 
 from studio.app import casting, importing, marker_solving
 from studio.app.action_set import ActionSet
+from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
+from studio.app.playing_live import LivePlaying
 from studio.app.striking import Striking
 from studio.app.top_bar import TopBar
 from studio.app.verbs import files
+from studio.app.verbs.behaviours import READY_MADE
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
+from studio.panels.behaviour.panel import BehaviourPanel
 from studio.panels.command_palette import CommandPalette, ShortcutSheet
 from studio.panels.fields import labelled
 from studio.panels.history import History
@@ -34,6 +38,8 @@ ABOVE_NOTES = 48
 """Pixels of the view's edges that its chips have, which no sentence covers."""
 
 Area = Qt.DockWidgetArea
+SHARED = {"Inspector": ("Strikes", "Live"), "Timeline": ("Behaviour", "Pose map")}
+"""Panels that stand in the place of another one, when they are asked for."""
 
 
 class MainWindow(QMainWindow):
@@ -69,6 +75,7 @@ class MainWindow(QMainWindow):
         self._waiting.hide()
         for note in (self.recovery, self.question, self.strip):
             note.raise_()
+        viewport.strike_drops.dropped.connect(self.striking.play)
         self.bench.viewport = viewport
         self._show_progress(*self.status.progress.now)
         viewport.setFocus()
@@ -78,9 +85,16 @@ class MainWindow(QMainWindow):
         """Put the timeline in its dock."""
         self.docks["Timeline"].setWidget(timeline)
         timeline.told.connect(self.status.tell)
+        timeline.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
+        timeline.tracks.strike_dropped.connect(self.striking.play)
         self.bench.timeline = timeline
         self._show_progress(*self.status.progress.now)
         self.bench.views_changed.emit()
+
+    def show_dock(self, name: str) -> None:
+        """Show a panel, before those that share its place."""
+        self.docks[name].show()
+        self.docks[name].raise_()
 
     def choose(self, title: str, choices: list[tuple[tuple[str, str], Callable[[], object]]]) -> None:
         """Let the user choose from a list like the palette's: ((text, detail), what it does)."""
@@ -165,21 +179,33 @@ class MainWindow(QMainWindow):
         self.inspector = Inspector(self.bench.document, self.bench.live)
         self.history = History(self.bench.document.undo_stack)
         self.striking = Striking(self.bench)
+        self.live_control = LiveControl(self.bench)
+        ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
+        self.behaviour = BehaviourPanel(self.bench.document, ready_made)
+        self.behaviour.wanted.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         self.docks: dict[str, QDockWidget] = {}
         for name, widget, area in (
             ("Library", self.library, Area.LeftDockWidgetArea),
             ("History", self.history, Area.LeftDockWidgetArea),
-            ("Strikes", self.striking.panel, Area.RightDockWidgetArea),
+            ("Strikes", self.striking.pages, Area.RightDockWidgetArea),
+            ("Live", self.live_control.panel, Area.RightDockWidgetArea),
             ("Inspector", self.inspector, Area.RightDockWidgetArea),
             ("Timeline", QWidget(), Area.BottomDockWidgetArea),
+            ("Behaviour", self.behaviour, Area.BottomDockWidgetArea),
+            ("Pose map", self.striking.mapping.view, Area.BottomDockWidgetArea),
         ):
             dock = QDockWidget(name, self)
             dock.setObjectName(name)
             dock.setWidget(widget)
+            dock.setHidden(any(name in others for others in SHARED.values()))  # until it is asked for
             self.addDockWidget(area, dock)
             self.docks[name] = dock
             self._add_dock_action(dock)
-        self.docks["Strikes"].hide()  # until it is asked for
+        for area in (Area.RightDockWidgetArea, Area.BottomDockWidgetArea):
+            self.setTabPosition(area, QTabWidget.TabPosition.North)
+        for first, others in SHARED.items():
+            for second in others:
+                self.tabifyDockWidget(self.docks[first], self.docks[second])
         self.arrange(False)
         self._first_state = self.saveState()
 
@@ -202,6 +228,8 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         bench, document, runner = self.bench, self.bench.document, self.bench.runner
         bench.said.connect(self.strip.say)
+        self.live_playing = LivePlaying(bench, self)
+        bench.live.play.state_changed.connect(self.behaviour.show_running)
         document.saved_state_changed.connect(self._saved_state_changed)
         document.project_opened.connect(self._show_title)
         runner.started.connect(self.status.progress.begin)
@@ -309,6 +337,7 @@ class MainWindow(QMainWindow):
             self.bench.viewport.stop()
         if self.bench.timeline is not None:
             self.bench.timeline.close()
+        self.live_control.close()
         self.hide()  # workers may take a moment to end
         self.bench.close()
         event.accept()

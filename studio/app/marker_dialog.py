@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QDialog, QHBoxLayout, QTabWidget, QVBoxLayout
 
 from studio.app.marker_solving import solve_again
 from studio.app.workbench import Workbench
-from studio.core.capture import Capture
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import StepReport, clean
 from studio.core.markers.take import MarkerTake, mapped_labels

@@ -6,8 +6,8 @@ from typing import Any
 
 from studio.app import importing
 from studio.app.workbench import Workbench
-from studio.core.annotations import Annotations
-from studio.core.capture import Capture
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
 from studio.core.markers.take import MarkerTake
 from studio.io.importing import ImportOptions
 

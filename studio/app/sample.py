@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from studio.app.workbench import Workbench
-from studio.core.hand_shapes import FIST
+from studio.core.mesh.hand_shapes import FIST
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
-from studio.core.staging import side_by_side, staged
+from studio.core.stage.staging import side_by_side, staged
 from studio.io.adapted_file import read_adapted
 from studio.io.character_file import bundled_characters
 from studio.io.project_file import read_project

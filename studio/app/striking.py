@@ -4,32 +4,31 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QStackedWidget
 
 from studio.app.file_dialogs import ask_folder
-from studio.app.importing import ReadMotion, add_motion, read_motion
+from studio.app.importing import read_motion
+from studio.app.labelling import Labelling
+from studio.app.pose_mapping import PoseMapping
+from studio.app.strike_edit import Wish, put_strike
+from studio.app.strike_target import StrikeTarget, targets_of
 from studio.app.workbench import Workbench
 from studio.cli.library_options import library_folder
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.position import PositionConstraint
 from studio.core.errors import StudioError
-from studio.core.placement import Placement
-from studio.core.project import Clip, Performer, new_id
-from studio.core.scope import Scope
-from studio.core.solver.rows import timing_of
-from studio.engine.performance import posed_performers
-from studio.engine.props import prop_at
+from studio.core.solver.performers.rows import timing_of
+from studio.core.stage.placement import Placement
+from studio.engine.performance import row_at
 from studio.io.importing import GUESS_ALL
-from studio.library.clips import Kind, Limb, hit_point
-from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, READY, Strikes
+from studio.library.clips import Kind, Limb
+from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, OF_A_POSE, READY, Strikes
 from studio.resources_folder import bundled_strikes_folder
 
 # Here and below: what searches loads the solver, which takes longer than a window.
 if TYPE_CHECKING:
     from studio.library.indexing import IndexReport
-    from studio.library.library import Library
+    from studio.library.library import Library, LibraryClip
     from studio.library.searching import Asked, Result
+    from studio.library.striking import Tried
 
 
 class Striking:
@@ -38,14 +37,38 @@ class Striking:
     def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
         self.bench, self.folder = bench, folder or library_folder()
         limbs = [(limb, limb.words.capitalize()) for limb in Limb]
-        self.panel = Strikes(bench.document, limbs, [(kind, kind.capitalize()) for kind in Kind])
+        kinds = [(kind, kind.capitalize()) for kind in Kind if kind is not Kind.NONE]
+        self.panel = Strikes(limbs, kinds)
+        self.labelling = Labelling(self)
+        self.mapping = PoseMapping(self)
+        self.pages = QStackedWidget()
+        for page in (self.panel, self.labelling.form):
+            self.pages.addWidget(page)
         self.library: Library | None = None
-        self.found: list[Result] = []
+        self.found: list[Tried] = []
+        self.listed: list[LibraryClip] = []
+        """The clips that the panel lists: those found, or all while there is no target."""
         self._sought: tuple[Asked, Placement] | None = None
         self.panel.folder_wanted.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
         self.panel.wanted.connect(self.search)
         self.panel.chosen.connect(self.play)
         self.panel.looked_at.connect(self.look_at)
+        bench.document.entity_changed.connect(self._entity_changed)
+        bench.document.project_opened.connect(self._offer_targets)
+        self._offer_targets()
+        self.panel.opened.connect(lambda place: self.labelling.open(self.listed[place]))
+
+    def _entity_changed(self, collection: str, entity_id: str) -> None:
+        if collection in ("props", "performers"):
+            self._offer_targets()
+
+    def _offer_targets(self) -> None:
+        """What can be hit now. A box that comes is chosen where nothing is; what is chosen stays while it is there."""
+        targets = targets_of(self.bench.document.project)
+        props = [target for target, _ in targets if target.collection == "props"]
+        chosen = self.panel.target.value
+        new = next((target for target in props if not self.panel.target.offers(target)), None)
+        self.panel.offer_targets(targets, new if chosen is None else chosen)
 
     def add_folder(self, folder: Path) -> int:
         """Index a folder in the background; returns the task."""
@@ -59,8 +82,8 @@ class Striking:
                 return index(catalogue, [folder], progress), Library.of(catalogue)
 
         def done(answer: "tuple[IndexReport, Library]") -> None:
-            report, self.library = answer
-            self._show()
+            report, library = answer
+            self.search_in(library)
             if report.problems:
                 name, problem = next(iter(report.problems.items()))
                 more = (
@@ -74,7 +97,7 @@ class Striking:
     def search(self) -> None:
         """Look for strikes; the library is read from disk the first time."""
         if self.library is not None:
-            self._search(self.library)
+            self.search_in(self.library)
             return
 
         def work(progress: Any) -> "Library":
@@ -87,146 +110,171 @@ class Striking:
                     index(catalogue, [bundled_strikes_folder()], progress)
                 return Library.of(catalogue)
 
-        def done(library: "Library") -> None:
-            self.library = library
-            self._search(library)
+        self.bench.runner.run("Opening the motion library", work, self.search_in)
 
-        self.bench.runner.run("Opening the motion library", work, done)
-
-    def play(self, place: int) -> None:
-        """Play a result from the playhead on, driven to the target: one undo step."""
+    def play(self, place: int, performer_id: str | None = None, time: float | None = None) -> None:
+        """Let a performer, by default the active one, play what is listed there from ``time`` on, by default the
+        playhead's; a sentence where that cannot be.
+        """
         self.look_at(-1)
-        document, found = self.bench.document, self.found[place]
-        performer_id, prop_id = document.active_performer_id, self.panel.target_id
-        known = [key for key, path in self.bench.sources.items() if str(path) == found.clip.take.path]
-        if performer_id is None or prop_id is None:
+        document = self.bench.document
+        key = performer_id or document.active_performer_id
+        if not 0 <= place < len(self.listed) or key is None or key not in document.project.performers:
             return
-        capture_id = next((key for key in known if key in document.project.captures), None)
+        try:
+            self._play(self._wish(self.listed[place], key, document.playhead.time if time is None else time))
+        except StudioError as error:
+            self.bench.said.emit(str(error))
+
+    def _play(self, wish: Wish) -> None:
+        path = wish.found.clip.take.path
+        known = [each for each, source in self.bench.sources.items() if str(source) == path]
+        capture_id = next((each for each in known if each in self.bench.document.project.captures), None)
         if capture_id is not None:
-            self._put(found, performer_id, prop_id, capture_id)
+            put_strike(self.bench, wish, capture_id)
             return
-        path = Path(found.clip.take.path)
+        self.bench.runner.run(
+            f"Opening {Path(path).name}",
+            lambda progress: read_motion(Path(path), GUESS_ALL, progress),
+            lambda read: put_strike(self.bench, wish, read),
+        )
 
-        def done(read: ReadMotion) -> None:
-            self._put(found, performer_id, prop_id, read)
-
-        self.bench.runner.run(f"Opening {path.name}", lambda progress: read_motion(path, GUESS_ALL, progress), done)
-
-    def look_at(self, place: int) -> None:
-        """Show a result as a ghost where the body was when it was searched for; none when ``place`` is below 0."""
-        if self.bench.viewport is None:  # the window has no 3D view
-            return
-        if not 0 <= place < len(self.found) or self._sought is None:
-            self.bench.viewport.preview.show(None)
-            return
-        from studio.library.searching import outline
-        from studio.viewport.figure import bone_pairs
-
-        asked, where = self._sought
-        points = where.to_stage(outline(self.found[place], asked))
-        self.bench.viewport.preview.show(points, bone_pairs(asked.body.layout))
-
-    def _search(self, library: "Library") -> None:
+    def _wish(self, clip: "LibraryClip", performer_id: str, time: float) -> Wish:
+        """The clip from the frame that fits that body then; StudioError where body or target are not there."""
         from studio.library.searching import find
 
-        asked, active = self._asked(), self.bench.document.active_performer_id
-        self.found = [] if asked is None else find(library, asked)
+        project, target = self.bench.document.project, self.panel.target.value
+        if not isinstance(target, StrikeTarget):
+            raise StudioError("There is nothing to hit. Add a box (Constraint > Add box) and choose it as target.")
+        name = project.performers[performer_id].name
+        if target == StrikeTarget("performers", performer_id):
+            raise StudioError(f"{name} cannot strike at its own face. Choose another target.")
+        asked = self._asked(performer_id, time)
+        if asked is None or self.library is None:
+            raise StudioError(
+                f"{name} plays nothing yet, or the target is not seen. Let both be solved, then try again."
+            )
+        found = find(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
+        if not found:
+            raise StudioError("That clip is no longer in the library. Search again.")
+        frozen = None if self.panel.follows else target.place(project, self.bench.live.result, time)
+        return Wish(found[0], performer_id, time, target, frozen)
+
+    def look_at(self, place: int) -> None:
+        """Show what is listed there as a ghost; none when ``place`` is below 0."""
+        if 0 <= place < len(self.found) and self._sought is not None:
+            asked, where = self._sought
+            self._show_ghost(self.found[place].found, asked, where)
+        elif 0 <= place < len(self.listed):
+            self.show_ghost(self.listed[place], self.listed[place].searched.start)
+        else:
+            self.show_ghost(None, 0)
+
+    def show_ghost(self, clip: "LibraryClip | None", frame: int) -> None:
+        """Show a clip from a frame of its take to its hit, laid on the active body where it is now; None ends it."""
+        document = self.bench.document
+        key = document.active_performer_id
+        asked = None if clip is None or key is None else self._posed(key, document.playhead.time)
+        if clip is None or key is None or asked is None:
+            if self.bench.viewport is not None:
+                self.bench.viewport.preview.show(None)
+            return
+        from studio.library.searching import laid_on
+
+        where = Placement.of(document.project.performers[key])
+        self._show_ghost(laid_on(clip, frame, asked), asked, where)
+
+    def _show_ghost(self, found: "Result", asked: "Asked", where: Placement) -> None:
+        if self.bench.viewport is None:  # the window has no 3D view
+            return
+        from studio.core.body.sticks import bone_pairs
+        from studio.library.searching import outline
+
+        points = where.to_stage(outline(found, asked))
+        self.bench.viewport.preview.show(points, bone_pairs(asked.body.layout))
+
+    def search_in(self, library: "Library") -> None:
+        """Look for strikes in a library, and show what is found."""
+        from studio.library.searching import find
+        from studio.library.striking import tried
+
+        self.library = library
+        if self.mapping.view.isVisible():
+            self.mapping.show(library)
+        active, now = self.bench.document.active_performer_id, self.bench.document.playhead.time
+        asked = None if active is None else self._asked(active, now)
+        self.found = [] if asked is None else tried(find(library, asked), asked)
         if asked is not None and active is not None:
             self._sought = asked, Placement.of(self.bench.document.project.performers[active])
         self._show(NO_TARGET if asked is None else READY if self.found else NOTHING)
 
     def _show(self, hint: str = READY) -> None:
-        texts = [(each.clip.name, ", ".join(each.reasons)) for each in self.found]
-        self.panel.show_results(texts, hint if self.library and self.library.clips else EMPTY)
+        self.listed = [each.found.clip for each in self.found]
+        texts = [(each.found.clip.name, ", ".join(each.reasons)) for each in self.found]
+        if hint == NO_TARGET and self.library is not None:
+            self.listed = [clip for clip in self.library.clips if self._is_wanted(clip)]
+            texts = [(clip.name, _state(clip)) for clip in self.listed]
+        self.panel.show_results(texts, hint if self.library and self.library.clips else EMPTY, bool(self.found))
 
-    def _asked(self) -> "Asked | None":
-        """The active body as it is at the playhead, and the target; None while one of them is missing."""
+    def _is_wanted(self, clip: "LibraryClip") -> bool:
+        limb, kind = self.panel.limb.value, self.panel.kind.value
+        return limb in (None, clip.label.limb) and kind in (None, clip.label.kind)
+
+    def list_clips(self, clips: "list[LibraryClip]") -> None:
+        """List clips by themselves: those of one place of the map."""
+        self.found, self.listed = [], clips
+        aimed = isinstance(self.panel.target.value, StrikeTarget)
+        self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
+
+    def _posed(self, performer_id: str, time: float) -> "Asked | None":
+        """A body as it is at ``time``, with no place to hit; None while it plays nothing."""
         from studio.core.normalized.encode import encode
         from studio.library.searching import Asked
 
-        document, panel = self.bench.document, self.panel
-        performer_id, prop = document.active_performer_id, document.project.props.get(panel.target_id or "")
-        adapted = self.bench.live.result(performer_id) if performer_id else None
-        if prop is None or performer_id is None or adapted is None:
+        project, adapted = self.bench.document.project, self.bench.live.result(performer_id)
+        performer = project.performers.get(performer_id)
+        if adapted is None or performer is None or not performer.clips:
             return None
-        performer = document.project.performers[performer_id]
-        frame = round(timing_of(document.project, performer).frame_at(document.playhead.time)) - adapted.first_frame
-        row = slice(frame, frame + 1)
-        body = adapted.morphology
-        pose = encode(adapted.positions[row], adapted.rotations[row], body, adapted.frame_rate)
-        time = document.playhead.time
-        posed = posed_performers(document.project, self.bench.live.result, time)
-        centre = prop_at(document.project, posed, panel.target_id or "", time)
-        place = Placement.of(performer).to_motion(centre.place)
+        row = row_at(adapted, timing_of(project, performer), time)
+        rows = slice(row, row + 1)
+        pose = encode(adapted.positions[rows], adapted.rotations[rows], adapted.morphology, adapted.frame_rate)
+        return Asked(pose, adapted.morphology, (0.0, 0.0, 0.0))
+
+    def _asked(self, performer_id: str, time: float) -> "Asked | None":
+        """A body as it is at ``time``, and the target; None while one of them is missing."""
+        project, panel = self.bench.document.project, self.panel
+        target, posed = panel.target.value, self._posed(performer_id, time)
+        if not isinstance(target, StrikeTarget) or target.id == performer_id or posed is None:
+            return None
+        centre = target.place(project, self.bench.live.result, time)
+        if centre is None:
+            return None
+        place = Placement.of(project.performers[performer_id]).to_motion(centre)
         limbs = [panel.limb.value] if isinstance(panel.limb.value, Limb) else []
         kinds = [panel.kind.value] if isinstance(panel.kind.value, Kind) else []
-        return Asked(pose, body, place, limbs, kinds)
-
-    def _put(self, found: "Result", performer_id: str, prop_id: str, source: ReadMotion | str) -> None:
-        from studio.library.striking import EASED_IN
-
-        document, now = self.bench.document, self.bench.document.playhead.time
-        if performer_id not in document.project.performers or prop_id not in document.project.props:
-            raise StudioError("The body or the target is gone meanwhile. Search again.")
-        text = f"Strike {document.project.props[prop_id].name}"
-        with document.group(text):
-            if isinstance(source, ReadMotion):
-                capture_id = add_motion(document, source, text)
-                self.bench.sources[capture_id] = Path(found.clip.take.path)
-            else:
-                capture_id = source
-            motions = document.project.motions.items()
-            motion_id = next(key for key, motion in motions if motion.capture_id == capture_id)
-            performer = document.project.performers[performer_id]
-            clip = Clip(motion_id, found.start, found.clip.label.last, now, id=new_id(), ease=EASED_IN * found.seconds)
-            kept = clips_until(
-                performer, now, {each.motion_id: document.project.frame_rate_of(each) for each in performer.clips}
-            )
-            document.replace("performers", performer_id, replace(performer, clips=(*kept, clip)), text)
-            document.add("constraints", aimed(found, clip, prop_id, self._body(performer)), text)
-
-    def _body(self, performer: Performer) -> Any:
-        return self.bench.document.project.characters[performer.character_id].morphology
+        return replace(posed, place=place, limbs=limbs, kinds=kinds)
 
 
 def show_strikes(bench: Workbench) -> None:
     """Open the panel, and look for strikes of the active body if there is a target."""
-    docks = bench.window.docks
-    opening = not docks["Strikes"].isVisible()
-    docks["Strikes"].show()
-    docks["Strikes"].raise_()
-    if opening:
-        both = [docks["Strikes"], docks["Inspector"]]
-        bench.window.resizeDocks(both, [3, 1], Qt.Orientation.Vertical)
+    bench.window.show_dock("Strikes")
     bench.window.striking.search()
 
 
-def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]) -> tuple[Clip, ...]:
-    """What a performer plays before ``time`` (seconds): clips that go on are cut there."""
-    kept = []
-    for clip in performer.clips:
-        if clip.start >= time:
-            continue
-        rate = frame_rates[clip.motion_id] * clip.speed
-        once = (clip.last - clip.first) / rate
-        whole = int((time - clip.start) / once) if once > 0.0 else clip.repeats
-        if whole >= clip.repeats or clip.repeats > 1:
-            kept.append(replace(clip, repeats=max(min(whole, clip.repeats), 1)))
-        else:
-            kept.append(replace(clip, last=clip.first + int((time - clip.start) * rate)))
-    return tuple(kept)
+def strike_chosen(bench: Workbench) -> bool:
+    """Whether one of the strikes that are listed is chosen."""
+    striking: Striking | None = getattr(bench.window, "striking", None)  # actions are made before panels
+    return striking is not None and striking.panel.correct.isEnabled()
 
 
-def aimed(found: "Result", clip: Clip, prop_id: str, body: Any) -> PositionConstraint:
-    """What drives a clip to a prop: nothing at its start, all of it at the hit, in seconds of its motion."""
-    from studio.library.striking import CHAIN, HOLD
+def label_strike(bench: Workbench) -> None:
+    """Open the chosen strike, to say what it is."""
+    bench.window.show_dock("Strikes")
+    bench.window.striking.panel.correct.click()
 
-    label, rate = found.clip.label, found.clip.take.motion.frame_rate
-    hit = found.hit / rate
-    end = max(min(hit + found.seconds, label.last / rate), hit + 2 * HOLD)
-    curve = ActivationCurve(found.start / rate, hit - HOLD, hit + HOLD, end)
-    point = hit_point(label.limb, label.segment, body)
-    name = f"{label.limb.words.capitalize()} {label.kind}"
-    return PositionConstraint(
-        clip.motion_id, name, point, CHAIN, 0, curve, target=FollowProp(prop_id), scope=Scope(clip_id=clip.id)
-    )
+
+def _state(clip: "LibraryClip") -> str:
+    label = clip.label
+    seconds = (label.last - label.first) / clip.take.motion.frame_rate
+    said = "confirmed" if label.confirmed else "proposed"
+    return ", ".join([f"{seconds:.2f} s", f"hits with the {label.segment}", said, *label.tags])

@@ -23,11 +23,11 @@ from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json, print_table
 from studio.cli.stage import run_stage
 from studio.cli.warm_up import compile_first
-from studio.core.character import Character
+from studio.core.body.character import Character
 from studio.core.errors import StudioError
-from studio.core.ground import Ground
-from studio.core.placement import Placement
+from studio.core.grounds.ground import Ground
 from studio.core.solver.request import AdaptRequest
+from studio.core.stage.placement import Placement
 from studio.io.constraint_file import ConstraintFile, read_constraints
 from studio.io.export import take_of_actor, take_of_adapted, write_take
 from studio.io.export_options import ExportOptions

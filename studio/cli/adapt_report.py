@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
-from studio.core.contacts import ContactPoint
-from studio.core.metrics import acceleration_ratio, knee_speeds, worst_of
-from studio.core.morphology import Morphology
-from studio.core.solver.adapt import adapt
+from studio.core.quality.metrics import acceleration_ratio, knee_speeds, worst_of
+from studio.core.solver.adapt import Standing, hold, standing_of
 from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.warm_up import warm_up
@@ -38,15 +38,18 @@ def character_report(
     """The adapted motion from ``first_frame`` on, and the figures that are reported of it."""
     warm(request.morphology.still)
     start = time.perf_counter()
-    adapted = adapt(request, first_frame)
+    standing = standing_of(request)
+    adapted = hold(standing, request.constraints, first_frame, None, request.tracks, eased=request.eased)
     seconds = time.perf_counter() - start
-    record = figures(request, adapted, source, by_frame)
+    record = figures(standing, request, adapted, source, by_frame)
     return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}
 
 
-def figures(request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool) -> Record:
+def figures(
+    standing: Standing, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
+) -> Record:
     """What is reported of an adapted motion beside its ``source``."""
-    report = report_of(request, adapted)
+    report = report_of(standing, request, adapted)
     quality = worst_of(report.slides, report.heights)
     record: Record = {
         "slide_mm": 1000.0 * quality.slide,
@@ -55,7 +58,7 @@ def figures(request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion
         "acceleration_ratio": acceleration_ratio(adapted, source),
         "speed_ratio": speed_ratio(adapted, source),
         "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
-        "knee_speed_ratio": knee_speed_ratio(adapted, source),
+        "knee_speed_ratio": knee_speed_ratio(report.knee_speeds, adapted.first_frame, source),
         "mass_margin_mm": _least(1000.0 * report.mass_margins),
         "constraints": constraint_records(request, adapted, report, by_frame),
     }
@@ -151,13 +154,18 @@ def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     return float((np.maximum(ours, QUIET) / np.maximum(theirs, QUIET)).max())
 
 
-def knee_speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """The worse knee's peak speed of bending, beside the same knee's peak in the source; a popping knee shows here."""
-    window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    ours, theirs = (
-        knee_speeds(motion)[:, frames].max(axis=1) for motion, frames in ((adapted, slice(None)), (source, window))
-    )
+def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:
+    """The worse knee's peak of its ``speeds`` (2, F) from the frame ``first`` on, beside the same knee's peak in the
+    source; a popping knee shows here.
+    """
+    ours, theirs = speeds.max(axis=1), source_knee_speeds(source)[:, first : first + speeds.shape[1]].max(axis=1)
     return float((np.maximum(ours, QUIET) / np.maximum(theirs, QUIET)).max())
+
+
+@lru_cache(maxsize=4)
+def source_knee_speeds(source: AdaptedMotion) -> FloatArray:
+    """``knee_speeds`` of the source: the same for all characters."""
+    return knee_speeds(source)
 
 
 def peak_turnings(motion: AdaptedMotion) -> FloatArray:

@@ -7,10 +7,10 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
-from studio.core.annotations import Annotations
-from studio.core.capture import Capture
-from studio.core.character import Character
-from studio.core.contacts import CONTACT_POINTS, ContactInterval
+from studio.core.body.character import Character
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import clean
 from studio.core.markers.take import mapped_labels

@@ -10,7 +10,13 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
+from studio.cli.adapt_report import character_report
+from studio.cli.adaptation import ready_capture
 from studio.cli.batch_jobs import Job, Record, died, work
+from studio.core.solver.request import AdaptRequest
+from studio.io.character_file import bundled_characters
+from studio.io.importing import GUESS_ALL
+from studio.resources_folder import example_captures_folder
 
 ATTEMPTS = 2
 """Workers that may die of a job before it counts as failed."""
@@ -61,13 +67,24 @@ def serve(pipe: Connection) -> None:
         return
 
 
+def load_kernels() -> None:
+    """Load what all jobs call, once for all workers: a bundled capture is read and adapted, and nothing is written."""
+    ready = ready_capture(min(example_captures_folder().glob("*.bvh"), key=lambda path: path.stat().st_size), GUESS_ALL)
+    body = next(iter(bundled_characters().values())).morphology
+    request = AdaptRequest(ready.motion, body, ready.contacts, actor=ready.actor.morphology, clears=True)
+    character_report(request, ready.source, ready.capture.first_frame, by_frame=False)
+
+
 def run_here(jobs: Sequence[Job], count: int | None) -> Iterator[Record]:
     """The record of each job as it is done, the largest captures first; ``count`` processes, as many as cores for None.
 
     The job of a worker that dies is given to another.
     """
     waiting = deque(sorted(jobs, key=lambda job: job.size, reverse=True))
-    workers, deaths = [Worker() for _ in range(min(count or os.cpu_count() or 1, len(jobs)))], Counter[str]()
+    count = min(count or os.cpu_count() or 1, len(jobs))
+    if sys.platform == "linux" and count > 1:
+        load_kernels()
+    workers, deaths = [Worker() for _ in range(count)], Counter[str]()
     try:
         for worker in workers:
             worker.give(waiting.popleft())

@@ -10,13 +10,13 @@ from studio.cli.adaptation import ReadyCapture, chosen_characters, ready_capture
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.cli.bench_timing import Job, Timing, time_jobs
 from studio.cli.printing import print_json, print_table
-from studio.core.character import Character
-from studio.core.character_skeleton import character_poses, character_skeleton
+from studio.core.body.character import Character
+from studio.core.body.character_skeleton import character_poses, character_skeleton
+from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world
+from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
-from studio.core.skin import skin_vertices
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.importing import GUESS_ALL, load_capture

@@ -10,21 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.cli.adaptation import MOTION_ID, ReadyCapture
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval
-from studio.core.ground import Ground
+from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized
 from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.tracks import Track, Tracks
 
 FloatArray = NDArray[np.float64]
 

@@ -7,14 +7,15 @@ from studio.cli.process import check_libraries
 from studio.core.errors import StudioError
 from studio.resources_folder import example_captures_folder
 
+EXAMPLE = "front_kick.bvh"
 OUT = Path("morpho-studio-example")
 
 
 def run_example() -> int:
-    """Adapt the first bundled capture to every bundled character, draw it, and name the files."""
+    """Adapt a bundled capture to every bundled character, draw it, and name the files."""
     print("There is no display, so no window opens. The bundled example is adapted instead.")
-    capture = min(example_captures_folder().glob("*.bvh"), default=None)
-    if capture is None:
+    capture = example_captures_folder() / EXAMPLE
+    if not capture.exists():
         raise StudioError("No example capture is bundled. Make them with `make examples`.")
     picture = OUT / f"{capture.stem}.png"
     code = main(["adapt", str(capture), "--out", str(OUT), "--overwrite"])

@@ -1,7 +1,7 @@
 """One body skinned, for what shows bodies to be there: by itself, as the solver takes much longer."""
 
-from studio.core.rest_pose import rest_pose
-from studio.core.skin import Blending, skin_vertices
+from studio.core.body.rest_pose import rest_pose
+from studio.core.mesh.skin import Blending, skin_vertices
 from studio.io.character_file import bundled_characters
 
 

@@ -1,10 +1,10 @@
 """One small pass through all that a moved slider or target will call, and its halves for two processes."""
 
 from studio.cli import first_picture
-from studio.core.character import Character
+from studio.core.body.character import Character
+from studio.core.mesh.skin import Blending
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
-from studio.core.skin import Blending
 from studio.core.solver.warm_up import warm_up, warm_up_constraints, warm_up_easing, warm_up_seldom, warm_up_standing
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
@@ -24,7 +24,7 @@ def run_seldom() -> None:
     warm_up_seldom(_character().morphology)
     first_picture.run(Blending.DUAL_QUATERNIONS)
     warm_up_search()
-    for path in sorted(example_captures_folder().glob("*.bvh"))[:1]:
+    for path in example_captures_folder().glob("front_kick.bvh"):
         capture = load_capture(path)
         round_trip(capture, *normalize(capture))
 

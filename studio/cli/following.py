@@ -3,21 +3,21 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from studio.core.capture import Capture
+from studio.core.captures.capture import Capture
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.placement import Placement
-from studio.core.prop import Prop
 from studio.core.solver.adapt import adapt
-from studio.core.solver.following import performer_track, tracked_track
-from studio.core.solver.props import seen_from, stage_track
+from studio.core.solver.asking.tracks import Track
+from studio.core.solver.performers.following import performer_track, tracked_track
+from studio.core.solver.performers.props import seen_from, stage_track
+from studio.core.solver.performers.stage import concerning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stage import concerning
-from studio.core.solver.tracks import Track
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Prop
 
 
 def with_tracks(

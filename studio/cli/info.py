@@ -14,15 +14,15 @@ from studio.cli.adaptation import MOTION_ID, cleaning_records, spans_by_foot
 from studio.cli.import_options import add_import_options, import_options
 from studio.cli.printing import print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
-from studio.core.capture import Capture, Guess
-from studio.core.character_skeleton import character_body_map, character_skeleton
+from studio.core.body.character_skeleton import character_body_map, character_skeleton
+from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.remarks import remarks_on, remarks_on_body
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake, centre_errors
 from studio.core.normalized.drift import floor_drift
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.core.project import COLLECTIONS
-from studio.core.remarks import remarks_on, remarks_on_body
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
 from studio.io.project_file import read_project
 from studio.io.registry import format_of

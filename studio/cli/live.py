@@ -21,8 +21,9 @@ from studio.library.library import Library
 from studio.library.mirroring import with_mirrored
 from studio.live.fight import ANY_STRIKE, ORDERS, Order, fight, orders_every
 from studio.live.fighter import Fighter
+from studio.live.recording import read_recording
 from studio.live.streamer import Streamer
-from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput, read_recording
+from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
 from studio.resources_folder import example_captures_folder
 
 FloatArray = NDArray[np.float64]

@@ -17,17 +17,17 @@ from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import Progress, counted, print_json, progress_line
 from studio.cli.process import check_libraries
 from studio.cli.warm_up import compile_first
-from studio.core.capture import Capture
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performing import Staged, perform
+from studio.core.solver.performers.performing import Staged, perform
+from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.rows import timing_of
-from studio.core.staging import staged
+from studio.core.stage.staging import staged
 from studio.io.film import write_moving
 from studio.io.png import write_png
 from studio.io.project_file import read_project

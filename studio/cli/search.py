@@ -16,7 +16,7 @@ from studio.library.library import Library
 from studio.library.searching import Asked, Result, find, place_before
 
 LIMBS = {limb.words.replace(" ", "-"): limb for limb in Limb}
-KINDS = {kind.value.replace(" ", "-"): kind for kind in Kind}
+KINDS = {kind.value.replace(" ", "-"): kind for kind in Kind if kind is not Kind.NONE}
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -14,7 +14,8 @@ from studio.cli.render import performances
 from studio.cli.warm_up import compile_first
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.core.solver.performing import Performance
+from studio.core.solver.adapt import standing_of
+from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
@@ -111,7 +112,7 @@ def performer_record(
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,
         "sweeps": performance.sweeps,
-        **figures(request, performance.played, source, by_frame),
+        **figures(standing_of(request), request, performance.played, source, by_frame),
     }
 
 

@@ -8,22 +8,29 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Range:
-    """Of a physical number: ``what`` it is, and the ``most`` that its amount can be, in ``unit``."""
+    """Of a physical number: ``what`` it is, and the ``least`` and ``most`` that its amount can be, in ``unit``."""
 
     what: str
     most: float
     unit: str = "m"
+    least: float = 0.0
 
     def check(self, values: ArrayLike) -> None:
-        """Raise ValueError where any of ``values`` is more than that; those that are not finite are somebody else's."""
+        """Raise ValueError where any of ``values`` lies outside; those that are not finite are somebody else's."""
         amounts = np.abs(np.asarray(values, dtype=np.float64))
         amounts = amounts[np.isfinite(amounts)]
         if amounts.size and amounts.max() > self.most:
             told = f"{amounts.max():.3g} {self.unit}"
             raise ValueError(f"{self.what} of {told} cannot be true: it is at most {self.most:g} {self.unit}.")
+        if amounts.size and amounts.min() < self.least:
+            told = f"{amounts.min():.3g} {self.unit}"
+            raise ValueError(f"{self.what} of {told} cannot be true: it is at least {self.least:g} {self.unit}.")
 
 
 BONE = Range("A bone", 1e3)
 TRAVEL = Range("A way of the root", 1e5)
 MESH = Range("A mesh with a place", 1e5)
+PLACE = Range("A place on the stage", 1e5)
+TIME = Range("A time", 1e9, "s")  # also "always", as files write it
+FRAME_RATE = Range("A frame rate", 1e5, "Hz", least=0.01)
 GROUND = Range("A height of the ground", 1e4)

@@ -12,19 +12,21 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
 
-from studio.core.capture import Capture
-from studio.core.character import Character
+from studio.core.body.character import Character
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.target import follows_of
-from studio.core.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.ground import Ground
-from studio.core.prop import Prop
-from studio.core.scope import Scope, meant_for, narrowest
+from studio.core.grounds.ground import Ground
+from studio.core.plausible import PLACE
+from studio.core.stage.behaviour import Behaviour, State, Transition
+from studio.core.stage.clip import Clip
+from studio.core.stage.layer import Layer
+from studio.core.stage.prop import Prop
+from studio.core.stage.scope import Scope, meant_for, narrowest
 
 GROUND_ID = "ground"
-SLOWEST, FASTEST, MOST_REPEATS = 0.1, 10.0, 1000
-"""Times as fast as it was captured, and times that a clip may play."""
 _SORTED = "_contacts_by_motion"
 """What is kept from one project to the next while its contacts stay."""
 
@@ -49,55 +51,13 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Clip:
-    """A used stretch of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds.
-
-    It plays ``speed`` times as fast, ``repeats`` times, as seen in a mirror when ``mirrored``. ``joined`` begins it
-    where the clip before has ended; ``turn`` (radians) then turns it about its root, ``offset`` moves it, in leg
-    lengths, since a clip has no body. ``ease`` is how many seconds it takes over in where it overlaps nothing; 0 as
-    many as that needs.
-    """
-
-    motion_id: str
-    first: int
-    last: int
-    start: float = 0.0
-    id: str = ""
-    """By which a scope names it; a copy that keeps it is the same clip on another performer."""
-    speed: float = 1.0
-    repeats: int = 1
-    mirrored: bool = False
-    joined: bool = True
-    turn: float = 0.0
-    offset: tuple[float, float] = (0.0, 0.0)
-    ease: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.first <= self.last:
-            raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
-        if not math.isfinite(self.start):
-            raise ValueError(f"A clip begins at a finite time, not at {self.start}.")
-        if not (math.isfinite(self.speed) and SLOWEST <= self.speed <= FASTEST):
-            raise ValueError(f"A clip's speed lies between {SLOWEST:g} and {FASTEST:g}, got {self.speed}.")
-        if not 1 <= self.repeats <= MOST_REPEATS:
-            raise ValueError(f"A clip plays from 1 to {MOST_REPEATS} times, not {self.repeats} times.")
-        if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
-            raise ValueError("A clip's turn and offset are finite numbers.")
-        if not (math.isfinite(self.ease) and self.ease >= 0.0):
-            raise ValueError(f"A clip takes over in some seconds, or 0 for as many as it needs, not in {self.ease}.")
-
-    def length(self, frame_rate: float) -> float:
-        """Seconds on the stage that a motion of ``frame_rate`` plays, all its repeats together."""
-        return self.repeats * (self.last - self.first) / (frame_rate * self.speed)
-
-
-@dataclass(frozen=True)
 class Performer:
     """A character playing clips at ``position`` (metres) on the stage, turned by ``heading`` (radians)."""
 
     name: str
     character_id: str
     clips: tuple[Clip, ...] = ()
+    """The row that it plays, one after the other."""
     position: tuple[float, float] = (0.0, 0.0)
     heading: float = 0.0
     visible: bool = True
@@ -107,13 +67,21 @@ class Performer:
     """Whether a moment at which joints would jolt is eased in time, at the cost of exactness."""
     clears: bool = True
     """Whether arms stay out of the own body where the actor's do."""
+    layers: tuple[Layer, ...] = ()
+    """What parts of the body play over that, the later over the earlier."""
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):
             raise ValueError(f"'{self.name}': a place on the stage is made of finite numbers.")
+        PLACE.check(self.position)
+
+    @property
+    def all_clips(self) -> tuple[Clip, ...]:
+        """Those of its row, then those of its layers."""
+        return (*self.clips, *(layer.clip for layer in self.layers))
 
 
-Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Ground | Prop
+Entity = Capture | Motion | Character | Performer | Constraint | ContactInterval | Ground | Prop | Behaviour
 
 COLLECTIONS = (
     "captures",
@@ -124,6 +92,7 @@ COLLECTIONS = (
     "contacts",
     "grounds",
     "props",
+    "behaviours",
 )
 
 
@@ -137,6 +106,7 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "contacts": ContactInterval,
         "grounds": Ground,
         "props": Prop,
+        "behaviours": Behaviour,
     }
 )
 
@@ -153,7 +123,7 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
         case Performer():
             return (
                 ("characters", entity.character_id),
-                *(("motions", clip.motion_id) for clip in entity.clips),
+                *(("motions", clip.motion_id) for clip in entity.all_clips),
             )
         case ContactInterval():
             return (("motions", entity.motion_id), *_scoped(entity.scope))
@@ -162,6 +132,8 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
             return (("motions", entity.motion_id), *_scoped(entity.scope), *followed)
         case Prop() if entity.holder:
             return (("performers", entity.holder),)
+        case Behaviour():
+            return entity.references
     return ()
 
 
@@ -190,6 +162,7 @@ class Project:
     contacts: Mapping[str, ContactInterval] = field(default_factory=dict)
     grounds: Mapping[str, Ground] = field(default_factory=lambda: {GROUND_ID: Ground()})
     props: Mapping[str, Prop] = field(default_factory=dict)
+    behaviours: Mapping[str, Behaviour] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
     """What a newer version wrote and this one does not know, as JSON by place; written back as it came."""
 
@@ -214,11 +187,24 @@ class Project:
     @cached_property
     def clips(self) -> Mapping[str, Clip]:
         """What performers play, by the clips' ids; of one that several play, as the first of them has it."""
-        played = [clip for performer in self.performers.values() for clip in performer.clips]
+        played = [clip for performer in self.performers.values() for clip in performer.all_clips]
         return MappingProxyType({clip.id: clip for clip in reversed(played)})
 
+    @cached_property
+    def states(self) -> Mapping[str, State]:
+        """The states of all behaviours, by the behaviour's id and the state's name."""
+        return MappingProxyType(
+            {f"{key}/{each.name}": each for key, one in self.behaviours.items() for each in one.states}
+        )
+
+    @cached_property
+    def transitions(self) -> Mapping[str, Transition]:
+        """The transitions of all behaviours, by the behaviour's id and their place in it."""
+        found = ((f"{key}/{k}", each) for key, one in self.behaviours.items() for k, each in enumerate(one.transitions))
+        return MappingProxyType(dict(found))
+
     def get(self, collection: str, entity_id: str) -> Any:
-        """The entity of that id, or the clip among ``clips``, or None."""
+        """The entity of that id, or what ``clips``, ``states`` or ``transitions`` has under it, or None."""
         return getattr(self, collection).get(entity_id)
 
     def place(self, collection: str, entity_id: str) -> int | None:
@@ -291,6 +277,10 @@ class Project:
     def constraints_for(self, performer_id: str, clip: Clip) -> dict[str, Constraint]:
         """What is asked of a performer while it plays a clip, by id, highest priority first."""
         return meant_for(self.constraints_of(clip.motion_id), performer_id, clip.id)
+
+    def behaviour_of(self, performer_id: str) -> str | None:
+        """The id of the behaviour that a performer plays, or None."""
+        return next((key for key, each in self.behaviours.items() if each.role_of(performer_id)), None)
 
     def frame_rate_of(self, clip: Clip) -> float:
         """Frames a second of the capture that a clip is of."""

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import retrieval as at
 
 FloatArray = NDArray[np.float64]
@@ -44,6 +44,12 @@ def pose_rows(positions: FloatArray, layout: BodyLayout) -> Rows:
     return rows
 
 
+def row_points(rows: ArrayLike) -> FloatArray:
+    """(..., 20, 3) metres of the searched points of pose rows (..., 64), about their middle and above the ground."""
+    poses = np.asarray(rows, dtype=np.float64) / np.sqrt(1.0 / at.JOINTS)
+    return np.stack([poses[..., : at.Y], poses[..., at.Y : at.Z], poses[..., at.Z : at.SQUARE]], axis=-1)
+
+
 def pose_distances(query: ArrayLike, rows: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Distance (F,) in metres of ``rows`` (F, 64) from ``query`` (64,), and the turns (F,) that bring them nearest."""
     one, all_rows = np.asarray(query, dtype=np.float64), np.asarray(rows, dtype=np.float64)
@@ -51,6 +57,15 @@ def pose_distances(query: ArrayLike, rows: ArrayLike) -> tuple[FloatArray, Float
     rest = np.square(all_rows[:, : at.Z]).sum(axis=1) + np.square(one[: at.Z]).sum()
     rest = rest + np.square(all_rows[:, at.Z : at.SQUARE] - one[at.Z : at.SQUARE]).sum(axis=1)
     return np.sqrt(np.maximum(rest - 2.0 * np.abs(planar), 0.0)), np.angle(planar)
+
+
+_ARMS, _LEGS = (4, 8), (12, 16)
+ROW_STICKS: IntArray = np.array(
+    [(0, 1), (1, 2), (2, 3)]
+    + [(begin, limb) for begin, limbs in ((1, _ARMS), (0, _LEGS)) for limb in limbs]
+    + [(limb + k, limb + k + 1) for limb in (*_ARMS, *_LEGS) for k in range(3)]
+)
+"""(S, 2) which of a row's points a picture joins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +108,12 @@ class SearchTable:
         """What is looked at first."""
         return Blocks.of(self)
 
+    @cached_property
+    def searched(self) -> at.Table:
+        """As the kernels take it."""
+        blocks = self.blocks
+        return at.Table(self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings)
+
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
@@ -103,7 +124,6 @@ class Blocks:
     """
 
     spans: IntArray
-    clips: IntArray
     middles: Rows
     radii: FloatArray
     rings: FloatArray
@@ -123,7 +143,7 @@ class Blocks:
         middles = np.ascontiguousarray(table.rows[spans[:, 1] + spans[:, 2] // 2])
         radii, rings = np.empty(len(spans)), np.empty((len(spans), 4))
         at.judge_blocks(spans, table.rows, table.paths, table.clips, middles, radii, rings)
-        return cls(spans, np.ascontiguousarray(spans[:, 0]), middles, radii, rings)
+        return cls(spans, middles, radii, rings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,23 +180,19 @@ def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike 
 
     Exactly those that trying every frame finds, apart from ties.
     """
-    blocks, weights = table.blocks, np.array([query.posture_weight, query.reach_weight])
     among = np.ones(table.clip_count, dtype=np.bool_) if allowed is None else np.asarray(allowed, dtype=np.bool_)
-    bounds = np.empty(len(blocks.spans))
-    asked = query.poses, query.targets, weights
+    bounds = np.empty(len(table.blocks.spans))
+    asked = at.Query(query.poses, query.targets, float(query.posture_weight), float(query.reach_weight))
     if not len(bounds) or count < 1:
         return []
-    at.bound_blocks(blocks.middles, blocks.radii, blocks.rings, blocks.clips, table.clips, among, *asked, bounds)
+    at.bound_blocks(table.searched, among, asked, bounds)
     begin = min(2 * count, len(bounds))
     first = np.argpartition(bounds, begin - 1)[:begin]
-    found, places = np.empty((count, 4)), np.empty((count, 3), dtype=np.int64)
-    first = first[np.argsort(bounds[first])]
-    at.search_blocks(
-        first, bounds, blocks.spans, blocks.rings, table.rows, table.paths, table.clips, *asked, found, places
-    )
+    found = at.Found(np.empty((count, 4)), np.empty((count, 3), dtype=np.int64))
+    at.search_blocks(first[np.argsort(bounds[first])], bounds, table.searched, asked, found)
     begins = table.first_rows
     return [
         Found(clip, frame - int(begins[clip]), contact - int(table.clips[clip, 2]), *numbers)
-        for (clip, frame, contact), numbers in zip(places.tolist(), found.tolist(), strict=True)
+        for (clip, frame, contact), numbers in zip(found.places.tolist(), found.costs.tolist(), strict=True)
         if clip >= 0
     ]

@@ -144,7 +144,7 @@ def angle_between(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def shortest_arc(start: FloatArray, end: FloatArray) -> FloatArray:
-    """Matrices (..., 3, 3) of the least turn that takes unit vectors ``start`` to ``end`` (METHOD 0).
+    """Matrices (..., 3, 3) of the least turn that takes unit vectors ``start`` to ``end`` (METHOD (1)).
 
     c I + [v]x + v v^T / (1 + c) with v = start x end, c = start . end; opposite vectors give a half turn
     about a fixed perpendicular.

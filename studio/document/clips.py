@@ -3,11 +3,13 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from studio.core.clip_row import ClipEdit, edited, in_order, players_of, split
 from studio.core.errors import StudioError
-from studio.core.project import Clip, Project, new_id, new_ids
-from studio.core.scope import Scope
-from studio.core.solver.rows import timing_of
+from studio.core.project import Project, new_id, new_ids
+from studio.core.solver.performers.rows import timing_of
+from studio.core.stage.clip import Clip
+from studio.core.stage.clip_row import ClipEdit, edited, in_order, players_of, split
+from studio.core.stage.layer import Layer
+from studio.core.stage.scope import Scope
 from studio.document.editing import EditedProject
 
 BLEND = 0.3
@@ -71,11 +73,8 @@ def duplicate_clip(document: EditedProject, clip_id: str) -> str:
 
 def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: str, start: float | None = None) -> str:
     """A whole motion as a clip in the rows of performers, from ``start`` or where each ends; its id."""
-    project, name = document.project, new_id()
-    capture = project.captures[project.motions[motion_id].capture_id]
-    if capture.body_map is None:
-        raise StudioError(f"'{capture.name}' shows no body yet: nobody can play it. Its report says what is missing.")
-    clip = Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=name)
+    project = document.project
+    clip = _whole(project, motion_id, 0.0)
     text = f"Add clip {project.motions[motion_id].name}"
     with document.group(text):
         for key in performer_ids:
@@ -83,7 +82,47 @@ def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: s
             end = timing_of(project, performer).end - BLEND if performer.clips else 0.0
             placed = replace(clip, start=max(end, 0.0) if start is None else start)
             document.replace("performers", key, in_order(performer, (*performer.clips, placed)), text)
-    return name
+    return clip.id
+
+
+def _whole(project: Project, motion_id: str, start: float) -> Clip:
+    """All of a motion as a clip with an id of its own."""
+    capture = project.captures[project.motions[motion_id].capture_id]
+    if capture.body_map is None:
+        raise StudioError(f"'{capture.name}' shows no body yet: nobody can play it. Its report says what is missing.")
+    return Clip(motion_id, capture.first_frame, capture.frame_count - 1, start, new_id())
+
+
+def add_layer(document: EditedProject, performer_ids: Iterable[str], motion_id: str, start: float) -> str:
+    """A whole motion as a layer over the upper body of performers, from ``start``; its clip's id."""
+    project = document.project
+    clip = _whole(project, motion_id, start)
+    text = f"Add layer {project.motions[motion_id].name}"
+    with document.group(text):
+        for key in performer_ids:
+            performer = project.performers[key]
+            document.replace("performers", key, replace(performer, layers=(*performer.layers, Layer(clip))), text)
+    return clip.id
+
+
+def edit_layer(document: EditedProject, clip_id: str, text: str, gesture: int | None = None, **values: object) -> None:
+    """Give the layer of a clip other values, wherever it plays. Raises StudioError where they make no layer."""
+    with document.group(text, gesture):
+        for key, performer in players_of(document.project, clip_id).items():
+            try:
+                layers = [
+                    replace(each, **values) if each.clip.id == clip_id else each  # type: ignore[arg-type]
+                    for each in performer.layers
+                ]
+            except ValueError as error:
+                raise StudioError(str(error)) from error
+            document.replace("performers", key, replace(performer, layers=tuple(layers)), text)
+
+
+def layer_of(project: Project, clip_id: str) -> Layer | None:
+    """The layer whose clip it is; None for one of a row."""
+    layers = (layer for performer in project.performers.values() for layer in performer.layers)
+    return next((layer for layer in layers if layer.clip.id == clip_id), None)
 
 
 def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:

@@ -1,5 +1,7 @@
 """The colours of the studio, shared by every view: one meaning each, ``#RRGGBB``."""
 
+from studio.core.constraints.kinds import KINDS as CONSTRAINTS
+
 WINDOW = "#0f1114"
 WELL = "#16191d"
 PANEL = "#1d2126"
@@ -15,6 +17,7 @@ SELECTED_ROW = "#2b3a4d"
 SELECTED_CONTROL = "#3d6fa8"
 SELECTED_HANDLE = "#cfe3ff"
 PLAYHEAD = "#ff6b5e"
+LIVE = "#ff6b5e"
 
 VIEWPORT_TOP = "#2a3038"
 VIEWPORT_BOTTOM = "#1d2126"
@@ -22,16 +25,7 @@ GRID = "#3a424b"
 
 CHARACTERS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
 
-KINDS = {
-    "position": "#5b93d6",
-    "orientation": "#C9B458",
-    "distance": "#C78BD0",
-    "area": "#D98A6A",
-    "contact": "#95ad74",
-    "balance": "#5FB5A8",
-    "look_at": "#8FA3E0",
-    "clear": "#D9A0A0",
-}
+KINDS = {**{kind: each.shown.colour for kind, each in CONSTRAINTS.items()}, "contact": "#95ad74"}
 
 HELD = "#3f7f57"
 PARTLY = "#E3A23C"

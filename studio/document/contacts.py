@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.core.scope import Scope
+from studio.core.stage.scope import Scope
 from studio.document.editing import EditedProject
 
 

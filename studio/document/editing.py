@@ -13,8 +13,9 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.project import CLASSES, GROUND_ID, Clip, Entity, Project, new_ids, references
-from studio.core.solver.rows import stage_span
+from studio.core.project import CLASSES, GROUND_ID, Entity, Project, new_ids, references
+from studio.core.solver.performers.rows import stage_span
+from studio.core.stage.clip import Clip
 from studio.document.commands.removal import removal
 from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
 from studio.document.playhead import Playhead
@@ -141,7 +142,7 @@ class EditedProject(QObject):
         performers, clips = self._project.performers, {*self.selection.of("clips")}
         selected = [key for key in self.selection.of("performers") if key in performers]
         visible = [key for key, performer in performers.items() if performer.visible]
-        playing = [key for key in visible if clips and any(clip.id in clips for clip in performers[key].clips)]
+        playing = [key for key in visible if clips and any(clip.id in clips for clip in performers[key].all_clips)]
         return next(iter((*reversed(selected), *playing, *visible)), None)
 
     @property
@@ -244,12 +245,15 @@ class EditedProject(QObject):
                 self.entity_changed.emit(collection, entity_id)
 
     def _may_be_seen(self, item: Item) -> bool:
-        """A constraint or contact of a motion that nobody on the stage plays any more is not worked on, nor a clip."""
-        if item[0] == "clips" and self._project.get(*item) is None:
+        """A constraint or contact of a motion that nobody on the stage plays any more is not worked on, nor a clip.
+
+        Nor is a state or transition that its behaviour does not have any more.
+        """
+        if item[0] in ("clips", "states", "transitions") and self._project.get(*item) is None:
             return False
         motion_id = getattr(self._project.get(*item), "motion_id", None)
         playing = (performer for performer in self._project.performers.values() if performer.visible)
-        return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.clips)
+        return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.all_clips)
 
     def _fit_playhead(self) -> None:
         """The stage's rate and range; they stay while nobody plays anything."""

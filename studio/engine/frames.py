@@ -8,20 +8,21 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from studio.core.capture import Capture
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
+from studio.core.solver.performers.circles import solve_circle
+from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.rows import frame_count_of, timing_of
 from studio.engine.solve_cache import SolveCache
 from studio.engine.wanted import Wanted, player_of, wanted_of
 
 Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
 
-BUDGET = 0.012
-"""Processor seconds that solving takes of a picture: whoever is left waits for the next, which begins with them."""
+BUDGET = 0.004
+"""Processor seconds after which no other body is begun in a picture: the next begins with who is left."""
 LONG, PART = 0.05, 0.2
 """Processor seconds above which a frame would make the window slow: then it takes this part of the time at most."""
 
@@ -48,7 +49,7 @@ class Frames:
         self._frames: dict[str, Frame] = {}
         self._current: dict[str, tuple[Project, Wanted]] = {}
         """With what project the newest whole motion was found to be what is asked."""
-        self._not_before: dict[str, float] = {}
+        self._not_before: dict[tuple[str, ...], float] = {}
 
     def get(self, performer_id: str) -> Frame | None:
         """The frame of one performer."""
@@ -78,53 +79,78 @@ class Frames:
         project: Project,
         seconds: float,
         asked_at: float,
-        performer_ids: Iterable[str],
+        circles: Iterable[tuple[str, ...]],
         results: Mapping[str, AdaptedMotion],
     ) -> bool:
-        """Solve what these performers do at ``seconds`` of the stage, leaders before those who follow them.
+        """Solve what performers do at ``seconds`` of the stage, leaders before those who follow them.
 
-        False where not all had room in ``BUDGET``; the first has it always.
+        Who follow each other, a circle, are solved together. False where not all had room in ``BUDGET``; the first has
+        it always.
         """
         begun, all_there, solved = time.thread_time(), True, False
-        for key in performer_ids:
-            if key not in results or not all(map(self._prepare.holds, _captures_of(project, project.performers[key]))):
+        for circle in circles:
+            if not all(key in results and self._is_prepared(project, key) for key in circle):
                 continue  # nothing of it is seen yet
-            if self._is_current(key, project) and not solved:
+            if not solved and all(self._is_current(key, project) for key in circle):
                 continue
-            row = _row_at(project, project.performers[key], seconds)
-            known = self._frames.get(key)
-            if known is not None and known.project is project and known.row == row and not solved:
+            rows = {key: _row_at(project, project.performers[key], seconds) for key in circle}
+            known = {key: frame for key in circle if (frame := self._frames.get(key)) and frame.row == rows[key]}
+            if not solved and len(known) == len(circle) and all(each.project is project for each in known.values()):
                 continue  # nor has anybody moved whom it may follow
-            wanted = wanted_of(project, key, (key,), lambda leader: self._seen(leader, results))
-            answered = self._answered.get(key)
-            if wanted is None:
-                self.drop(key)
-            elif answered is not None and wanted == answered:
-                self.drop(key)
-                self._current[key] = project, answered
-            elif known is not None and known.wanted == wanted and known.row == row:
-                self._frames[key] = replace(known, project=project)
-            elif time.monotonic() < self._not_before.get(key, 0.0):
+            asked = {key: wanted_of(project, key, circle, lambda leader: self._seen(leader, results)) for key in circle}
+            wanted = {key: each for key, each in asked.items() if each is not None}
+            if len(wanted) < len(circle):
+                self._drop(circle)
+            elif all(self._answered.get(key) == each for key, each in wanted.items()):
+                self._drop(circle)
+                self._current |= {key: (project, self._answered[key]) for key in circle}
+            elif {key: each.wanted for key, each in known.items()} == wanted:
+                self._frames |= {key: replace(each, project=project) for key, each in known.items()}
+            elif time.monotonic() < self._not_before.get(circle, 0.0):
                 continue
             elif not solved or time.thread_time() - begun < BUDGET:
                 solved = True
-                self._bring(project, key, wanted, row, asked_at)
+                self._bring(project, circle, wanted, rows, asked_at)
             else:
                 all_there = False
         return all_there
 
-    def _bring(self, project: Project, key: str, wanted: Wanted, row: int, asked_at: float) -> None:
+    def _bring(
+        self,
+        project: Project,
+        circle: tuple[str, ...],
+        wanted: Mapping[str, Wanted],
+        rows: Mapping[str, int],
+        asked_at: float,
+    ) -> None:
         begun = time.thread_time()
-        player = player_of(project, key, wanted, self._prepare)
+        players = {key: player_of(project, key, each, self._prepare) for key, each in wanted.items()}
+
+        def solve(key: str, request: AdaptRequest) -> AdaptedMotion:
+            return self._solve(replace(request, eased=False), rows[key], rows[key])
+
         try:
-            motion = self._solve(replace(player.request, eased=False), row, row)
+            if len(circle) == 1:
+                motions = {key: solve(key, each.request) for key, each in players.items()}
+            else:
+                at_rows = {key: replace(each, frame=rows[key]) for key, each in players.items()}
+                motions = dict(solve_circle(at_rows, solve).results)
         except StudioError:
-            self.drop(key)  # the solve of the whole motion tells of it
+            self._drop(circle)  # the solve of the whole motion tells of it
             return
-        self._frames[key] = Frame(project, wanted, row, replace(motion, composite=player.composite), asked_at)
+        for key, motion in motions.items():
+            played = replace(motion, composite=players[key].composite)
+            self._frames[key] = Frame(project, wanted[key], rows[key], played, asked_at)
         spent = time.thread_time() - begun
         if spent > LONG:
-            self._not_before[key] = time.monotonic() + spent / PART
+            self._not_before[circle] = time.monotonic() + spent / PART
+
+    def _is_prepared(self, project: Project, performer_id: str) -> bool:
+        return all(map(self._prepare.holds, _captures_of(project, project.performers[performer_id])))
+
+    def _drop(self, circle: tuple[str, ...]) -> None:
+        for key in circle:
+            self.drop(key)
 
     def _is_current(self, performer_id: str, project: Project) -> bool:
         """Whether the newest whole motion was found to be what is asked, and neither has changed since."""
@@ -139,7 +165,7 @@ class Frames:
 
 
 def _captures_of(project: Project, performer: Performer) -> list[Capture]:
-    return [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips]
+    return [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.all_clips]
 
 
 def _row_at(project: Project, performer: Performer, seconds: float) -> int:

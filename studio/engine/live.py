@@ -15,6 +15,9 @@ class Live(Protocol):
     interactive_changed: Any
     """Signal(bool): a drag has begun or ended."""
 
+    play: Any
+    """The stage as it plays live (``LivePlay``)."""
+
     told_changed: Any
     """Signal(): what ``told`` gives is to be read anew."""
 

@@ -10,17 +10,19 @@ import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
 from studio.cli.warm_up import WarmUp
-from studio.core.capture import Capture
+from studio.core.body.morphology import AnyMorphology, Morphology
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.morphology import AnyMorphology, Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
-from studio.core.solver.circles import solve_circle
+from studio.core.solver.performers.circles import solve_circle
+from studio.core.solver.performers.rows import frame_count_of, timing_of
+from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.rows import frame_count_of, timing_of
-from studio.core.solver.stage import in_order, leaders_of
 from studio.document.document import Document
+from studio.engine.driven import Driven
 from studio.engine.frames import Frames, Solve
+from studio.engine.live_play import LivePlay
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
 from studio.engine.tasks import PATIENCE
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     from studio.core.solver.adapt import Standing
 
 WINDOW_SECONDS = 0.75
-WINDOW_MILLISECONDS, REST_MILLISECONDS = 100, 150
+WINDOW_MILLISECONDS, REST_MILLISECONDS = 120, 150
 """How often windows are solved while a hand moves, and after which rest whole motions are."""
 KEPT_STANDING = 16
 TELL_MILLISECONDS = 100
@@ -50,7 +52,7 @@ def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
 class StandingSolver:
     """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest.
 
-    Any thread may call it.
+    What it keeps, and its answers, take half the memory that solving takes. Any thread may call it.
     """
 
     def __init__(self) -> None:
@@ -67,12 +69,12 @@ class StandingSolver:
         )
         kept = self._kept.get(key)
         if kept is None or kept[0] != ground:
-            kept = ground, stand(request.motion, request.morphology, *ground)
+            kept = ground, stand(request.motion, request.morphology, *ground).kept()
             with self._lock:
                 while len(self._kept) >= KEPT_STANDING:
                     self._kept.pop(next(iter(self._kept)))
                 self._kept[key] = kept
-        return hold(kept[1], request.constraints, first, last, request.tracks, eased=request.eased)
+        return hold(kept[1], request.constraints, first, last, request.tracks, eased=request.eased).kept()
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
@@ -129,6 +131,7 @@ class LiveAdaptation(QObject):
         self._unfinished: set[tuple[str, ...]] = set()
         """Circles of which no more than a window has been asked."""
         self._frames = Frames(self._prepare, self._solve, self._answered)
+        self.driven = Driven(self._prepare)
         self._interactive = False
         self._asked_at: dict[str, float] = {}
         self._changed_at = time.monotonic()
@@ -137,6 +140,8 @@ class LiveAdaptation(QObject):
         self._scheduler.failed.connect(self._tell)
         self._scheduler.settled.connect(self._tell_busy)
         # Several changes of one event-loop turn (a group, a cascade) ask for one solve.
+        self.play = LivePlay(document, self._prepare, self)
+        self.play.running_changed.connect(self._play_changed)
         self._turn = QTimer(self, singleShot=True, interval=0)
         self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))
         self._rest = QTimer(self, singleShot=True, interval=REST_MILLISECONDS)
@@ -156,13 +161,15 @@ class LiveAdaptation(QObject):
     def interactive(self, value: bool) -> None:
         if value != self._interactive:
             self._interactive = value
-            if not value:
+            if not value and not self.play.running:
                 self._rest.stop()
                 self._turn.start(0)
             self.interactive_changed.emit(value)
 
     def asked_at(self, performer_id: str) -> float | None:
         """As ``Live.asked_at``."""
+        if self.play.running:
+            return None
         return self._frames.asked_at(performer_id) or self._asked_at.get(performer_id)
 
     def failure(self, performer_id: str) -> str:
@@ -178,28 +185,38 @@ class LiveAdaptation(QObject):
         if self._warm_up is not None and not self._warm_up.ready:
             return True
         project = self._document.project
+        self.driven.bring(project, seconds, self._results)
+        if self.play.running:
+            return True
         return self._frames.bring(project, seconds, self._changed_at, self._by_need(project), self._results)
 
-    def _by_need(self, project: Project) -> list[str]:
+    def _by_need(self, project: Project) -> list[tuple[str, ...]]:
         """Who is worked on, with all whom these follow, then who is furthest behind; leaders before who follows."""
-        alone = [circle[0] for circle in _circles_of(project) if len(circle) == 1]
-        first = {key for circle in in_order(project, self._selected(alone)) for key in circle}
-        rest = [key for key in alone if key not in first]
-        if not any(leaders_of(project, key) for key in rest):
-            rest.sort(key=self._frames.asked_at)
-        return [key for key in alone if key in first] + rest
+        circles = _circles_of(project)
+        first = {*in_order(project, self._selected(key for circle in circles for key in circle))}
+        rest = [circle for circle in circles if circle not in first]
+        if not any(leaders_of(project, key) for circle in rest for key in circle):
+            rest.sort(key=lambda circle: self._frames.asked_at(circle[0]))
+        return [circle for circle in circles if circle in first] + rest
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
-        selected = {*self._document.selection.of("performers")}
+        """Those who are worked on: the selected ones, else the one that is active."""
+        selected = {*self._document.selection.of("performers")} or {self._document.active_performer_id or ""}
         return [key for key in performer_ids if key in selected]
 
     def shown(self, performer_id: str) -> AdaptedMotion | None:
         """As ``Live.shown``."""
-        frame = self._frames.get(performer_id)
+        driven, frame = self.driven.get(performer_id), self._frames.get(performer_id)
+        if driven is not None:
+            return driven
+        if self.play.moment is not None:
+            return self.play.moment.results.get(performer_id)
         return self._results.get(performer_id) if frame is None else frame.motion
 
     def is_eased(self, performer_id: str) -> bool:
         """As ``Live.is_eased``."""
+        if self.play.running:
+            return True
         frame = self._frames.get(performer_id)
         return frame is None or not (frame.wanted.eased and frame.wanted.asked)
 
@@ -227,6 +244,11 @@ class LiveAdaptation(QObject):
     def _tell_results(self) -> None:
         self._told = dict(self._results)
         self.told_changed.emit()
+
+    def motion(self, motion_id: str) -> NormalizedMotion:
+        """A motion of the project without its actor's body."""
+        project = self._document.project
+        return self._prepare(project.captures[project.motions[motion_id].capture_id])[0]
 
     def source(self, motion_id: str) -> AdaptedMotion | None:
         """The capture on its actor's own body; None until it is ready, then ``adapted`` is emitted."""
@@ -271,6 +293,7 @@ class LiveAdaptation(QObject):
         """Stop the timers, drop requests, join the workers."""
         for timer in (self._turn, self._rest, self._telling):
             timer.stop()
+        self.play.close()
         self._document.entity_changed.disconnect(self._schedule)
         self._document.project_opened.disconnect(self._begin_anew)
         if self._warm_up is not None:
@@ -278,8 +301,15 @@ class LiveAdaptation(QObject):
             self._warm_up.stop(PATIENCE)
         self._scheduler.close()
 
+    def _play_changed(self, running: bool) -> None:
+        """While the stage plays live its worker solves what is asked; afterwards whole motions are."""
+        if not running:
+            self._schedule("performers", "")
+
     def _schedule(self, _collection: str, _entity_id: str) -> None:
         self._changed_at = time.monotonic()
+        if self.play.running:
+            return
         if self._interactive:
             self._rest.start()
         if not self._turn.isActive():
@@ -310,8 +340,6 @@ class LiveAdaptation(QObject):
             self._frames.drop(key)
         for circle in self._circles - {*circles}:
             self._scheduler.forget(_TOGETHER.join(circle))
-        for key in (key for circle in circles if len(circle) > 1 for key in circle):
-            self._frames.drop(key)  # they are solved together
         self._circles, self._unfinished = {*circles}, self._unfinished & {*circles}
         for circle in sorted(circles, key=lambda circle: not self._selected(circle)):  # first who is worked on
             self._request(circle, whole)
@@ -338,12 +366,13 @@ class LiveAdaptation(QObject):
     ) -> tuple[Callable[[], Solved], ...]:
         """What is to be solved: all, or the frames round the playhead, not eased, where the rest is as before."""
         asked_at, base = self._changed_at, self._results.get(circle[0])
-        if whole or len(circle) > 1 or base is None or not _fits(base, wanted[circle[0]], project):
+        if whole or base is None or not _fits(base, wanted[circle[0]], project):
             self._unfinished.discard(circle)
             return (lambda: self._solved(project, wanted, asked_at, 0, None),)
         self._unfinished.add(circle)
-        if not wanted[circle[0]].stands_as(self._answered.get(circle[0])):
-            return ()  # what costs most is to be done anew with every move: it waits for the hand to rest
+        stands = wanted[circle[0]].stands_as(self._answered.get(circle[0]))
+        if len(circle) > 1 or not stands or not self._selected(circle):
+            return ()  # what costs most with every move, and who is not worked on, waits for the hand to rest
         first, last = self._window(project, wanted[circle[0]].performer)
         exact = {key: replace(each, eased=False) for key, each in wanted.items()}
 
@@ -370,7 +399,7 @@ class LiveAdaptation(QObject):
             [(key, player)] = players.items()
             answers: Mapping[str, AdaptedMotion] = {key: self._solve(player.request, first, last)}
         else:
-            answers = solve_circle(players, lambda request: self._solve(request, 0, None)).results
+            answers = solve_circle(players, lambda _, request: self._solve(request, 0, None)).results
         adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
         return Solved(adapted, wanted, asked_at, last is None)
 
@@ -438,8 +467,8 @@ def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
     """``whole`` with the frames of ``window`` in their place; both have the same constraints and layout."""
     frames = slice(window.first_frame, window.first_frame + window.frame_count)
     arrays = {name: getattr(whole, name).copy() for name in ("positions", "rotations", "residuals")}
-    arrays["positions"][frames] = window.positions
-    arrays["rotations"][frames] = window.rotations
+    arrays["positions"][frames] = window.positions[:]
+    arrays["rotations"][frames] = window.rotations[:]
     arrays["residuals"][:, frames] = window.residuals
     body = {name: getattr(window, name) for name in ("morphology", "animated", "volume", "unasked")}
     return replace(whole, **body, **arrays)

@@ -13,18 +13,16 @@ from studio.core.constraints.base import BodyPoint, Constraint, Vector
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedPlace, Quaternion
 from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.project import Project
+from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, turned_target
+from studio.core.solver.performers.rows import carry_of
 from studio.core.solver.request import Unasked
-from studio.core.solver.rows import carry_of
-from studio.core.solver.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.engine.performance import Posed
 from studio.engine.props import prop_at
 
 FloatArray = NDArray[np.float64]
-
-HELD_BY = {"position": "target", "look_at": "target", "distance": "other", "area": "centre", "balance": "place"}
-"""The value of a kind that is the place by which it is held; other kinds have none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +43,14 @@ class Moment:
         return fixed_at(constraint, Targets(np.array([self.pose.seconds]), tracks, lambda: np.zeros((1, 3))))
 
     def moved(self, constraint: Constraint, place: Vector) -> Constraint:
-        """The constraint held at ``place`` now, by a key or another offset; the same where it is held by no place."""
-        name = HELD_BY.get(constraint.kind, "")
+        """The constraint held at ``place`` now, by a key, centre or offset; the same where no place holds it."""
+        name = constraint.shown.held_by
         target = getattr(constraint, name, None)
         held: dict[str, Any]
         if isinstance(target, OwnPlace):
             held = {name: self._moved_own(target, place)}
             return replace(constraint, **held)
-        if not isinstance(target, tuple | KeyedPlace | Follow):
+        if not isinstance(target, tuple | KeyedPlace | ProceduralPlace | Follow):
             return constraint
         track = self.track(target) if isinstance(target, Follow) else None
         flat = isinstance(target, tuple) and len(target) == 2
@@ -93,8 +91,8 @@ class Moment:
 
     def track(self, follow: Follow | OwnPlace) -> Track | None:
         """Where a followed thing is now, in the space of this performer's motion."""
-        from studio.core.solver.following import performer_track, tracked_track  # loads kernels
-        from studio.core.solver.props import seen_from
+        from studio.core.solver.performers.following import performer_track, tracked_track  # loads kernels
+        from studio.core.solver.performers.props import seen_from
 
         pose, own = self.pose, self.pose.clip_placement
         match follow:
@@ -122,12 +120,12 @@ class Moment:
                 if capture is None or follow.joint not in capture.skeleton.names:
                     return None
                 frame = min(round(pose.seconds * capture.frame_rate), capture.frame_count - 1)
-                return tracked_track(follow, capture, max(frame, 0))
+                return tracked_track(follow, capture, np.array([max(frame, 0)]))
         return None
 
     def _own_track(self, place: OwnPlace, unasked: Unasked) -> Track:
         """A place that is the body's own, in the space of the motion that plays."""
-        from studio.core.solver.following import own_track  # as above
+        from studio.core.solver.performers.following import own_track  # as above
 
         pose, body = self.pose, self.pose.motion.body
         composite, played = pose.motion.composite, pose.played
@@ -141,7 +139,7 @@ class Moment:
 
     def outline(self) -> FloatArray | None:
         """(N, 2) the outline of what stands now, in the motion's space; None where nothing does."""
-        from studio.core.solver.support import corners, outlines, standing_points  # as above
+        from studio.core.solver.standing.support import corners, outlines, standing_points  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)
         composite = motion.composite

@@ -7,13 +7,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.rest_pose import rest_pose
 from studio.core.normalized.pieces import Played
-from studio.core.placement import Placement
-from studio.core.project import Clip, Performer, Project
-from studio.core.rest_pose import rest_pose
+from studio.core.project import Performer, Project
+from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.rows import timing_of
-from studio.core.timing import Timing
+from studio.core.stage.clip import Clip
+from studio.core.stage.placement import Placement
+from studio.core.stage.timing import Timing
+from studio.document.document import Document
+from studio.engine.live import Live
 
 FloatArray = NDArray[np.float64]
 Results = Callable[[str], AdaptedMotion | None]
@@ -125,6 +128,15 @@ def posed_performers(
         if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
             posed[performer_id] = replace(pose_of(project, performer, motion, time), around=around(performer_id))
     return posed
+
+
+def seen_now(document: Document, live: Live) -> tuple[Project, float, dict[str, Posed]]:
+    """Every visible performer as it is seen, in which project, at what time: at the playhead, or as it plays live."""
+    moment = live.play.moment
+    if moment is not None:
+        return moment.staged, moment.seconds, posed_performers(moment.staged, live.shown, moment.seconds)
+    project, time = document.project, document.playhead.time
+    return project, time, posed_performers(project, live.shown, time, live.result)
 
 
 def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str, Posed]:

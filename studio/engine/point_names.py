@@ -1,6 +1,6 @@
 """What the points of a body are called, in every view."""
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 
 _CENTRE = {

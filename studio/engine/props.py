@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Vector
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
+from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.project import Project
-from studio.core.prop import Carried, InHand, Prop
 from studio.core.rotations import from_matrix, multiply, to_matrix
+from studio.core.solver.performers.rows import timing_of
+from studio.core.stage.prop import Carried, InHand, Prop
 from studio.engine.performance import Posed
 
 FloatArray = NDArray[np.float64]
@@ -34,11 +36,14 @@ class PropPose:
 
 def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: float) -> PropPose:
     """A prop at stage ``time``, at which ``posed`` are all who perform."""
-    from studio.core.solver.props import Holder, stage_track  # not before it is needed: it loads kernels
+    from studio.core.solver.performers.props import Holder, stage_track  # not before it is needed: it loads kernels
 
     prop = project.props[prop_id]
     pose = posed.get(prop.holder or "")
-    holder = Holder(pose.motion, [pose.row], pose.placement) if pose else None
+    holder = None
+    if pose is not None:
+        timing = timing_of(project, pose.performer) if pose.performer.clips else None
+        holder = Holder(pose.motion, [pose.row], pose.placement, pose.over_time, timing)
     track = stage_track(prop, [time], holder)
     leg = pose.motion.body.leg_length if pose else 1.0
     return PropPose(prop, track.places[0], track.rotations[0], time, leg)
@@ -50,9 +55,11 @@ def props_at(project: Project, posed: Mapping[str, Posed], time: float) -> dict[
 
 
 def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
-    """The prop with its centre at ``place`` (3,) then: there for good, by a key, or in another place of the hands."""
+    """The prop with its centre at ``place`` (3,) then: there for good, by a key or another centre, or in another
+    place of the hands.
+    """
     prop, way = pose.prop, place - pose.place
-    match prop.held:
+    match prop.held_at(pose.time):
         case InHand() as held:
             x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ pose.axes.T @ way).tolist()
             return replace(prop, held=replace(held, point=replace(held.point, offset=(x, y, z))))
@@ -62,16 +69,19 @@ def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
     x, y, z = place.tolist()
     if isinstance(prop.position, KeyedPlace):
         return replace(prop, position=prop.position.with_key(pose.time, (x, y, z)))
+    if isinstance(prop.position, ProceduralPlace):
+        return replace(prop, position=prop.position.passing((x, y, z), pose.time))
     return replace(prop, position=(x, y, z))
 
 
 def turned_prop(pose: PropPose, angle: float) -> Prop:
     """The prop turned by ``angle`` radians about Z through its centre."""
     prop = pose.prop
-    if isinstance(prop.held, InHand):
+    held = prop.held_at(pose.time)
+    if isinstance(held, InHand):
         about = np.array([0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2)])
-        turn = multiply(np.array(prop.held.turn), from_matrix(pose.axes.T @ to_matrix(about) @ pose.axes))
-        return replace(prop, held=replace(prop.held, turn=tuple(turn.tolist())))
+        turn = multiply(np.array(held.turn), from_matrix(pose.axes.T @ to_matrix(about) @ pose.axes))
+        return replace(prop, held=replace(held, turn=tuple(turn.tolist())))
     if isinstance(prop.heading, KeyedNumber):
         return replace(prop, heading=prop.heading.with_key(pose.time, heading_of(pose) + angle))
     return replace(prop, heading=wrapped(prop.heading + angle))
@@ -100,7 +110,7 @@ def unheld(pose: PropPose, *, keyed: bool) -> Prop:
 def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> Prop:
     """The prop fixed to a point of a body, at the middle of the palm where that is a hand, turned as it is."""
     motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
-    from studio.core.solver.packing import point_indices  # loads kernels
+    from studio.core.solver.asking.packing import point_indices  # loads kernels
 
     origin, segment = point_indices(point, layout)
     axes = motion.rotations[row, segment]

@@ -10,12 +10,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
-from studio.core.contacts import ContactInterval
 from studio.core.project import Project
+from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.stage import asked_of
 from studio.engine.measures import LENGTH, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
@@ -140,7 +140,7 @@ def _activation(
 
 @lru_cache(maxsize=64)
 def _freedom(contacts: tuple[ContactInterval, ...], part: BodyPart, frame_count: int, frame_rate: float) -> FloatArray:
-    from studio.core.solver.carrying import limb_freedom  # not before a result is there: it loads kernels
-    from studio.core.solver.packing import limb_of
+    from studio.core.solver.asking.packing import limb_of
+    from studio.core.solver.standing.carrying import limb_freedom  # not before a result is there: it loads kernels
 
     return limb_freedom(contacts, limb_of(part), frame_count, frame_rate)

@@ -53,7 +53,7 @@ class SolveScheduler(QObject):
         self._order = 0
         self._closed = False
         self._done.connect(self._deliver, Qt.ConnectionType.QueuedConnection)
-        count = workers or max(1, (os.cpu_count() or 2) - 1)
+        count = workers or os.cpu_count() or 2  # one too many beats one too few: most of the time none has work
         self._threads = [threading.Thread(target=self._work, name=f"solve-{k}", daemon=True) for k in range(count)]
         for thread in self._threads:
             thread.start()

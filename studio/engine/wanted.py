@@ -3,19 +3,22 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from studio.core.capture import Capture
+from studio.core.body.morphology import AnyMorphology, Morphology
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.constraints.clear import ClearConstraint
-from studio.core.contacts import ContactInterval, Touch
-from studio.core.ground import Ground
-from studio.core.morphology import AnyMorphology, Morphology
+from studio.core.grounds.ground import Ground
+from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.placement import Placement
-from studio.core.project import Clip, Performer, Project
-from studio.core.solver.circles import Player
+from studio.core.project import Performer, Project
+from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.circles import Player
+from studio.core.solver.performers.rows import Asked, composite_of, constraints_in, frame_count_of, is_plain, timing_of
+from studio.core.solver.performers.stage import Followed, asked_of, followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.rows import Asked, composite_of, constraints_in, frame_count_of, is_plain, timing_of
-from studio.core.solver.stage import Followed, asked_of, followed_by, tracks_of
-from studio.core.volume import BodyVolume
+from studio.core.stage.clip import Clip
+from studio.core.stage.layer import Layer
+from studio.core.stage.placement import Placement
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
 Results = Callable[[str], AdaptedMotion | None]
@@ -27,7 +30,7 @@ class Wanted:
 
     performer: Performer = field(compare=False)
     motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
-    """Identity of the capture, clip and contacts of each clip."""
+    """Identity of the capture, clip and contacts of each clip, then of those of layers."""
     morphology: AnyMorphology
     asked: tuple[Asked, ...]
     ground: Ground
@@ -37,12 +40,13 @@ class Wanted:
     limited: bool = True
     eased: bool = True
     clears: bool = True
+    layers: tuple[Layer, ...] = ()
 
     def stands_as(self, other: "Wanted | None") -> bool:
         """Whether a body stands on the ground as another does before anything is asked of it."""
-        mine = self.motions, self.morphology, self.ground, self.volume, self.limited, self.clears
+        mine = self.motions, self.layers, self.morphology, self.ground, self.volume, self.limited, self.clears
         return other is not None and mine == (
-            other.motions, other.morphology, other.ground, other.volume, other.limited, other.clears
+            other.motions, other.layers, other.morphology, other.ground, other.volume, other.limited, other.clears
         )  # fmt: skip
 
 
@@ -54,10 +58,10 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     if followed is None:
         return None
     asked = asked_of(project, key)
-    captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips]
+    captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.all_clips]
     alone = len(captures) == 1 and is_plain(performer.clips[0])  # then it is all the same when it begins
-    clips = [replace(clip, start=0.0, first=0) if alone else clip for clip in performer.clips]
-    stand = [tuple(project.contacts_for(key, clip).values()) for clip in performer.clips]
+    clips = [replace(clip, start=0.0, first=0) if alone else clip for clip in performer.all_clips]
+    stand = [tuple(project.contacts_for(key, clip).values()) for clip in performer.all_clips]
     motions = tuple(zip(map(id, captures), clips, stand, strict=True))
     # The skin is measured only for who asks: a moved slider would pay for it every time.
     touches = any(isinstance(contact.point, Touch) for _, _, contacts in motions for contact in contacts)
@@ -68,7 +72,7 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     body = character.body_over(timing.begin, timing.frame_rate, frame_count_of(project, performer))
     return Wanted(
         performer, motions, body, asked, ground, followed, Placement.of(performer), volume,
-        performer.limited, performer.eased, performer.clears,
+        performer.limited, performer.eased, performer.clears, performer.layers,
     )  # fmt: skip
 
 
@@ -81,7 +85,7 @@ def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> P
     composite = composite_of(project, key, lambda motion_id: prepared(motion_id)[0])
     actor = prepared(wanted.performer.clips[0].motion_id)[1]
     constraints = constraints_in(wanted.asked, composite, wanted.morphology.leg_length)
-    tracks = tracks_of(wanted.followed, composite)
+    tracks = awaited(tracks_of(wanted.followed, composite), constraints, composite.timing.frame_rate)
     request = AdaptRequest(
         composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, wanted.volume,
         actor, wanted.limited, wanted.eased, wanted.clears,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.core.solver.request import AdaptedMotion
 
@@ -21,8 +21,8 @@ def write_adapted(path: Path, motions: Mapping[str, AdaptedMotion]) -> None:
     """Write motions without constraints, by name."""
     arrays: dict[str, NDArray[np.int16]] = {}
     for name, motion in motions.items():
-        arrays[f"{name}.places"] = _differences(PLACES * motion.positions)
-        arrays[f"{name}.turns"] = _differences(TURNS * sign_continuous(from_matrix(motion.rotations)))
+        arrays[f"{name}.places"] = _differences(PLACES * motion.positions[:])
+        arrays[f"{name}.turns"] = _differences(TURNS * sign_continuous(from_matrix(motion.rotations[:])))
     np.savez_compressed(path, allow_pickle=False, **arrays)
 
 

@@ -9,10 +9,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodySearch, Match
+from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodySearch, Match
+from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart, is_spine, part_called
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.humanoid import LIMBS, BodyMap, BodyPart, is_spine, part_called
-from studio.core.skeleton import Skeleton
 from studio.resources_folder import resources_folder
 
 FloatArray = NDArray[np.float64]

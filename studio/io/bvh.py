@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.kernels.body import channels as kernel
-from studio.core.pose import PoseSequence
-from studio.core.skeleton import Skeleton
 from studio.io.beside import refuse_devices
 from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh_spelling import plainly_spelled

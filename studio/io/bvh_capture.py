@@ -7,19 +7,19 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body_shape import body_by_shape
-from studio.core.capture import Capture, Guess
+from studio.core.body.body_shape import body_by_shape
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_positions
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyMap
 from studio.core.kernels.body.channels import turn_axes
-from studio.core.kinematics import joint_positions
 from studio.core.pieces import over_frames
-from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
-from studio.core.skeleton import Skeleton
 from studio.io.body_maps import FoundBody, find_body
 from studio.io.bvh import read_bvh
-from studio.io.capture_guesses import body_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
 from studio.io.guessing import (
     AXES,
     Scale,
@@ -80,19 +80,8 @@ def capture_of(file: Recording, path: Path, options: ImportOptions, progress: Pr
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_positions(skeleton, poses)
-    capture = stood_capture(
-        path,
-        skeleton,
-        poses,
-        positions,
-        found,
-        options,
-        guesses,
-        frame_rate=frame_rate,
-        unit=scale.unit,
-        up_axis=up_axis,
-        repairs=file.repairs,
-    )
+    read = ReadJoints(path, skeleton, poses, positions, frame_rate, scale.unit, up_axis, file.repairs)
+    capture = stood_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.pose import PoseSequence
 from studio.core.rotations import to_euler
-from studio.core.skeleton import Skeleton
 from studio.io.registry import Progress
 from studio.io.replacing import replacing
 

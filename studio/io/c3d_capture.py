@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from studio.core.annotations import Annotations, Label
-from studio.core.capture import Capture
+from studio.core.captures.annotations import Annotations, Label
+from studio.core.captures.capture import Capture
 from studio.core.markers.cleaning import USUAL_STEPS
 from studio.core.markers.take import MarkerTake
 from studio.io.c3d import read_c3d

@@ -1,18 +1,19 @@
 """What every reader of captures has to find out when the file does not say it: the body, the ground, who stands how."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.capture import Capture, Guess
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.pose import PoseSequence
+from studio.core.body.reference_pose import ReferencePose, find_reference_pose, stand_up
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyMap
-from studio.core.pose import PoseSequence
-from studio.core.reference_pose import ReferencePose, find_reference_pose, stand_up
 from studio.core.rotations import IDENTITY, normalized
-from studio.core.skeleton import Skeleton
 from studio.io.body_maps import FoundBody, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
@@ -36,42 +37,42 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
     return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason)]
 
 
-def stood_capture(
-    path: Path,
-    skeleton: Skeleton,
-    poses: PoseSequence,
-    positions: FloatArray,
-    found: FoundBody,
-    options: ImportOptions,
-    guesses: list[Guess],
-    *,
-    frame_rate: float,
-    unit: str,
-    up_axis: str,
-    repairs: tuple[str, ...] = (),
-) -> Capture:
-    """The capture of joints in world axes and metres, when its first frame, ground and reference pose are found.
-
-    ``positions`` (F, J, 3) is where the poses place the joints; ``unit`` and ``up_axis`` are those of the file.
+@dataclass(frozen=True, eq=False)
+class ReadJoints:
+    """What a file says of joints, in world axes and metres: ``positions`` (F, J, 3) is where the poses place them;
+    ``unit`` and ``up_axis`` are those of the file.
     """
-    first_frame, guess = guess_first_frame(positions, frame_rate)
+
+    path: Path
+    skeleton: Skeleton
+    poses: PoseSequence
+    positions: FloatArray
+    frame_rate: float
+    unit: str
+    up_axis: str
+    repairs: tuple[str, ...] = ()
+
+
+def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
+    """The capture of joints when its first frame, ground and reference pose are found."""
+    first_frame, guess = guess_first_frame(read.positions, read.frame_rate)
     guesses += [guess] if guess else []
-    floor = floor_of(skeleton, positions[first_frame:], found.body_map, options, guesses)
-    reference = reference_of(skeleton, poses, found.body_map, options, guesses)
+    floor = floor_of(read.skeleton, read.positions[first_frame:], found.body_map, options, guesses)
+    reference = reference_of(read.skeleton, read.poses, found.body_map, options, guesses)
     return Capture(
-        name=path.stem,
-        source=path.name,
-        skeleton=skeleton,
-        poses=poses,
-        frame_rate=frame_rate,
+        name=read.path.stem,
+        source=read.path.name,
+        skeleton=read.skeleton,
+        poses=read.poses,
+        frame_rate=read.frame_rate,
         body_map=found.body_map,
         reference_rotations=reference,
         floor=floor,
-        unit=unit,
-        up_axis=up_axis,
+        unit=read.unit,
+        up_axis=read.up_axis,
         first_frame=first_frame,
         guesses=tuple(guesses),
-        repairs=repairs,
+        repairs=read.repairs,
     )
 
 

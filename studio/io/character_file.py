@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.appearance import Appearance, Material
-from studio.core.character import Character
+from studio.core.body.character import Character
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Morphology, Proportions
 from studio.core.errors import StudioError
-from studio.core.growth import KeyedProportions
-from studio.core.hand_shapes import HandShapes
 from studio.core.mannequin.tailoring import tailored
-from studio.core.morphology import Morphology, Proportions
-from studio.core.skin import Blending, SkinnedMesh
+from studio.core.mesh.appearance import Appearance, Material
+from studio.core.mesh.hand_shapes import HandShapes
+from studio.core.mesh.skin import Blending, SkinnedMesh
 from studio.io.beside import path_beside, read_bytes
 from studio.io.importing import ImportOptions
 from studio.io.json_text import json_of

@@ -6,25 +6,19 @@ import json
 import math
 import re
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from studio.core.character import Character
-from studio.core.constraints.area import AreaConstraint
-from studio.core.constraints.balance import BalanceConstraint
-from studio.core.constraints.clear import ClearConstraint
-from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.look_at import LookAtConstraint
-from studio.core.constraints.orientation import OrientationConstraint
-from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.body.character import Character
+from studio.core.body.morphology import Proportions
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.kinds import KINDS
 from studio.core.errors import StudioError
-from studio.core.ground import Ground
 from studio.core.grounds import GROUND_KINDS
-from studio.core.morphology import Proportions
+from studio.core.grounds.ground import Ground
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
 from studio.io.json_text import json_of
 from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
@@ -34,18 +28,6 @@ ENTITY_SCHEMAS = {
     **dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 3, "contacts": 3, "props": 2,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
-CONSTRAINT_KINDS: Mapping[str, type] = {
-    kind.kind: kind
-    for kind in (
-        PositionConstraint,
-        OrientationConstraint,
-        LookAtConstraint,
-        DistanceConstraint,
-        BalanceConstraint,
-        AreaConstraint,
-        ClearConstraint,
-    )
-}
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
 _HEADER = ("id", "kind", "schema")
 
@@ -252,7 +234,7 @@ def _part_with_dangling(
 
 def _class_of(collection: str, record: Json) -> Any:
     if collection == "constraints":
-        return CONSTRAINT_KINDS.get(str(record.get("kind")))
+        return KINDS.get(str(record.get("kind")))
     if collection == "grounds":
         return GROUND_KINDS.get(str(record.get("kind", Ground.kind)))
     return CLASSES[collection]

@@ -5,18 +5,18 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.core.annotations import Annotations
-from studio.core.capture import Capture
-from studio.core.carried_joints import carried_joints, with_carried_joints
-from studio.core.character import Character
-from studio.core.character_skeleton import character_body_map, character_poses, character_skeleton, joint_segments
+from studio.core.body.carried_joints import carried_joints, with_carried_joints
+from studio.core.body.character import Character
+from studio.core.body.character_skeleton import character_body_map, character_poses, character_skeleton, joint_segments
+from studio.core.body.pose import PoseSequence
+from studio.core.body.rest_pose import rest_pose
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.realize import own_poses
-from studio.core.pose import PoseSequence
-from studio.core.rest_pose import rest_pose
 from studio.core.rotations import IDENTITY
-from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.registry import Format, Progress, known_formats
 
@@ -121,7 +121,7 @@ def take_of_actor(adapted: AdaptedMotion, actor: Actor, capture: Capture, reques
     that play no part of the body move as they were captured.
     """
     try:
-        poses = own_poses(actor, adapted.positions, adapted.rotations, adapted.first_frame)
+        poses = own_poses(actor, adapted.positions[:], adapted.rotations[:], adapted.first_frame)
     except StudioError as error:
         raise StudioError(f"The motion of {capture.name} cannot be exported: {error}") from error
     return Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)

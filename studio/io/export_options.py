@@ -3,9 +3,9 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from studio.core.body.zero_pose import t_pose, with_zero_pose
 from studio.core.errors import StudioError
-from studio.core.joint_skin import character_skin
-from studio.core.zero_pose import t_pose, with_zero_pose
+from studio.core.mesh.joint_skin import character_skin
 from studio.io.export import Take
 from studio.io.joint_names import with_joint_names
 

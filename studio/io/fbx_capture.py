@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.capture import Capture
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.pose import PoseSequence
 from studio.core.rotations import from_matrix, normalized, to_matrix
-from studio.core.skeleton import Skeleton
 from studio.io.bvh_capture import capture_of
 from studio.io.guessing import UNITS
 from studio.io.importing import ImportOptions

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.appearance import Material
+from studio.core.mesh.appearance import Material
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

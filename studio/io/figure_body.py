@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.appearance import Appearance, Material
-from studio.core.body_shape import body_by_shape
-from studio.core.canonical import BodyPart
-from studio.core.capture import Guess
-from studio.core.character import Character
-from studio.core.embodiment import bound_mesh, measured, measured_by_mesh, segment_weights, segments_of_joints
+from studio.core.body.body_shape import body_by_shape
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.body.embodiment import bound_mesh, measured, measured_by_mesh, segment_weights, segments_of_joints
+from studio.core.body.humanoid import LIMBS, BodyMap
+from studio.core.body.reference_pose import faults
+from studio.core.body.skeleton import Skeleton
+from studio.core.body.standing import standing_points
+from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
-from studio.core.humanoid import LIMBS, BodyMap
-from studio.core.reference_pose import faults
-from studio.core.skeleton import Skeleton
-from studio.core.standing import standing_points
+from studio.core.mesh.appearance import Appearance, Material
 from studio.io.body_maps import find_body, similar_joints
 from studio.io.figure import Figure, Piece
 from studio.io.guessing import AXES, guess_unit, unit_called

@@ -7,8 +7,8 @@ Heights of a ``height_map`` are lists of metres; ``mesh`` of a ground of triangl
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.core.ground import Ground
 from studio.core.grounds import GROUND_KINDS
+from studio.core.grounds.ground import Ground
 from studio.io.constraint_file import parsed, too_large
 from studio.io.entity_json import entity_of
 from studio.io.mesh_file import read_mesh_beside

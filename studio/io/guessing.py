@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.capture import Guess
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Guess
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyMap, BodyPart
-from studio.core.skeleton import Skeleton
 from studio.io.numbers import number
 
 FloatArray = NDArray[np.float64]

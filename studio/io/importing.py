@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from studio.core.annotations import Annotations
-from studio.core.capture import Capture
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
 from studio.io.registry import Progress, ReadCharacter, format_of
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from studio.core.canonical import BodyPart
-from studio.core.capture import Capture
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.resources_folder import resources_folder
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kinematics import joint_world
+from studio.core.body.kinematics import joint_world
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.io.export import Take
 from studio.io.registry import Progress

@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.capture import Capture, Guess
+from studio.core.body.kinematics import joint_positions
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_positions
 from studio.core.markers.body_axes import HEAD
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDES
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import FollowedBody, MarkerTake, follow
 from studio.core.markers.trial import MARKER, METRES, VIRTUAL, Trial, bare_label, subject_of, whole
-from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY
-from studio.core.skeleton import Skeleton
 from studio.io.capture_guesses import chosen_reference
 from studio.io.guessing import AXES, guess_floor
 from studio.io.importing import ImportOptions

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from studio.core.errors import StudioError
-from studio.core.triangle_mesh import TriangleMesh
+from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.io.beside import path_beside, read_bytes
 from studio.io.meshes.obj import read_obj
 from studio.io.meshes.ply import read_ply

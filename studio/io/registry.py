@@ -17,9 +17,9 @@ from studio.core.plausible import BONE, TRAVEL
 from studio.io.beside import refuse_devices
 
 if TYPE_CHECKING:
-    from studio.core.annotations import Annotations
-    from studio.core.capture import Capture, Guess
-    from studio.core.character import Character
+    from studio.core.body.character import Character
+    from studio.core.captures.annotations import Annotations
+    from studio.core.captures.capture import Capture, Guess
     from studio.io.export import Take
     from studio.io.importing import ImportOptions
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import __version__
-from studio.core.annotations import Annotations
-from studio.core.capture import Capture
-from studio.core.contacts import CONTACT_POINTS, ContactInterval
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.kernels import layout as at
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
-from studio.core.annotations import Annotations
-from studio.core.capture import Capture
+from studio.core.captures.annotations import Annotations
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.io.export import Take

@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.annotations import Annotations, Label
-from studio.core.canonical import BodyLayout, BodyPart
-from studio.core.capture import Capture, Guess
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.morphology import Morphology
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.annotations import Annotations, Label
+from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyMap
-from studio.core.morphology import Morphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdles, restore
-from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY, to_matrix
-from studio.core.skeleton import Skeleton
 from studio.io.beside import refuse_devices
 from studio.io.constraint_file import constraint_of, contacts_of
 from studio.io.json_text import json_of

@@ -2,12 +2,12 @@
 
 import re
 
-from studio.core.capture import Capture
-from studio.core.carried_joints import carried_joints
+from studio.core.body.carried_joints import carried_joints
+from studio.core.captures.capture import Capture
 from studio.core.normalized.normalize import normalize
 from studio.core.project import Project
-from studio.core.solver.performing import Performance
-from studio.core.solver.rows import is_plain
+from studio.core.solver.performers.performing import Performance
+from studio.core.solver.performers.rows import is_plain
 from studio.io.export import Take, take_of_adapted
 
 

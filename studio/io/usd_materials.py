@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.appearance import Material
+from studio.core.mesh.appearance import Material
 
 _THRESHOLD = 0.5
 """Below this much of its picture's alpha, a surface with holes has one."""

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from studio.core.appearance import Material
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.joint_skin import JointSkin, bone_skin, character_skin
-from studio.core.skeleton import Skeleton
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
 from studio.io.export import Take
 from studio.io.registry import Progress
 from studio.io.replacing import replacing_all

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from studio.core.canonical import BodyLayout
-from studio.core.morphology import Morphology
+from studio.core.body.canonical import BodyLayout
+from studio.core.body.morphology import Morphology
 from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
 
 FloatArray = NDArray[np.float64]

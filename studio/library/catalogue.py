@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.contacts import ContactInterval
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
 from studio.library.hitting import HitPath

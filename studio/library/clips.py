@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint
-from studio.core.morphology import Morphology
 
 
 class Limb(IntEnum):
@@ -38,6 +38,8 @@ class Kind(StrEnum):
     KICK = "kick"
     WARD_OFF = "ward off"
     GRASP = "grasp"
+    NONE = "no strike"
+    """What was proposed and is none: it is kept, so that it is not proposed again, and never found."""
 
 
 class HitSegment(StrEnum):

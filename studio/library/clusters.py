@@ -32,6 +32,19 @@ class PoseMap:
     representatives: IntArray
     links: IntArray
 
+    def places(self, rows: ArrayLike) -> FloatArray:
+        """(G, 2) where the groups of a table's ``rows`` (F, 64) lie when their distances are drawn flat as well as that
+        goes (classical scaling), the widest way first.
+        """
+        poses = np.asarray(rows)[self.representatives]
+        if not len(poses):
+            return np.empty((0, 2))
+        squares = np.array([pose_distances(pose, poses)[0] for pose in poses]) ** 2
+        inner = -0.5 * (squares - squares.mean(axis=0) - squares.mean(axis=1)[:, None] + squares.mean())
+        values, vectors = np.linalg.eigh(0.5 * (inner + inner.T))
+        flat = vectors[:, ::-1] * np.sqrt(np.maximum(values[::-1], 0.0))
+        return np.column_stack([flat, np.zeros(len(flat))])[:, :2]
+
     def clips_of(self, cluster: int, table: SearchTable) -> IntArray:
         """The clips that have poses in a group, the one with most of them first."""
         rows = np.flatnonzero(self.clusters == cluster)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout
-from studio.core.morphology import Morphology
-from studio.core.solver.packing import point_indices
+from studio.core.body.canonical import BodyLayout
+from studio.core.body.morphology import Morphology
+from studio.core.solver.asking.packing import point_indices
 from studio.library.clips import ClipLabel, HitSegment, Limb, hit_point
 
 FloatArray = NDArray[np.float64]

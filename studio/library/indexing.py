@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.core.capture import Capture
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
@@ -71,8 +71,10 @@ def captures_in(folder: Path) -> list[Path]:
 
 
 def corrected(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
-    """Put ``label`` in the place of a clip's, as somebody says it is."""
-    clip = next(each for each in catalogue.clips() if each.number == clip_number)
+    """Put ``label`` in the place of a clip's, as somebody says it is. StudioError when the clip is gone."""
+    clip = next((each for each in catalogue.clips() if each.number == clip_number), None)
+    if clip is None:
+        raise StudioError("That clip is no longer in the library: its file went or was read again. Search again.")
     take = catalogue.takes()[clip.take]
     path = _path_of(take.motion, catalogue.actors()[take.actor].body, label)
     with catalogue.changing():
@@ -96,10 +98,21 @@ def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
         catalogue.note(str(path), state)
         actor = catalogue.actor(_bones(capture), f"Actor of {capture.name}", performer.morphology)
         take = catalogue.add_take(str(path), actor, motion, contacts)
-        for label in said or _proposed(motion, performer.morphology, capture.first_frame):
+        proposed = _proposed(motion, performer.morphology, capture.first_frame)
+        for label in said + unsaid(said, proposed):
             if label.last < motion.frame_count:
                 catalogue.add_clip(take, label, _path_of(motion, actor.body, label))
     return state
+
+
+def unsaid(said: list[ClipLabel], proposed: list[ClipLabel]) -> list[ClipLabel]:
+    """What is ``proposed`` and not what somebody has ``said`` already: each who spoke meant the strike nearest by."""
+    left = list(proposed)
+    for label in said:
+        meant = [each for each in left if label.first <= each.hit <= label.last]
+        if meant:
+            left.remove(min(meant, key=lambda each: (each.limb is not label.limb, abs(each.hit - label.hit))))
+    return left
 
 
 def _proposed(motion: NormalizedMotion, body: Morphology, first_frame: int) -> list[ClipLabel]:

@@ -13,7 +13,7 @@ from studio.core.normalized.realize import realize
 from studio.core.retrieval import SearchTable, pose_rows
 from studio.io.replacing import replacing_all
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, Take
-from studio.library.clips import ClipLabel
+from studio.library.clips import ClipLabel, Kind
 from studio.library.hitting import HitPath
 
 FloatArray = NDArray[np.float64]
@@ -58,7 +58,8 @@ class Library:
     def of(cls, catalogue: Catalogue) -> "Library":
         """What a catalogue holds. The poses stay on disk; they are written there again when the clips have changed."""
         takes, actors = catalogue.takes(), catalogue.actors()
-        clips = [_with_take(clip, takes[clip.take], actors) for clip in catalogue.clips()]
+        strikes = [clip for clip in catalogue.clips() if clip.label.kind is not Kind.NONE]
+        clips = [_with_take(clip, takes[clip.take], actors) for clip in strikes]
         return cls.of_clips(clips, _poses_on_disk(catalogue.folder, clips))
 
     @classmethod
@@ -76,6 +77,12 @@ class Library:
             limbs=np.array([int(clip.label.limb) for clip in clips], dtype=np.int64),
         )
         return cls(actors, tuple(clips), table)
+
+    def place_of(self, row: int) -> tuple[LibraryClip, int]:
+        """Whose pose a row of the table is: the clip, and the frame of its take."""
+        number = int(np.searchsorted(self.table.first_rows, row, "right")) - 1
+        clip = self.clips[number]
+        return clip, clip.searched.start + row - int(self.table.first_rows[number])
 
     @cached_property
     def frame_count(self) -> int:

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at_channel
 from studio.core.kernels import retrieval as at
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
-from studio.core.retrieval import Found, Query, pose_rows, search
+from studio.core.retrieval import Found, Query, pose_distances, pose_rows, search
 from studio.library.clips import Kind, Limb
 from studio.library.hitting import limb_size
 from studio.library.library import Library, LibraryClip
@@ -27,7 +27,8 @@ FloatArray = NDArray[np.float64]
 class Asked:
     """``pose`` a motion of one frame, the performer's now; ``place`` (3,) where to hit, in the same space on ``body``.
 
-    ``limbs``, ``kinds`` and ``tags`` leave out clips that are of none of them; empty leaves out none.
+    ``limbs``, ``kinds`` and ``tags`` leave out clips that are of none of them, ``numbers`` those of other numbers;
+    empty leaves out none.
     """
 
     pose: NormalizedMotion
@@ -36,6 +37,7 @@ class Asked:
     limbs: Collection[Limb] = ()
     kinds: Collection[Kind] = ()
     tags: Collection[str] = ()
+    numbers: Collection[int] = ()
     posture_weight: float = 1.0
     reach_weight: float = 1.0
     in_box: bool = False
@@ -66,13 +68,14 @@ class Result:
     def reasons(self) -> tuple[str, str, str]:
         """Posture, reach, time to hit, each in words."""
         return (
-            f"posture {_metres(self.posture)} off",
-            f"passes {_metres(self.reach)} from the target",
+            f"posture {metres(self.posture)} off",
+            f"passes {metres(self.reach)} from the target",
             f"hits in {self.seconds:.2f} s",
         )
 
 
-def _metres(length: float) -> str:
+def metres(length: float) -> str:
+    """A length in words."""
     return f"{100.0 * length:.0f} cm" if length < 1.0 else f"{length:.2f} m"
 
 
@@ -102,13 +105,14 @@ def query_of(library: Library, asked: Asked) -> Query:
 
 def allowed_clips(library: Library, asked: Asked) -> NDArray[np.bool_]:
     """(C,) which clips are of what was asked."""
-    labels = [clip.label for clip in library.clips]
+    labels = [(clip.number, clip.label) for clip in library.clips]
     return np.array(
         [
-            (not asked.limbs or each.limb in asked.limbs)
-            and (not asked.kinds or each.kind in asked.kinds)
-            and (not asked.tags or not set(asked.tags).isdisjoint(each.tags))
-            for each in labels
+            (not asked.limbs or label.limb in asked.limbs)
+            and (not asked.kinds or label.kind in asked.kinds)
+            and (not asked.tags or not set(asked.tags).isdisjoint(label.tags))
+            and (not asked.numbers or number in asked.numbers)
+            for number, label in labels
         ],
         dtype=np.bool_,
     )
@@ -120,17 +124,27 @@ def _boxes_hold(library: Library, query: Query) -> NDArray[np.bool_]:
     A clip may be turned and moved to the performer, so its box is that of distances and heights about its poses.
     """
     blocks, table = library.table.blocks, library.table
-    targets = query.targets[table.actors, table.limbs][blocks.clips]
+    targets = query.targets[table.actors, table.limbs][blocks.spans[:, 0]]
     away, height = np.hypot(targets[:, 0], targets[:, 1]), targets[:, 2]
     rings = blocks.rings
     holds = (rings[:, 0] <= away) & (away <= rings[:, 1]) & (rings[:, 2] <= height) & (height <= rings[:, 3])
-    return np.asarray(np.bincount(blocks.clips, holds, table.clip_count) > 0)
+    return np.asarray(np.bincount(blocks.spans[:, 0], holds, table.clip_count) > 0)
 
 
 def _result(library: Library, found: Found) -> Result:
     clip = library.clips[found.clip]
     start, hit = clip.searched.start + found.frame, clip.path.first + found.contact
     return Result(clip, start, hit, found.turn, found.posture, found.reach, found.cost)
+
+
+def laid_on(clip: LibraryClip, frame: int, asked: Asked) -> Result:
+    """A clip from a frame of its take on, as if it had been found for that pose: how turned, how far off."""
+    motion, body = clip.take.motion, clip.actor.body
+    frame = min(frame, clip.path.first)
+    there = realize(replace(motion, channels=motion.channels[frame : frame + 1]), body)[0]
+    here = realize(asked.pose, body)[0]
+    [posture], [turn] = pose_distances(pose_rows(here, body.layout)[0], pose_rows(there, body.layout))
+    return Result(clip, frame, clip.label.hit, float(turn), float(posture), 0.0, float(posture))
 
 
 def outline(found: Result, asked: Asked) -> FloatArray:

@@ -4,24 +4,32 @@ The clip takes over from what plays by the transition of all clips in a row. A c
 offset grows from nothing at the change to all of it at the hit, and goes again: the target may move on until the hit.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import Place
-from studio.core.contacts import ContactInterval
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
-from studio.core.solver.adapt import adapt
+from studio.core.solver.adapt import adapt, hold, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.library.clips import ClipLabel, hit_point
-from studio.library.searching import Result
+from studio.library.searching import Asked, Result, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
 """What of the body may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
+SEEN = 0.005
+"""Metres of a miss that nobody sees."""
+HELD = 0.5
+"""Seconds for which a pose is held to try what takes over from it."""
 EASED_IN = 0.6
 """Part of the time to the hit in which the clip takes over from what played."""
 HOLD = 0.03
@@ -89,6 +97,41 @@ def make_strike(playing: Piece, at_frame: int, blow: Blow, body: Morphology, tar
     change = round((begin - timing.begin) * timing.frame_rate)
     hit = change + round(blow.seconds * timing.frame_rate)
     return Strike(whole, body, _aim(whole, change, hit, blow.label, body, target), change, hit)
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A clip that was found, and by how many metres it ``missed`` when it was tried."""
+
+    found: Result
+    missed: float
+
+    @property
+    def hits(self) -> bool:
+        """Whether the target is met as well as anybody sees."""
+        return self.missed < SEEN
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """As those of the result, and whether it hits in the end."""
+        return (*self.found.reasons, "meets it" if self.hits else f"falls {metres(self.missed)} short")
+
+
+def tried(found: Sequence[Result], asked: Asked) -> list[Tried]:
+    """What hits before what does not, each in the order of ``found``."""
+    all_tried = [Tried(each, missed_by(each, asked)) for each in found]
+    return sorted(all_tried, key=lambda each: not each.hits)
+
+
+def missed_by(found: Result, asked: Asked) -> float:
+    """Metres by which the hit misses the place although all is done to meet it, from the pose that was asked on."""
+    pose, place = asked.pose, np.asarray(asked.place, dtype=np.float64)
+    held = replace(pose, channels=np.repeat(pose.channels, round(HELD * pose.frame_rate), axis=0))
+    x, y, z = place.tolist()
+    last = held.frame_count - 1
+    made = make_strike(Piece(held, (), 0, last), last, Blow.of(found), asked.body, (x, y, z))
+    standing = stand(made.composite.motion, asked.body, made.composite.contacts, Ground())
+    return float(hold(standing, [made.constraint], made.hit, made.hit).residuals[0, 0])
 
 
 def _aim(

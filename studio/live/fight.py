@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
 from studio.library.clips import Kind, Limb
 from studio.live.fighter import Fighter, Hit, State
 

@@ -15,11 +15,11 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval
-from studio.core.ground import Ground
+from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
-from studio.core.morphology import Morphology
 from studio.core.normalized.compose import compose
 from studio.core.normalized.encode import encode
 from studio.core.normalized.joining import Planar
@@ -31,6 +31,7 @@ from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
 from studio.library.searching import Asked, find
 from studio.library.striking import Blow, make_strike
+from studio.live.stepping import STEP_SECONDS, stepping
 
 FloatArray = NDArray[np.float64]
 
@@ -38,8 +39,6 @@ HELD = 2.0
 """Seconds for which what was shown last is held before what is played next: feet that stand go on standing there."""
 SEEN = 3
 """Frames that were shown last, from which what comes next takes its speed over."""
-STEP_SECONDS, STEP_HEIGHT = 0.6, 0.06
-"""What a step of both feet takes, and how high each is lifted, in leg lengths."""
 LONGEST_STEP, WIDEST_TURN = 0.4, 0.7
 """Leg lengths and radians of one step."""
 NEAR_ENOUGH, TURNED_ENOUGH = 0.12, 0.25
@@ -146,7 +145,7 @@ class Fighter:
         asked = [] if plan.constraint is None else [self._aimed(plan.constraint, place)]
         posed = hold(plan.standing, asked, self.frame, self.frame)
         if self.frame == plan.hit and plan.blow is not None:
-            self._note_hit(plan.blow, posed.positions, posed.rotations, np.array(asked[0].target))
+            self._note_hit(plan.blow, posed.positions[:], posed.rotations[:], np.array(asked[0].target))
         self.frame = min(self.frame + 1, plan.last)
         self.frames_played += 1
         self._shown.append((posed.positions[0], posed.rotations[0]))
@@ -186,16 +185,8 @@ class Fighter:
         played = self._played()
         start, change = self._after(played)
         whole = compose((played, replace(self.guard, start=start, own=own, ease=STEP_SECONDS)))
-        channels = whole.motion.channels.copy()
-        half = round(0.5 * STEP_SECONDS * self.rate)
-        contacts = list(whole.contacts)
-        for side in (0, 1):
-            first, last = change + side * half, change + (side + 1) * half
-            frames = np.arange(first, min(last + 1, len(channels)))
-            channels[frames, at.LIMB_SLACK + 2 + side] += STEP_HEIGHT * np.sin(np.pi * (frames - first) / half) ** 2
-            contacts = [part for each in contacts for part in _lifted(each, side, first, last)]
-        motion = replace(whole.motion, channels=channels)
-        return self._plan(State.STEP, motion, tuple(contacts), change)
+        motion, contacts = stepping(whole.motion, whole.contacts, change)
+        return self._plan(State.STEP, motion, contacts, change)
 
     def _strike(self, played: Piece, place: FloatArray, limbs: Sequence[Limb], kinds: Sequence[Kind]) -> Plan:
         motion = played.motion
@@ -282,15 +273,3 @@ def _cut(contacts: Sequence[ContactInterval], first: int, last: int) -> tuple[Co
         for each in contacts
         if each.last >= first and each.first <= last
     )
-
-
-def _lifted(contact: ContactInterval, side: int, first: int, last: int) -> list[ContactInterval]:
-    """What is left of a contact when the foot of ``side`` is in the air from ``first`` to ``last``."""
-    if not contact.point.is_foot or contact.point.side != side or contact.last < first or contact.first > last:
-        return [contact]
-    parts = []
-    if contact.first < first:
-        parts.append(replace(contact, last=first - 1))
-    if contact.last > last:
-        parts.append(replace(contact, first=last + 1))
-    return parts

@@ -7,17 +7,15 @@ What is no OSC, no number or too much is counted, not told one by one. No path o
 import math
 import select
 import socket
-import struct
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.beside import read_bytes
 from studio.live import vmc
 from studio.live.osc import LARGEST, Argument, BadPacket, Message, decode
 
@@ -28,8 +26,12 @@ FARTHEST = 100.0
 """Metres to which places are clamped."""
 MOST_NAMES = 256
 """Bones and trackers that are kept: more names are refused, so that nobody fills the memory."""
-_RECORD = struct.Struct("<dI")
-_MAGIC = b"MSOSC1\0\0"
+MOST_SENDERS = 16
+"""Senders that are remembered beside those that are listed."""
+MOST_A_SLICE, SLICE = 250, 0.05
+"""Packets that are taken in so many seconds: more are left to the system, which drops them, so that nobody's window
+waits for a thread that decodes.
+"""
 
 
 @dataclass
@@ -109,21 +111,36 @@ def _named_bone(arguments: tuple[Argument, ...]) -> tuple[str, vmc.Bone | None]:
     return arguments[0], vmc.from_unity(place, [each / turn for each in numbers[3:]])
 
 
+@dataclass
+class Sender:
+    """Who sends to a port: whether it is listened to, how many packets came, and when the last one (``monotonic``)."""
+
+    on: bool
+    packets: int = 0
+    heard: float = -math.inf
+
+
 class UdpInput:
-    """Listens until it is closed, in a thread of its own; StudioError when the address cannot be had."""
+    """Listens until it is closed, in a thread of its own; StudioError when the address cannot be had.
+
+    ``senders`` by their addresses may be switched on and off at any time; who else sends is noted, and off.
+    ``kept`` hears every datagram that is taken, with the seconds since it began to listen.
+    """
 
     def __init__(
         self, inbox: Inbox, port: int = PORT, address: str = LOOPBACK, senders: Iterable[str] = (LOOPBACK,)
     ) -> None:
-        self._inbox, self._senders = inbox, frozenset(senders)
+        self.inbox, self.address = inbox, address
+        self.senders = {sender: Sender(True) for sender in senders}
+        self.kept: Callable[[float, bytes], object] | None = None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._socket.bind((address, port))
-        except OSError as error:
+        except (OSError, OverflowError) as error:
             self._socket.close()
-            raise StudioError(
-                f"Nothing can listen at {address}:{port}: {error.strerror}. Choose another port."
-            ) from error
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise StudioError(f"Nothing can listen at {address}:{port}: {reason}. Choose another port.") from error
+        self._begun = time.monotonic()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._listen, name="live-input", daemon=True)
         self._thread.start()
@@ -140,32 +157,30 @@ class UdpInput:
         self._socket.close()
 
     def _listen(self) -> None:
+        until, taken = 0.0, 0
         while not self._stopped.is_set():
             if not select.select([self._socket], [], [], 0.1)[0]:
                 continue
+            now = time.monotonic()
+            if now >= until:
+                until, taken = now + SLICE, 0
+            elif taken >= MOST_A_SLICE:
+                self._stopped.wait(until - now)
+                continue
+            taken += 1
             packet, sender = self._socket.recvfrom(LARGEST)
-            if sender[0] in self._senders:
-                self._inbox.feed(packet)
-            else:
-                self._inbox.counts.strangers += 1
+            self._take(packet, sender[0], now)
 
-
-def write_recording(path: Path, packets: Iterable[tuple[float, bytes]]) -> None:
-    """Raw datagrams with the seconds at which they came."""
-    path.write_bytes(_MAGIC + b"".join(_RECORD.pack(seconds, len(packet)) + packet for seconds, packet in packets))
-
-
-def read_recording(path: Path) -> Iterator[tuple[float, bytes]]:
-    """The datagrams of a recording, in order. Raises StudioError naming the byte at which it is damaged."""
-    data, at = read_bytes(path), len(_MAGIC)
-    if not data.startswith(_MAGIC):
-        raise StudioError(f"{path.name} is no recording of datagrams.")
-    while at < len(data):
-        if at + _RECORD.size > len(data):
-            raise StudioError(f"{path.name}, byte {at}: the recording is cut off.")
-        seconds, size = _RECORD.unpack_from(data, at)
-        at += _RECORD.size
-        if not math.isfinite(seconds) or size > LARGEST or at + size > len(data):
-            raise StudioError(f"{path.name}, byte {at}: the recording is damaged or cut off.")
-        yield seconds, data[at : at + size]
-        at += size
+    def _take(self, packet: bytes, address: str, now: float) -> None:
+        sender = self.senders.get(address)
+        if sender is None and len(self.senders) < MOST_SENDERS:
+            sender = self.senders[address] = Sender(False)
+        if sender is not None:
+            sender.packets, sender.heard = sender.packets + 1, now
+        if sender is None or not sender.on:
+            self.inbox.counts.strangers += 1
+            return
+        self.inbox.feed(packet)
+        kept = self.kept
+        if kept is not None:
+            kept(now - self._begun, packet)

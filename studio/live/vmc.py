@@ -5,14 +5,15 @@ Unity has x right, y up, z forward, left-handed; ours are x forward, y left, z u
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.canonical import BodyLayout, BodyPart
-from studio.core.morphology import Morphology
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.body.standing import standing_points
 from studio.core.rotations import frame_along, from_matrix, to_matrix
-from studio.core.standing import standing_points
 
 FloatArray = NDArray[np.float64]
 
@@ -26,6 +27,8 @@ BONE, ROOT, TRACKER, HMD, OK, TIME = (
 )
 SPINE = ("Spine", "Chest", "UpperChest")
 ARM, LEG = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
+TOES_ABOVE = 0.037
+"""Leg lengths from the sole up to the joint of the toes, which no packet tells."""
 FORWARD = np.array([1.0, 0.0, 0.0])
 NEEDED = ("Hips", "Spine", "Head", *(f"{side}{bone}" for side in ("Left", "Right") for bone in (*ARM[1:], *LEG[:3])))
 """Bones without which there is no body."""
@@ -78,6 +81,7 @@ def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
     return tuple(chain)
 
 
+@lru_cache(maxsize=16)
 def t_pose_axes(body: Morphology) -> FloatArray:
     """(S, 3, 3) how the canonical segments stand in the T-pose against which bones are turned."""
     layout = body.layout
@@ -112,7 +116,8 @@ def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] |
     """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None while one is missing."""
     if any(name not in bones for name in NEEDED):
         return None
-    body = _body(bones)
+    # Where a bone is in its parent does not change while somebody moves, but for the hips: it is one body all the time.
+    body = _body(tuple((name, *bone.place.tolist()) for name, bone in bones.items() if name != "Hips"))
     layout, axes = body.layout, t_pose_axes(body)
     world: dict[str, FloatArray] = {}
     rotations = np.empty((layout.segment_count, 3, 3))
@@ -124,14 +129,16 @@ def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] |
     return positions + bones["Hips"].place - positions[0], rotations, body
 
 
-def _body(bones: dict[str, Bone]) -> Morphology:
+@lru_cache(maxsize=16)
+def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
     """The measures that the places of bones tell; hands, toes, head and soles are as usual for the rest."""
+    bones = {name: np.array(place) for name, *place in known}
 
     def place(name: str, usual: tuple[float, float, float]) -> FloatArray:
-        return bones[name].place if name in bones else np.array(usual)
+        return bones.get(name, np.array(usual))
 
     def length(name: str) -> float:
-        return max(float(np.linalg.norm(bones[name].place)), 1e-3)
+        return max(float(np.linalg.norm(bones[name])), 1e-3)
 
     spine = [name for name in SPINE if name in bones]
     neck = place("Neck", (0.0, 0.0, 0.25))
@@ -140,23 +147,24 @@ def _body(bones: dict[str, Bone]) -> Morphology:
     arm = np.array([[length(f"{side}LowerArm"), length(f"{side}Hand")] for side in sides])
     size = float(leg.sum(axis=1).mean())
     shoulders = [place(f"{side}Shoulder", (0.0, 0.03 * (1 - 2 * k), 0.2)) for k, side in enumerate(sides)]
-    outward = np.array([bones[f"{side}UpperArm"].place for side in sides])
-    head = bones["Head"].place
+    outward = np.array([bones[f"{side}UpperArm"] for side in sides])
+    head = bones["Head"]
+    foot = np.array([place(f"{side}Toes", (0.16 * size, 0.0, -0.05 * size)) for side in sides])
     return Morphology(
-        spine=np.array([*(bones[name].place for name in spine), neck]),
+        spine=np.array([*(bones[name] for name in spine), neck]),
         neck=max(float(np.linalg.norm(head)), 1e-3),
         head=0.22 * size,
         collar_base=np.array(shoulders) - neck,
         clavicle=np.maximum(np.linalg.norm(outward, axis=1), 1e-3),
         arm=arm,
         hand=np.stack([[0.0, 0.0, 0.7 * forearm] for forearm in arm[:, 1]]),
-        hip_offset=np.array([bones[f"{side}UpperLeg"].place for side in sides]),
+        hip_offset=np.array([bones[f"{side}UpperLeg"] for side in sides]),
         leg=leg,
-        foot=np.array([place(f"{side}Toes", (0.16 * size, 0.0, -0.07 * size)) for side in sides]),
+        foot=foot,
         toe=np.tile([0.08 * size, 0.0, 0.0], (2, 1)),
-        ankle_height=np.full(2, 0.1 * size),
-        toe_height=np.full(2, 0.025 * size),
-        heel_length=np.full(2, 0.06 * size),
+        ankle_height=np.maximum(-foot[:, 2], 0.0) + TOES_ABOVE * size,
+        toe_height=np.full(2, TOES_ABOVE * size),
+        heel_length=np.full(2, 0.077 * size),
         neck_rest=head if np.linalg.norm(head) > 1e-3 else np.array([0.0, 0.0, 1.0]),
         clavicle_rest=outward,
     )

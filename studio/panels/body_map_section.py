@@ -2,8 +2,8 @@
 
 from functools import partial
 
-from studio.core.canonical import BodyPart
-from studio.core.capture import Capture
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.capture import Capture
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, press_button
 

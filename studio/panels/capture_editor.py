@@ -7,8 +7,8 @@ from typing import Any
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QWidget
 
-from studio.core.capture import Capture, Guess
-from studio.core.remarks import remarks_on
+from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.remarks import remarks_on
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.live import Live

@@ -5,11 +5,11 @@ from dataclasses import fields, replace
 
 from PySide6.QtWidgets import QLineEdit
 
-from studio.core.character import Character
-from studio.core.growth import KeyedProportions
-from studio.core.morphology import Morphology, Proportions
-from studio.core.remarks import remarks_on_body
-from studio.core.skin import Blending
+from studio.core.body.character import Character
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Morphology, Proportions
+from studio.core.captures.remarks import remarks_on_body
+from studio.core.mesh.skin import Blending
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor

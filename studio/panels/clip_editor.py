@@ -1,4 +1,4 @@
-"""The form of a clip: what of its motion plays, when, how, and where."""
+"""The form of a clip: what of its motion plays, when, how, and where, or over which part of the body."""
 
 import math
 from dataclasses import replace
@@ -8,14 +8,15 @@ from typing import Any
 from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
-from studio.core.clip_row import begun_at, ended_at, players_of
 from studio.core.errors import StudioError
-from studio.core.project import FASTEST, MOST_REPEATS, SLOWEST, Clip
+from studio.core.stage.clip import FASTEST, MOST_REPEATS, SLOWEST, Clip
+from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clips
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, labelled, press_button
+from studio.panels.layer_section import LayerSection
 
 FAR = 1000.0
 LATE = 100_000.0
@@ -27,7 +28,10 @@ class ClipEditor(Editor):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         self.column.addWidget(self._playing())
-        self.column.addWidget(self._placing())
+        self._place = self._placing()
+        self.column.addWidget(self._place)
+        self._layer = LayerSection(self)
+        self.column.addWidget(self._layer)
         self.finish()
 
     def _playing(self) -> Section:
@@ -99,6 +103,8 @@ class ClipEditor(Editor):
         if clip is None:
             return
         project = self.document.project
+        self._layer.refresh()
+        self._place.setVisible(clips.layer_of(project, self.entity_id) is None)
         self._motion.setText(clips.name_of(project, clip))
         players = players_of(project, clip.id)
         self._players.setText(", ".join(each.name for each in players.values()))

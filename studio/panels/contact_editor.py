@@ -1,7 +1,7 @@
 """A contact: which point of the body stands still, or what hands touch, from frame to frame."""
 
-from studio.core.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
-from studio.core.scope import Scope
+from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
+from studio.core.stage.scope import Scope
 from studio.document.contacts import ask_contact_of
 from studio.document.document import Document
 from studio.engine.live import Live

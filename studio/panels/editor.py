@@ -28,6 +28,11 @@ class Editor(QWidget):
         self._gesture: int | None = None
 
     @property
+    def gesture(self) -> int | None:
+        """The drag of which edits are a part now."""
+        return self._gesture
+
+    @property
     def entity(self) -> Any:
         """The entity as it is now."""
         return self.document.project.get(self.collection, self.entity_id)

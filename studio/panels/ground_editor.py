@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass, fields
 
-from studio.core.ground import Ground
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
+from studio.core.grounds.ground import Ground
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor

@@ -2,11 +2,14 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from studio.document.document import Document
 from studio.engine.live import Live
+from studio.panels.behaviour.behaviour_editor import BehaviourEditor
+from studio.panels.behaviour.state_editor import StateEditor
+from studio.panels.behaviour.transition_editor import TransitionEditor
 from studio.panels.capture_editor import CaptureEditor
 from studio.panels.character_editor import CharacterEditor
 from studio.panels.clip_editor import ClipEditor
@@ -26,7 +29,12 @@ EDITORS: dict[str, Callable[[Document, Live, str, str], Editor]] = {
     "contacts": ContactEditor,
     "grounds": GroundEditor,
     "props": PropEditor,
+    "behaviours": BehaviourEditor,
+    "states": StateEditor,
+    "transitions": TransitionEditor,
 }
+DRAGGED_MILLISECONDS = 100
+"""How often the form follows a hand that drags: bodies come first."""
 
 
 class Inspector(QScrollArea):
@@ -51,6 +59,8 @@ class Inspector(QScrollArea):
         document.selection.changed.connect(self._show_current)
         document.entity_changed.connect(self._entity_changed)
         document.project_opened.connect(self._show_current)
+        self._dragged = QTimer(self, singleShot=True, interval=DRAGGED_MILLISECONDS)
+        self._dragged.timeout.connect(self._refresh)
         self._show_current()
 
     def _show_current(self) -> None:
@@ -67,6 +77,12 @@ class Inspector(QScrollArea):
             self.editor.reimport_wanted.connect(self.reimport_wanted)
             self.editor.markers_wanted.connect(self.markers_wanted)
             self.editor.character_wanted.connect(self.character_wanted)
+        if editor is not None:
+            # It may be in the middle of an event of its own: it stays a child until the event loop lets it go.
+            self.takeWidget()
+            editor.hide()
+            editor.setParent(self)
+            editor.deleteLater()
         self.setWidget(self.editor)
 
     def _make(self, collection: str, entity_id: str) -> Editor:
@@ -84,7 +100,14 @@ class Inspector(QScrollArea):
         if editor.collection and editor.entity is None:
             self._show_current()
         elif editor.concerns(collection, entity_id) or (collection == editor.collection and not entity_id):
-            editor.refresh()
+            if not self.live.interactive:
+                editor.refresh()
+            elif not self._dragged.isActive():
+                self._dragged.start()
+
+    def _refresh(self) -> None:
+        if self.editor is not None and (not self.editor.collection or self.editor.entity is not None):
+            self.editor.refresh()
 
     def current_form(self) -> QWidget | None:
         """The form on show."""

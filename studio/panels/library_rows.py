@@ -2,15 +2,14 @@
 
 from dataclasses import dataclass
 
-from studio.core.character import Character
+from studio.core.body.character import Character
+from studio.core.body.growth import KeyedProportions
 from studio.core.constraints.base import Constraint
-from studio.core.growth import KeyedProportions
 from studio.core.project import GROUND_ID, Project
 from studio.document import colours
 from studio.engine.point_names import point_words
 
 Item = tuple[str, str]
-WITHOUT_POINT = {"balance": "whole body", "clear": "arms"}
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ def _constraints(project: Project, motion_id: str | None) -> list[Row]:
 
 def _point(constraint: Constraint) -> str:
     """The point, unless the name says it already."""
-    words = WITHOUT_POINT.get(constraint.kind) or point_words(constraint.point)
+    words = constraint.shown.about or point_words(constraint.point)
     return "" if words in constraint.name.lower() else words
 
 

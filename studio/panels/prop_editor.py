@@ -2,28 +2,32 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from PySide6.QtWidgets import QLineEdit, QWidget
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
-from studio.core.prop import Carried, InHand, Prop, PropShape
+from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.live import Live
-from studio.engine.performance import posed_performers
+from studio.engine.performance import Posed, posed_performers
 from studio.engine.point_names import POINTS, point_words
 from studio.engine.props import PropPose, heading_of, in_hand, moved_prop, prop_at, turned_prop, unheld
+from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, press_button
+from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
 
 LEAST = 0.001
 STAYS, KEYED = "stays", "keyed"
 WHERE = (
     (STAYS, "Stays where it is"),
     (KEYED, "Keyed over time"),
+    *RULES,
     (InHand.kind, "In a hand, or on a body"),
     (Carried.kind, "Carried in both hands"),
 )
@@ -53,9 +57,12 @@ class PropEditor(Editor):
         self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINTS.items()])
         self._point.chosen.connect(self._fix)
         self._point_row = section.add_row("Point", self._point)
+        self._held, self._always = labelled("", "value"), press_button("always", self._hold_always)
+        self._held_row = section.add_row("Held", self._held, self._always)
         self._position = VectorRow(self, section, "Centre", self._move)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         self._heading_row = section.add_row("Heading", self._heading)
+        self._rule = ProceduralRows(self, section, "position")
         self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
         document.playhead.changed.connect(self._playhead_moved)
@@ -87,7 +94,12 @@ class PropEditor(Editor):
                 self._point.add(place, point_words(prop.held.point).capitalize())
             self._point.show_value(place)
         self._show(prop.held is not None, self._holder_row, self._holder)
+        spanned = prop.held is not None and not prop.held.is_always
+        self._show(spanned, self._held_row, self._held, self._always)
+        if prop.held is not None:
+            self._held.setText(_span_words(prop.held))
         self._show(isinstance(prop.held, InHand), self._point_row, self._point)
+        self._rule.refresh()
         self._show(where_of(prop) == KEYED, self._keys_row, *self._keys)
         self._show(not isinstance(prop.held, Carried), self._heading_row, self._heading)
         self._refresh_moment()
@@ -132,6 +144,11 @@ class PropEditor(Editor):
     def _place(self, where: str) -> None:
         if where in (STAYS, KEYED):
             self._put_made("Let go of", lambda: unheld(self.pose, keyed=where == KEYED))
+        elif where in dict(RULES):
+            x, y, z = self.pose.place.tolist()
+            self._put_made(
+                "Move by a rule:", lambda: replace(unheld(self.pose, keyed=False), position=ruled(where, (x, y, z)))
+            )
         else:
             self._hold(where, self.document.active_performer_id or "")
 
@@ -145,9 +162,21 @@ class PropEditor(Editor):
             self.document.problem.emit("Nobody is there yet who could hold it. Show a body that plays a motion first.")
             self.refresh()
         elif where == Carried.kind:
-            self._set("Hold", held=Carried(performer_id))
+            self._set("Hold", held=self._meanwhile(Carried(performer_id)))
         else:
-            self._put_made("Hold", lambda: in_hand(self.pose, performer_id, point, holder))
+            self._put_made("Hold", lambda: self._in_hand(performer_id, point, holder))
+
+    def _in_hand(self, performer_id: str, point: BodyPoint, holder: Posed) -> Prop:
+        prop = in_hand(self.pose, performer_id, point, holder)
+        return replace(prop, held=self._meanwhile(prop.held)) if prop.held is not None else prop
+
+    def _meanwhile(self, hold: InHand | Carried) -> InHand | Carried:
+        """A hold at the time of the one that there is."""
+        old = self.entity.held
+        return hold if old is None else replace(hold, begin=old.begin, end=old.end)
+
+    def _hold_always(self) -> None:
+        self._set("Always hold", held=replace(self.entity.held, begin=None, end=None))
 
     def _fix(self, choice: tuple[BodyPart, bool]) -> None:
         self._hold(InHand.kind, self.entity.holder, BodyPoint(choice[0], at_end=choice[1]))
@@ -171,8 +200,15 @@ class PropEditor(Editor):
             self._set("Delete key of", **changes)
 
 
+def _span_words(hold: Hold) -> str:
+    begin = "start" if hold.begin is None else f"{hold.begin:.2f} s"
+    return f"{begin} to {'end' if hold.end is None else f'{hold.end:.2f} s'}"
+
+
 def where_of(prop: Prop) -> str:
     """Which of ``WHERE`` it is."""
     if prop.held is not None:
         return prop.held.kind
+    if isinstance(prop.position, ProceduralPlace):
+        return prop.position.kind
     return KEYED if isinstance(prop.position, KeyedPlace) or isinstance(prop.heading, KeyedNumber) else STAYS

@@ -2,43 +2,52 @@
 
 from collections.abc import Iterable, Sequence
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
 from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
-from studio.document.document import Document
-from studio.panels.fields import SIDE, Choice, Section, labelled, press_button
+from studio.document.dragging import STRIKE, carried_strike
+from studio.panels.fields import SIDE, Choice, Section, Segments, labelled, press_button
+from studio.panels.two_lines import TwoLines
 
-ROW_HEIGHT = 64
-"""Pixels of a name and two lines of reasons."""
-ANY = "Any"
+ALL = "None: list all strikes"
 EMPTY = "No clips yet. Add a folder of captures: strikes are found in them by themselves."
-READY = "Point at a strike to see it in the 3D view. Use it, or double-click it, to play it from the playhead on."
+READY = "Point at a strike to see it. Drag it onto a body or a row of the timeline, or use it at the playhead."
 NOTHING = "No clip of the library is of that limb and kind."
-NO_TARGET = "Add a box first (Constraint > Add box) and put it where the strike is to hit."
+OF_A_POSE = "Clips that pass through the pose that you chose on the map, the one with most of it first."
+NO_TARGET = "All strikes of the library. To rank them, choose what is to be hit: a box, or somebody's face."
 
 
 class Strikes(QWidget):
-    """The dock's content. ``wanted`` asks to search, ``chosen`` to play the result of that place, ``looked_at`` tells
-    that the mouse is over it or the keys are at it; -1 when over none.
+    """The dock's content. ``wanted`` asks to search, ``chosen`` to play the result of that place, ``opened`` to say
+    what it is; ``looked_at`` tells that the mouse is over it or the keys are at it; -1 when over none.
     """
 
     folder_wanted = Signal()
     wanted = Signal()
     chosen = Signal(int)
+    opened = Signal(int)
     looked_at = Signal(int)
 
-    def __init__(self, document: Document, limbs: Iterable[tuple[object, str]], kinds: Iterable[tuple[object, str]]):
+    def __init__(self, limbs: Iterable[tuple[object, str]], kinds: Iterable[tuple[object, str]]) -> None:
         super().__init__()
         self.setObjectName("panel")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.document = document
-        self._looked = -1
+        self._looked, self._usable = -1, False
         section = Section("A strike that hits here")
-        self.target = Choice("Target", ())
-        self.limb, self.kind = Choice("Limb", ((None, ANY), *limbs)), Choice("Kind", ((None, ANY), *kinds))
-        for name, field in (("Target", self.target), ("Limb", self.limb), ("Kind", self.kind)):
-            section.add_row(name, field)
+        self.target = Choice("Target", ((None, ALL),))
+        self.aim = Segments("Aim", ((True, "Follows"), (False, "Frozen")))
+        self.aim.setToolTip("A blow goes for where its target is at the hit, or for where it was when you asked")
+        self.aim.chosen.connect(self._choose_aim)
+        self.follows = True
+        """Whether a blow goes where the target goes."""
+        self.aim.show_value(True)
+        self.limb, self.kind = (
+            Choice("Limb", ((None, "Any limb"), *limbs)),
+            Choice("Kind", ((None, "Any kind"), *kinds)),
+        )
+        for name, fields in (("Target", [self.target]), ("Aim", [self.aim]), ("Strike", [self.limb, self.kind])):
+            section.add_row(name, *fields)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 4)
         section.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)  # rows do not overlap
@@ -47,11 +56,12 @@ class Strikes(QWidget):
         self.hint = labelled(EMPTY, "hint")
         self.hint.setContentsMargins(SIDE, 0, SIDE, 0)
         column.addWidget(self.hint)
-        self.results = QListWidget()
+        self.results = Results()
         self.results.setAccessibleName("Strikes found, the best first")
-        self.results.setWordWrap(True)
-        self.results.setTextElideMode(Qt.TextElideMode.ElideNone)
-        self.results.itemActivated.connect(lambda item: self.chosen.emit(self.results.row(item)))
+        self.results.setItemDelegate(TwoLines(self.results))
+        self.results.setResizeMode(QListWidget.ResizeMode.Adjust)
+        self.results.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.results.itemActivated.connect(lambda item: self._activate(self.results.row(item)))
         self.results.setMouseTracking(True)
         self.results.itemEntered.connect(lambda item: self._look(self.results.row(item)))
         self.results.viewportEntered.connect(lambda: self._look(-1))
@@ -61,37 +71,29 @@ class Strikes(QWidget):
         self.use = press_button("Use on the selected performer", lambda: self.chosen.emit(self.results.currentRow()))
         self.use.setToolTip("Play it from the playhead on, blended in, on this body, driven to the target")
         self.use.setEnabled(False)
+        self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
+        self.correct.setToolTip("Confirm or correct where it is cut, when it hits, limb and kind")
+        self.correct.setEnabled(False)
         below = QHBoxLayout()
         below.setContentsMargins(SIDE, 4, SIDE, 0)
-        below.addWidget(self.use)
+        below.addWidget(self.use, 1)
+        below.addWidget(self.correct)
         column.addLayout(below)
-        document.entity_changed.connect(lambda collection, _: self.refresh() if collection == "props" else None)
-        document.project_opened.connect(self.refresh)
-        self.refresh()
 
-    def refresh(self) -> None:
-        """Fetch the props that can be a target; the chosen one stays."""
-        before = self.target_id
-        props = self.document.project.props
-        self.target.clear_all()
-        for key, prop in props.items():
-            self.target.add(key, prop.name)
-        if before is not None and before in props:
-            self.target.setCurrentIndex(list(props).index(before))
+    def offer_targets(self, targets: Sequence[tuple[object, str]], wanted: object) -> None:
+        """What can be hit; ``wanted`` is chosen, or nothing."""
+        self.target.offer([(None, ALL), *targets])
+        self.target.show_value(wanted if self.target.offers(wanted) else None)
 
-    @property
-    def target_id(self) -> str | None:
-        """The prop that is to be hit; None where there is none."""
-        return str(self.target.value) if self.target.count() else None
-
-    def show_results(self, results: Sequence[tuple[str, str]], hint: str) -> None:
-        """List (name, reasons), the best first."""
+    def show_results(self, results: Sequence[tuple[str, str]], hint: str, usable: bool = True) -> None:
+        """List (name, reasons), the best first; without a target nothing is ``usable``."""
         self._look(-1)
+        self._usable = usable
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")
-            item.setSizeHint(QSize(0, ROW_HEIGHT))
-            item.setToolTip("Double-click to play it from the playhead on, driven to the target")
+            tip = "play it from the playhead on, driven to the target" if usable else "confirm or correct its label"
+            item.setToolTip(f"Double-click to {tip}")
             self.results.addItem(item)
         self.hint.setText(hint)
 
@@ -111,8 +113,15 @@ class Strikes(QWidget):
             self._looked = row
             self.looked_at.emit(row)
 
+    def _choose_aim(self, follows: bool) -> None:
+        self.follows = follows
+
+    def _activate(self, row: int) -> None:
+        (self.chosen if self._usable else self.opened).emit(row)
+
     def _current_changed(self, row: int) -> None:
-        self.use.setEnabled(row >= 0)
+        self.use.setEnabled(row >= 0 and self._usable)
+        self.correct.setEnabled(row >= 0)
         self._look(row)
 
     def _buttons(self) -> QHBoxLayout:
@@ -121,3 +130,18 @@ class Strikes(QWidget):
         for text, signal in (("Add folder…", self.folder_wanted), ("Find", self.wanted)):
             row.addWidget(press_button(text, signal.emit))
         return row
+
+
+class Results(QListWidget):
+    """Rows that can be dragged onto a body, or onto its row of the timeline."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setDragEnabled(True)
+
+    def mimeTypes(self) -> list[str]:
+        return [STRIKE]
+
+    def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
+        """The place of what is dragged."""
+        return carried_strike(self.row(items[0]))

@@ -13,9 +13,9 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QToolTip, QWidget
 
-from studio.core.contacts import contact_point
+from studio.core.captures.contacts import contact_point
 from studio.document.document import Document
-from studio.document.dragging import capture_in
+from studio.document.dragging import capture_in, strike_in
 from studio.engine.live import Live
 from studio.timeline import edits
 from studio.timeline.clip_edits import add_clip
@@ -39,6 +39,8 @@ class TrackCanvas(TrackView):
     """``told`` carries what is under the mouse, in words."""
 
     told = Signal(str)
+    strike_dropped = Signal(int, str, float)
+    """Place in the list of strikes, performer, seconds of the stage."""
 
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(document, live, parent)
@@ -138,31 +140,43 @@ class TrackCanvas(TrackView):
         event.accept()
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Take captures of the library; files are the window's."""
-        event.setAccepted(self._dropped(event) is not None)
+        """Take captures of the library, and strikes; files are the window's."""
+        event.setAccepted(self._dropped(event) is not None or strike_in(event.mimeData()) is not None)
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
-        """As on entering; where it would begin is told."""
-        motion_id = self._dropped(event)
-        event.setAccepted(motion_id is not None)
-        if motion_id is not None and self.sheet is not None:
-            place = snapped(self.axis, self.axis.time_at(event.position().x()), (self.document.playhead.time,))
-            name = self.document.project.motions[motion_id].name
-            self.told.emit(f"{name} from {moment(place.time * self.axis.frame_rate, place.time)}")
+        """As on entering, strikes over rows of clips alone; where it would begin is told."""
+        motion_id, strike = self._dropped(event), strike_in(event.mimeData()) is not None
+        event.setAccepted(self._clip_row(event) is not None if strike else motion_id is not None)
+        if event.isAccepted() and self.sheet is not None:
+            time = self._dropped_at(event)
+            name = "Strike" if motion_id is None else self.document.project.motions[motion_id].name
+            self.told.emit(f"{name} from {moment(time * self.axis.frame_rate, time)}")
 
     def dropEvent(self, event: QDropEvent) -> None:
         """A clip from there on, in the row under the mouse; beside all rows, where the active one's ends."""
-        motion_id = self._dropped(event)
-        event.setAccepted(motion_id is not None)
+        motion_id, strike, row = self._dropped(event), strike_in(event.mimeData()), self._clip_row(event)
+        event.setAccepted(motion_id is not None or (strike is not None and row is not None))
         self.told.emit("")
+        if strike is not None and row is not None:
+            self.strike_dropped.emit(strike, row, self._dropped_at(event))
         if motion_id is None or self.sheet is None:
             return
-        row = self.sheet.row_at(event.position().toPoint())
-        place = snapped(self.axis, self.axis.time_at(event.position().x()), (self.document.playhead.time,))
-        if row is not None and row.kind == "clip" and event.position().x() >= LABEL_WIDTH:
-            add_clip(self.sheet.shown, row.id, motion_id, place.time)
+        if row is not None:
+            add_clip(self.sheet.shown, row, motion_id, self._dropped_at(event))
         else:
             add_clip(self.sheet.shown, self.sheet.shown.subject.performer_id, motion_id, None)
+
+    def _clip_row(self, event: QDropEvent) -> str | None:
+        """The performer in whose row of clips the mouse is."""
+        if self.sheet is None or event.position().x() < LABEL_WIDTH:
+            return None
+        row = self.sheet.row_at(event.position().toPoint())
+        return row.id if row is not None and row.kind == "clip" else None
+
+    def _dropped_at(self, event: QDropEvent) -> float:
+        """Seconds of the stage under the mouse, caught by frames and the playhead."""
+        time = self.axis.time_at(event.position().x())
+        return snapped(self.axis, time, (self.document.playhead.time,)).time
 
     def _dropped(self, event: QDropEvent) -> str | None:
         """The motion of the capture that is dragged."""

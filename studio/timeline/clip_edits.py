@@ -1,11 +1,12 @@
 """Edits of clips without a drag: from the menu of their rows, by the keyboard, or dropped from the library."""
 
 from collections.abc import Callable
+from functools import partial
 
 from PySide6.QtWidgets import QMenu
 
-from studio.core.clip_row import begun_at, ended_at, players_of
 from studio.core.errors import StudioError
+from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clips
 from studio.timeline.shown import Hit, Part, Shown
 
@@ -15,8 +16,10 @@ def performers_of_row(shown: Shown, performer_id: str) -> tuple[str, ...]:
     performers = shown.project.performers
     if shown.apart:
         return (performer_id,)
-    row = performers[performer_id].clips
-    return tuple(key for key, each in performers.items() if (each.visible and each.clips == row) or key == performer_id)
+    row = performers[performer_id].all_clips
+    return tuple(
+        key for key, each in performers.items() if (each.visible and each.all_clips == row) or key == performer_id
+    )
 
 
 def add_clip(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> None:
@@ -27,6 +30,14 @@ def add_clip(shown: Shown, performer_id: str, motion_id: str, start: float | Non
     except StudioError as error:
         document.problem.emit(str(error))
         return
+    document.selection.set(("performers", performer_id), ("clips", name))
+
+
+def add_layer(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> None:
+    """As ``add_clip``, a layer: from ``start`` or the playhead."""
+    document = shown.document
+    begin = document.playhead.time if start is None else start
+    name = clips.add_layer(document, performers_of_row(shown, performer_id), motion_id, begin)
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
@@ -64,16 +75,18 @@ def offer_clip(menu: QMenu, shown: Shown, hit: Hit) -> None:
 
 
 def offer_motions(menu: QMenu, shown: Shown, performer_id: str, start: float | None) -> None:
-    """Every motion of the project as a clip to add to a row."""
-    added = menu.addMenu("Add clip")
-    for motion_id, motion in shown.project.motions.items():
-        if shown.project.captures[motion.capture_id].body_map is not None:
-            add = _adder(shown, performer_id, motion_id, start)
-            added.addAction(motion.name).triggered.connect(add)
+    """Every motion of the project as a clip to add to a row, or as a layer over it."""
+    for text, add in (("Add clip", add_clip), ("Add layer", add_layer)):
+        added = menu.addMenu(text)
+        for motion_id, motion in shown.project.motions.items():
+            if shown.project.captures[motion.capture_id].body_map is not None:
+                run = partial(add, shown, performer_id, motion_id, start)
+                added.addAction(motion.name).triggered.connect(_plainly(run))
 
 
-def _adder(shown: Shown, performer_id: str, motion_id: str, start: float | None) -> Callable[[], None]:
-    return lambda: add_clip(shown, performer_id, motion_id, start)
+def _plainly(run: Callable[[], None]) -> Callable[[], None]:
+    """Without what Qt says of the menu's line."""
+    return lambda: run()
 
 
 def _offer(menu: QMenu, shown: Shown, text: str, run: Callable[[], None]) -> None:

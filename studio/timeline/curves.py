@@ -6,11 +6,11 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout
-from studio.core.contacts import ContactInterval
+from studio.core.body.canonical import BodyLayout
+from studio.core.captures.contacts import ContactInterval
 from studio.core.project import Project
+from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.rows import timing_of
 from studio.engine.measures import LENGTH, Measure, measure_of
 from studio.engine.residuals import missed_by
 from studio.timeline.axis import MARGIN, TimeAxis
@@ -111,7 +111,7 @@ class Asked:
             case Quantity.RIGHT_FOOT_SPEED:
                 return foot_speed(adapted, (1,))
             case Quantity.KNEE_SPEED:
-                from studio.core.metrics import knee_speeds  # not before a result is there: it loads kernels
+                from studio.core.quality.metrics import knee_speeds  # not before a result is there: it loads kernels
 
                 return np.degrees(knee_speeds(adapted).max(axis=0))
             case Quantity.SLIDE:
@@ -128,7 +128,7 @@ class Asked:
 
     def _slide(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
         """(F,) millimetres that the point of a body that slides most has slid since its contact began."""
-        from studio.core.metrics import contact_tracks  # as above
+        from studio.core.quality.metrics import contact_tracks  # as above
 
         performer = self.project.performers[performer_id]
         ground = self.project.ground.seen_from(performer.position, performer.heading)
@@ -137,12 +137,17 @@ class Asked:
 
     def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
         """(F,) millimetres by which the centre of mass lies outside what is stood on; 0 within, and in flight."""
-        from studio.core.solver.support import mass_path, outlines, standing_points, support_margins  # as above
+        from studio.core.solver.standing.support import (  # as above
+            mass_path,
+            outlines,
+            standing_points,
+            support_margins,
+        )
 
         stop = adapted.first_frame + adapted.frame_count
         stands = standing_points(self._contacts(adapted), stop)[:, adapted.first_frame :]
-        areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)
-        margins = support_margins(areas, mass_path(adapted.positions, adapted.morphology)[:, :2])
+        areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
+        margins = support_margins(areas, mass_path(adapted.positions[:], adapted.morphology)[:, :2])
         return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))
 
 

@@ -3,9 +3,10 @@
 from dataclasses import replace
 from typing import Any
 
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.target import key_times
-from studio.core.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.project import Clip, Project
+from studio.core.project import Project
+from studio.core.stage.clip import Clip
 from studio.document.clips import name_of as clip_name
 from studio.document.clips import remove_clips
 from studio.timeline.clip_edits import nudged

@@ -4,7 +4,7 @@ from typing import Any
 
 from PySide6.QtCore import QPointF
 
-from studio.core.clip_row import players_of
+from studio.core.stage.clip_row import players_of
 from studio.timeline.figures import moment
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
@@ -37,6 +37,8 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             return _clip_text(sheet, hit)
         case "clip":
             return "Right-click to add a clip, or drop a capture of the library here"
+        case "props":
+            return _hold_text(sheet, hit)
         case "lane":
             return f"{hit.id.replace('_', ' ').capitalize()}: double-click to add a contact"
     return ""
@@ -86,6 +88,16 @@ def _clip_text(sheet: Sheet, hit: Hit) -> str:
     players = len(players_of(shown.project, hit.id))
     shared = f", shared by {players} bodies" if players > 1 else ""
     return f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
+
+
+def _hold_text(sheet: Sheet, hit: Hit) -> str:
+    prop = sheet.shown.project.props[hit.id]
+    hold, performers = prop.held, sheet.shown.project.performers
+    if hold is None or hit.part == Part.EMPTY:
+        return f"{prop.name} lies"
+    begin = "from the start" if hold.begin is None else f"from {hold.begin:.3f} s"
+    end = "to the end" if hold.end is None else f"to {hold.end:.3f} s"
+    return f"{prop.name}: held by {performers[hold.performer_id].name} {begin} {end}"
 
 
 def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:

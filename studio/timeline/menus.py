@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu
 
-from studio.core.contacts import CONTACT_POINTS, ContactPoint, Touch, contact_point
+from studio.core.captures.contacts import CONTACT_POINTS, ContactPoint, Touch, contact_point
 from studio.timeline import edits
 from studio.timeline.clip_edits import offer_clip, offer_motions
 from studio.timeline.curves import Quantity

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
-from studio.timeline.tracks import clip, constraint, contacts, remarks, ruler
+from studio.timeline.tracks import clip, constraint, contacts, hold, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
 
@@ -52,7 +52,8 @@ class Picture:
             painter.fillRect(QRect(QPoint(), sheet.size), QColor(colours.PANEL))
             _paint_ground(painter, sheet.viewport, sheet.shown)
         if self._is_stale(RULER):
-            ruler.paint_ruler(painter, sheet.ruler, sheet.shown.axis, sheet.shown.document.playhead)
+            shown = sheet.shown
+            ruler.paint_ruler(painter, sheet.ruler, shown.axis, shown.document.playhead, shown.live.play.running)
             remarks.paint_remarks(painter, sheet.ruler, sheet.shown)
         for row in sheet.rows:
             if self._is_stale((row.kind, row.id)):
@@ -107,6 +108,10 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
     match row.kind:
         case "clip":
             clip.paint_clip_label(painter, area, shown, row.id)
+        case "layer":
+            layer.paint_layer_label(painter, area, row.id)
+        case "props":
+            hold.paint_hold_label(painter, area, shown, row.id)
         case "lane":
             contacts.paint_contacts_label(painter, area, row.id)
         case "constraints":
@@ -117,6 +122,10 @@ def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> No
     match row.kind:
         case "clip":
             clip.paint_clips(painter, area, shown, row.id)
+        case "layer":
+            layer.paint_layers(painter, area, shown, row.id)
+        case "props":
+            hold.paint_hold(painter, area, shown, row.id)
         case "lane":
             contacts.paint_contacts(painter, area, shown, row.id)
         case "constraints":

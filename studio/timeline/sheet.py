@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
 from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, Shown
-from studio.timeline.tracks import clip, constraint, contacts, plot, ruler
+from studio.timeline.tracks import clip, constraint, contacts, hold, layer, plot, ruler
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
@@ -14,7 +14,7 @@ FOLDING = ("constraints", "lane")
 
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
-    """Clips of performers, what touches the ground, then the motion's constraints by priority."""
+    """Clips and layers, when props are held, what touches the ground, then the motion's constraints by priority."""
     players = shown.project.performers if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
@@ -22,7 +22,8 @@ def rows_of(shown: Shown) -> tuple[Row, ...]:
     tall = constraint.height(len(shown.subject.bodies))
     heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
     heights = [
-        *(("clip", key, clip.HEIGHT) for key in players),
+        *(each for key in players for each in (("clip", key, clip.HEIGHT), *layer.rows_of(shown, key))),
+        *hold.rows_of(shown),
         *(("lane", row, contacts.FOLDED if ("lane", row) in shown.folded else contacts.HEIGHT) for row in lanes),
         *(("constraints", key, high) for key, high in heights_of.items()),
     ]
@@ -103,14 +104,26 @@ class Sheet:
         if position.x() < FOLD_WIDTH and (row.kind in FOLDING or self._folds(row)):
             return Hit(row.kind, row.id, Part.FOLD)
         if position.x() < LABEL_WIDTH:
-            return Hit("performers" if row.kind == "clip" else row.kind, row.id, Part.LABEL)
+            return self._label_hit(row)
         area = self.rect(row)
         match row.kind:
             case "clip":
-                return clip.clip_hit(self.shown, area, row.id, position)
+                return clip.clip_hit(clip.bars_of(self.shown, area, row.id), row.id, position)
+            case "layer":
+                return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
+            case "props":
+                return hold.hold_hit(self.shown, area, row.id, position)
             case "lane":
                 return contacts.contacts_hit(self.shown, area, row.id, position)
         return constraint.constraint_hit(self.shown, area, row.id, position)
+
+    def _label_hit(self, row: Row) -> Hit:
+        match row.kind:
+            case "clip":
+                return Hit("performers", row.id, Part.LABEL)
+            case "layer":
+                return Hit("performers", layer.performer_of(row.id), Part.LABEL)
+        return Hit(row.kind, row.id, Part.LABEL)
 
     def _folds(self, row: Row) -> bool:
         return row.kind == "clip" and clip.folds(self.shown, row.id)

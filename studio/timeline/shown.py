@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRect
 
+from studio.core.captures.remarks import Remark
 from studio.core.project import Project
-from studio.core.remarks import Remark
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.engine.live import Live
@@ -46,9 +46,9 @@ EDGES = (Part.FIRST, Part.LAST)
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its kind (constraints, clip, lane), the id there, and its place from the top of all rows.
+    """One row: its kind (constraints, clip, layer, props, lane), the id there, and its place from the top of all rows.
 
-    A row of clips has its performer's id.
+    A row of clips has its performer's id, one of layers that and the region.
     """
 
     kind: str

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from typing import Any
 
-from studio.core.project import Clip, Motion, Performer, Project
-from studio.core.solver.rows import timing_of
+from studio.core.project import Motion, Performer, Project
+from studio.core.solver.performers.rows import timing_of
+from studio.core.stage.clip import Clip
 from studio.document.document import Document
 
 
@@ -86,7 +87,7 @@ def stage_extent(project: Project) -> float:
 
 def play_apart(project: Project) -> bool:
     """Whether those who are shown play different clips, so that one row cannot stand for all."""
-    return len({each.clips for each in project.performers.values() if each.visible}) > 1
+    return len({(each.clips, each.layers) for each in project.performers.values() if each.visible}) > 1
 
 
 def _plays(performer: Performer, motion_id: str) -> bool:

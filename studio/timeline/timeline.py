@@ -4,7 +4,7 @@ from PySide6.QtCore import QPoint, QRect, Signal
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from studio.core.contacts import ContactPoint
+from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.timeline import edits
@@ -24,10 +24,13 @@ class Timeline(QWidget):
     """
 
     told = Signal(str)
+    wanted = Signal(str)
+    """The id of an action."""
 
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.transport = Transport(document, self)
+        self.transport = Transport(document, live.play, self)
+        self.transport.wanted.connect(self.wanted)
         self.tracks = TrackCanvas(document, live, self)
         self.tracks.told.connect(self.told)
         self._closed = False

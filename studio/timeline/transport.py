@@ -1,9 +1,10 @@
 """The transport row: play, step, loop, speed, where the playhead stands, and the range that plays."""
 
 from collections.abc import Callable
+from typing import Any
 
 import qtawesome
-from PySide6.QtCore import QSignalBlocker, QSize, Qt
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QSpinBox, QToolButton, QWidget
 
@@ -18,11 +19,14 @@ LAST_FRAME = 9_999_999
 
 
 class Transport(QWidget):
-    """Shows and moves the document's playhead."""
+    """Shows and moves the document's playhead, and says whether the stage plays live; ``wanted`` are ids of actions."""
 
-    def __init__(self, document: Document, parent: QWidget | None = None) -> None:
+    wanted = Signal(str)
+
+    def __init__(self, document: Document, play: Any, parent: QWidget | None = None) -> None:
+        """``play`` as ``Live.play``."""
         super().__init__(parent)
-        self.playhead = document.playhead
+        self.playhead, self._play = document.playhead, play
         self.setFixedHeight(HEIGHT)
         self.setObjectName("transport")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
@@ -33,6 +37,9 @@ class Transport(QWidget):
         self.playhead.changed.connect(self._show_time)
         self.playhead.playing_changed.connect(self._show_playing)
         self.playhead.range_changed.connect(self._show_range)
+        for changed in (play.running_changed, play.recording_changed, play.stepped):
+            changed.connect(self._show_live)
+        self._show_live()
         self._show_playing()
         self._show_range()
 
@@ -41,6 +48,8 @@ class Transport(QWidget):
         self.playhead.changed.disconnect(self._show_time)
         self.playhead.playing_changed.disconnect(self._show_playing)
         self.playhead.range_changed.disconnect(self._show_range)
+        for changed in (self._play.running_changed, self._play.recording_changed, self._play.stepped):
+            changed.disconnect(self._show_live)
 
     def _make_buttons(self) -> None:
         playhead = self.playhead
@@ -52,6 +61,12 @@ class Transport(QWidget):
         self.loop = _button("mdi6.repeat", "Loop", self._set_loop)
         self.loop.setCheckable(True)
         self.loop.setChecked(playhead.loop)
+        self.live = _button("mdi6.broadcast", "Play live", lambda: self.wanted.emit("play_live"))
+        self.record = _button("mdi6.record-circle-outline", "Record a take", lambda: self.wanted.emit("record_take"))
+        for button in (self.live, self.record):
+            button.setCheckable(True)
+        self.clock = QLabel()
+        self.clock.setObjectName("live")
 
     def _make_fields(self) -> None:
         playhead = self.playhead
@@ -88,6 +103,8 @@ class Transport(QWidget):
         _add(row, _caption("Frame"), self.frame, self.seconds, self.rate)
         row.addSpacing(12)
         _add(row, _caption("Speed"), self.speed)
+        row.addSpacing(12)
+        _add(row, self.live, self.record, self.clock)
         row.addStretch()
         _add(row, _caption("Range"), self.first, _caption("–"), self.last)
 
@@ -102,6 +119,14 @@ class Transport(QWidget):
         self.play.setToolTip("Pause" if playing else "Play")
         self.play.setAccessibleName(self.play.toolTip())
         self._show_manner()
+
+    def _show_live(self, *_: object) -> None:
+        running, recording = self._play.running, self._play.recording
+        self.live.setChecked(running)
+        self.record.setChecked(recording)
+        self.record.setEnabled(running)
+        words = "RECORDING" if recording else "LIVE"
+        self.clock.setText(f"{words} {self._play.seconds:.1f} s" if running else "")
 
     def _show_manner(self) -> None:
         """Speed and loop may have been set by keys; a speed that is not in the list is shown all the same."""
@@ -177,6 +202,7 @@ def _caption(text: str) -> QLabel:
 
 _STYLE = f"""
 #transport {{ background: {colours.BAR}; }}
+#transport QLabel#live {{ color: {colours.LIVE}; font-weight: 600; }}
 #transport QLabel {{ color: {colours.TEXT_THIRD}; font-size: 12px; }}
 #transport QAbstractSpinBox, #transport QComboBox {{ font-size: 12px; min-height: 20px; }}
 /* Without this, and with NoButtons too, Qt leaves a styled field one pixel for its text. */

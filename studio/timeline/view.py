@@ -6,8 +6,8 @@ from PySide6.QtCore import QPointF, QRect, QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QScrollBar, QWidget
 
-from studio.core.capture import Capture
-from studio.core.remarks import Remark, remarks_on
+from studio.core.captures.capture import Capture
+from studio.core.captures.remarks import Remark, remarks_on
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
@@ -59,6 +59,7 @@ class TrackView(QWidget):
         playhead.changed.connect(self._move_playhead)
         playhead.range_changed.connect(self.lay_out)
         self.live.told_changed.connect(self._show_results)
+        self.live.play.running_changed.connect(self._redraw_all)
         self.axis.changed.connect(self._redraw_all)
         self.picture.plot.arrived.connect(partial(self._redraw, PLOT))
         self.scroll_bar.valueChanged.connect(self.lay_out)
@@ -72,6 +73,7 @@ class TrackView(QWidget):
         playhead.changed.disconnect(self._move_playhead)
         playhead.range_changed.disconnect(self.lay_out)
         self.live.told_changed.disconnect(self._show_results)
+        self.live.play.running_changed.disconnect(self._redraw_all)
         self.picture.close()
 
     @property
@@ -166,7 +168,7 @@ class TrackView(QWidget):
 
     def _show_change(self, collection: str, entity_id: str) -> None:
         """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
-        if self.live.interactive and collection in UNSEEN:
+        if collection == "behaviours" or (self.live.interactive and collection in UNSEEN):
             return
         if (
             self.sheet is None

@@ -5,10 +5,10 @@ from typing import Any
 
 import pyvista as pv
 
-from studio.core.canonical import BodyLayout
-from studio.core.character import Character
-from studio.core.placement import Placement
-from studio.core.skin import skin_vertices
+from studio.core.body.canonical import BodyLayout
+from studio.core.body.character import Character
+from studio.core.mesh.skin import skin_vertices
+from studio.core.stage.placement import Placement
 from studio.engine.performance import Posed
 from studio.viewport.coarse import coarse_triangles
 from studio.viewport.figure import BoneFigure
@@ -47,20 +47,14 @@ class BodyVisual:
         self._coarse: pv.PolyData | None = None
         self._is_coarse = False
 
-    @property
-    def can_be_coarse(self) -> bool:
-        """Whether ``make_coarse`` is done; a skin with materials is always drawn whole."""
-        return self._coarse is not None or self._character.skin.appearance is not None
-
-    def make_coarse(self) -> None:
-        """Find the fewer triangles, which takes as long as some pictures."""
-        self._coarse = self._skin.part(coarse_triangles(self._character.skin))
-
     def coarsen(self, coarse: bool) -> None:
-        """Draw the skin with fewer triangles, or with all."""
-        if coarse != self._is_coarse and self._coarse is not None:
-            self._is_coarse = coarse
-            self.skin_actors[0].mapper.SetInputData(self._coarse if coarse else self._skin.polydata)
+        """Draw the next poses with fewer triangles, or with all; a skin with materials is always drawn whole."""
+        if coarse == self._is_coarse or self._character.skin.appearance is not None:
+            return
+        if self._coarse is None:
+            self._coarse = self._skin.part(coarse_triangles(self._character.skin))
+        self._is_coarse = coarse
+        self.skin_actors[0].mapper.SetInputData(self._coarse if coarse else self._skin.polydata)
 
     def belongs_to(self, character: Character) -> bool:
         """Whether this mesh can show ``character``: proportions and colour may differ, the skin may not."""

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout, BodyPart
+from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.point_names import POINTS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,8 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.viewport.camera import OrbitCamera
+from studio.viewport.eyes import PLAIN, Seen, Sight
+from studio.viewport.sharpness import Sharpness
 
 if TYPE_CHECKING:
     from studio.viewport.scene import Pixels, StageScene
@@ -38,10 +41,12 @@ class Canvas(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.camera = OrbitCamera()
+        self.sight = PLAIN
         self._scene: StageScene | None = None
         self._still: Still | None = None
         self._image = QImage()
         self._pixels: Pixels | None = None
+        self._sharpness = Sharpness()
         self._stale = True
         self._stopped = False
         self._frame_timer = self._single_shot(0, self._draw)
@@ -95,6 +100,12 @@ class Canvas(QWidget):
             self.camera = camera
             self._frame_timer.start(0)
 
+    def set_sight(self, sight: Sight) -> None:
+        """Look with one eye or two, and from where the head is."""
+        if sight != self.sight:
+            self.sight = sight
+            self._frame_timer.start(0)
+
     def grab_image(self) -> QImage:
         """The stage alone as a smooth picture, without handles and chips."""
         self.start()
@@ -122,14 +133,16 @@ class Canvas(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """The picture and what is painted over it."""
-        painter = QPainter(self)
-        if self._image.isNull():
-            self._paint_waiting(painter)
-            QTimer.singleShot(0, self, self.start)  # VTK comes when the window has been seen
-        else:
-            painter.drawImage(self.rect(), self._image)
-            self.paint_over(painter)
-        painter.end()
+        with QPainter(self) as painter:
+            if self._image.isNull():
+                self._paint_waiting(painter)
+                QTimer.singleShot(0, self, self.start)  # VTK comes when the window has been seen
+            else:
+                fewer = self._image.size() != QSize(*self._device_size())
+                painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, fewer)
+                painter.drawImage(self.rect(), self._image)
+                if self.sight.is_plain:  # else nothing on the stage is where one eye's camera says
+                    self.paint_over(painter)
 
     def sizeHint(self) -> QSize:
         """A view is worth having from about this size."""
@@ -161,8 +174,17 @@ class Canvas(QWidget):
             self._stale = False
             self.bring_up_to_date(self._scene)
         self._still = None
-        self._take(self._scene.render(self.camera, self._device_size()))
+        self._take(self._render(self._scene))
         self._rest_timer.start(REST_MILLISECONDS)
+
+    def _render(self, scene: StageScene) -> Pixels:
+        """What is seen now, in fewer pixels as long as something moves and drawing takes long."""
+        if not self.moving:
+            return self.sight.render(scene, self.camera, self._device_size())
+        begun = time.monotonic()
+        pixels = self.sight.render(scene, self.camera, self._sharpness.size(self._device_size()))
+        self._sharpness.took(time.monotonic() - begun)
+        return pixels
 
     def _take(self, pixels: Pixels) -> None:
         # The image reads these very bytes, so they are kept.
@@ -172,13 +194,13 @@ class Canvas(QWidget):
         self.update()
 
     def _refine(self) -> None:
-        """As long as nothing moves, one more sample of a smooth still per turn, then what moving will need."""
+        """As long as nothing moves, one more sample of a smooth still per turn."""
         if self._scene is None or self.moving:
             return
         if self._still is not None and self._still.complete:
-            if self._scene.make_ready():
-                self._rest_timer.start(0)
             return
+        if self._still is None:
+            self._sharpness.rest()
         self._smooth()
         if self._still is not None and self._still.complete:
             self._take(self._still.pixels)
@@ -189,6 +211,6 @@ class Canvas(QWidget):
 
         assert self._scene is not None
         if self._still is None:
-            self._still = Still(self._scene, self.camera, self._device_size())
+            self._still = Still(Seen(self._scene, self.sight), self.camera, self._device_size())
         else:
             self._still.refine()

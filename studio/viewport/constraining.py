@@ -1,5 +1,6 @@
 """A new constraint of any kind, made of what a body does at the playhead: it asks for what is there already."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -7,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
@@ -17,6 +18,7 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.upright import UprightConstraint
 from studio.core.names import free_name
 from studio.core.project import Project
 from studio.core.rotations import from_matrix
@@ -29,10 +31,11 @@ HOLD, RAMP = 0.1, 0.3
 """Seconds held on either side of the playhead, and eased beyond."""
 AHEAD = 2.0
 """Metres from the eyes to what a new look-at looks at."""
+LEANING = math.radians(5.0)
+"""Radians that what is kept upright may lean."""
 TABLE = (0.8, 0.8)
 """Metres of a new table's top; it stands on the ground and reaches up to the point."""
 LEAST_TABLE = 0.1
-NEEDS_A_PICK = ("position", "orientation", "distance", "area")
 TURNED_BY = {
     "clavicle": "upper_arm", "upper_arm": "forearm", "forearm": "hand",
     "thigh": "shank", "shank": "foot", "thorax": "neck", "neck": "head",
@@ -135,6 +138,14 @@ def _look_at(here: Here) -> Constraint:
     return LookAtConstraint(**here.common("Look at", EYES, _HEAD), target=_vector(target))
 
 
+def _upright(here: Here) -> Constraint:
+    """What points up now stays up."""
+    part = turned_part(here.picked.point)
+    chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
+    common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain, always=True)
+    return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=LEANING)
+
+
 def _distance(here: Here) -> Constraint:
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
@@ -169,6 +180,7 @@ _MAKERS: dict[str, Callable[[Here], Constraint]] = {
     "position": _position,
     "orientation": _orientation,
     "look_at": _look_at,
+    "upright": _upright,
     "distance": _distance,
     "balance": _balance,
     "area": _area,

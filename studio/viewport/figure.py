@@ -1,11 +1,10 @@
 """A figure of bones: one slender octahedron a segment, for the bones shading."""
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
+from studio.core.body.sticks import bone_pairs
 from studio.viewport.live_mesh import LiveMesh
 
 THICKEST_AT = 0.18
@@ -13,15 +12,6 @@ THICKNESS = 0.11
 _WAIST = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _FACETS = np.array([[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4], [5, 1, 2], [5, 2, 3], [5, 3, 4], [5, 4, 1]])
 """Corners of each facet, counter-clockwise from outside: 0 begin, 1 to 4 waist, 5 end."""
-
-
-@lru_cache
-def bone_pairs(layout: BodyLayout) -> NDArray[np.intp]:
-    """(B, 2) proximal and distal point of every bone, with those that join collars and hips to the spine."""
-    segments = list(zip(layout.proximal_points(), layout.distal_points(), strict=True))
-    joins = [(layout.neck_base, layout.collar(side)) for side in (0, 1)]
-    joins += [(0, layout.hip(side)) for side in (0, 1)]
-    return np.array(segments + joins)
 
 
 class BoneFigure:

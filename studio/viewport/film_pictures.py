@@ -6,6 +6,7 @@ from dataclasses import replace
 from PySide6.QtGui import QImage, QPainter
 
 from studio.cli.render import performances
+from studio.core.body.sticks import bone_pairs
 from studio.core.errors import StudioError
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
@@ -13,7 +14,6 @@ from studio.engine.live_adaptation import as_recorded
 from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
 from studio.engine.props import props_at
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.figure import bone_pairs
 from studio.viewport.following import gone_on, way_place
 from studio.viewport.overlay import Overlay
 from studio.viewport.paths import stage_paths
@@ -69,8 +69,7 @@ def _paint_ghost(picture: Pixels, ghost: Posed, view: View) -> None:
     height, width = picture.shape[:2]
     scale = height / view.height
     image = QImage(picture.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)  # these very bytes
-    painter = QPainter(image)
-    painter.scale(scale, scale)
-    overlay = Overlay(painter, view.camera, (width / scale, view.height))
-    overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))
-    painter.end()
+    with QPainter(image) as painter:
+        painter.scale(scale, scale)
+        overlay = Overlay(painter, view.camera, (width / scale, view.height))
+        overlay.ghost(ghost.points, bone_pairs(ghost.motion.morphology.layout))

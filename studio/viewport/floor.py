@@ -7,8 +7,8 @@ import pyvista as pv
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
 
-from studio.core.ground import Ground
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
+from studio.core.grounds.ground import Ground
 
 FLOOR = np.array([0x20, 0x24, 0x2A], dtype=np.float64)
 LINE = np.array([0x3A, 0x42, 0x4B], dtype=np.float64)

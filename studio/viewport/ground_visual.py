@@ -4,8 +4,8 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from studio.core.ground import Ground
 from studio.core.grounds import Steps, SurfaceMesh
+from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import heading
 from studio.viewport.floor import FLOOR, GRID_REACH, HORIZON, LINE, LINE_LIFT, as_bytes, line_fade, line_tints
 from studio.viewport.live_mesh import flat_actor

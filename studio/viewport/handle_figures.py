@@ -11,11 +11,13 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
+from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.placement import Placement
+from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.rotations import to_matrix
+from studio.core.stage.placement import Placement
 from studio.engine.measures import measure_of
 from studio.engine.performance import Posed
 from studio.viewport.body_points import point_path
@@ -58,7 +60,9 @@ class Figure:
 def figure_of(constraint: Constraint, pose: Posed, floor: float) -> Figure:
     """How ``constraint``, as it is at a moment, looks on a body then, over a ground ``floor`` metres high."""
     draw = _FIGURES.get(type(constraint))
-    return draw(constraint, pose, floor) if draw else Figure()
+    if draw is None:
+        return Figure(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))
+    return draw(constraint, pose, floor)
 
 
 def with_outline(figure: Figure, outline: FloatArray | None, floor: float) -> Figure:
@@ -67,6 +71,13 @@ def with_outline(figure: Figure, outline: FloatArray | None, floor: float) -> Fi
         return figure
     closed = np.column_stack([np.concatenate([outline, outline[:1]]), np.full(len(outline) + 1, floor)])
     return replace(figure, lines=(*figure.lines, closed))
+
+
+def with_path(figure: Figure, target: object, time: float) -> Figure:
+    """The figure with the way of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion."""
+    if not isinstance(target, KeyedPlace | ProceduralPlace):
+        return figure
+    return replace(figure, lines=(*figure.lines, target.path(time)))
 
 
 def _position(constraint: PositionConstraint, pose: Posed, floor: float) -> Figure:
@@ -191,13 +202,13 @@ def _turn(pose: Posed, point: BodyPoint) -> FloatArray:
 
 
 def _allowed(constraint: AreaConstraint, place: FloatArray) -> FloatArray:
-    from studio.core.solver.areas import nearest_place  # not before a result is there: it loads kernels
+    from studio.core.solver.asking.areas import nearest_place  # not before a result is there: it loads kernels
 
     return nearest_place(constraint, place)
 
 
 def _mass(pose: Posed) -> FloatArray:
-    from studio.core.metrics import centre_of_mass  # as above
+    from studio.core.quality.metrics import centre_of_mass  # as above
 
     row = slice(pose.row, pose.row + 1)
     return centre_of_mass(replace(pose.motion, positions=pose.motion.positions[row]))[0]

@@ -1,7 +1,6 @@
 """The place by which a constraint is held and dragged, by its kind."""
 
 from studio.core.constraints.base import Constraint, Vector
-from studio.engine.moments import HELD_BY
 
 
 def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
@@ -9,7 +8,7 @@ def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
 
     The constraint is as it is at one moment (``Moment.fixed``).
     """
-    place = getattr(constraint, HELD_BY.get(constraint.kind, ""), None)
+    place = getattr(constraint, constraint.shown.held_by, None)
     if not isinstance(place, tuple):
         return None
     return (place[0], place[1], floor) if is_flat(constraint) else (place[0], place[1], place[2])

@@ -10,7 +10,7 @@ from studio.core.project import Project
 from studio.engine.moments import Moment
 from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_figures import Figure, figure_of, with_outline
+from studio.viewport.handle_figures import Figure, figure_of, with_outline, with_path
 from studio.viewport.handle_places import handle_place
 
 
@@ -59,6 +59,7 @@ def constraint_handles(
             figure = figure_of(now, pose, floor)
             if isinstance(getattr(constraint, "place", None), Support):
                 figure = with_outline(figure, moment.outline(), floor)
+            figure = with_path(figure, getattr(constraint, constraint.shown.held_by, None), pose.seconds)
             handles.append(
                 Handle(
                     constraint_id, performer_id, constraint.kind,

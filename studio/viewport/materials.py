@@ -6,7 +6,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from studio.core.appearance import Appearance, Material
+from studio.core.mesh.appearance import Appearance, Material
 from studio.io.textures import shown_picture
 from studio.viewport.live_mesh import LiveMesh
 

@@ -10,20 +10,17 @@ import numpy as np
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.own_place import OwnPlace
-from studio.core.placement import Placement
 from studio.core.project import Performer
-from studio.core.prop import Carried, Prop
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Carried, Prop
 from studio.document.document import Document
-from studio.engine.moments import HELD_BY, Moment
+from studio.engine.moments import Moment
 from studio.engine.performance import Posed
 from studio.engine.props import moved_prop, prop_at, turned_prop, wrapped
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import Gizmo
 from studio.viewport.handle_places import handle_place, is_flat
 from studio.viewport.handles import floor_under
-
-HANDLES = {"distance": "other end", "area": "centre", "balance": "place"}
-"""What the handle of a kind is called; of the others it is the target."""
 
 
 class Movable(Protocol):
@@ -94,9 +91,9 @@ class Target:
     @property
     def _words(self) -> str:
         """What is dragged: ``target of Right wrist``, ``centre of Table``; of whom, where that one has its own."""
-        place, whom = getattr(self._begin, HELD_BY[self._begin.kind]), self._moment.performer_id
+        place, whom = getattr(self._begin, self._begin.shown.held_by), self._moment.performer_id
         own = isinstance(place, OwnPlace) and whom in dict(place.own)
-        what = HANDLES.get(self._begin.kind, "target")
+        what = self._begin.shown.handle
         return f"{what} of {self._begin.name}" + (f" for {self._moment.pose.performer.name}" if own else "")
 
     def put_back(self, gesture: int) -> None:
@@ -117,7 +114,7 @@ class PlacedProp:
     @property
     def turns(self) -> bool:
         """Carried between two hands, it faces as the chest does."""
-        return not isinstance(self._begin.held, Carried)
+        return not isinstance(self._begin.held_at(self._pose.time), Carried)
 
     @property
     def place(self) -> FloatArray:
@@ -126,7 +123,11 @@ class PlacedProp:
 
     def move(self, place: FloatArray, gesture: int) -> None:
         """Put its centre at ``place``."""
-        verb = "Key" if isinstance(self._begin.position, KeyedPlace) and not self._begin.held else "Move"
+        verb = (
+            "Key"
+            if isinstance(self._begin.position, KeyedPlace) and not self._begin.held_at(self._pose.time)
+            else "Move"
+        )
         self._put(moved_prop(self._pose, place), verb, gesture)
 
     def turn(self, angle: float, gesture: int) -> None:
@@ -210,4 +211,4 @@ def gizmo_on(movable: Movable, camera: OrbitCamera, size: tuple[float, float], p
 
 def is_keyed(constraint: Constraint) -> bool:
     """Whether the place by which it is held is keyed, so that a drag sets a key."""
-    return isinstance(getattr(constraint, HELD_BY.get(constraint.kind, ""), None), KeyedPlace)
+    return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace)

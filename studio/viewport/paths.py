@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.captures.contacts import ContactPoint, touching_points
 from studio.core.constraints.base import BodyPoint
-from studio.core.contacts import ContactPoint, touching_points
 from studio.core.project import Project
 from studio.document import colours
 from studio.engine.performance import FloatArray, Posed
@@ -68,6 +68,15 @@ def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Coll
         )
         for pose in chosen
     ]
+
+
+def prop_paths(project: Project, selected: Collection[str], time: float) -> list[StagePath]:
+    """The ways of selected props that are keyed or move by a rule, round a ``time`` of the stage."""
+    chosen = [project.props[key] for key in selected if key in project.props]
+    paths = [
+        each.position.path(time) for each in chosen if not each.held_at(time) and not isinstance(each.position, tuple)
+    ]
+    return [StagePath(path, colours.SELECTED_HANDLE, np.full(len(path), 0.7)) for path in paths]
 
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from studio.core.body.sticks import bone_pairs
 from studio.engine.performance import Posed
 from studio.engine.props import PropPose
 from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.figure import bone_pairs
 
 JOINT_REACH = 14.0
 """A joint is hit within so many pixels."""

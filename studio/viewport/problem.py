@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from studio.core.project import Project
-from studio.core.solver.stage import asked_of
+from studio.core.solver.performers.stage import asked_of
 from studio.engine.performance import Results, stage_time
 from studio.engine.residuals import Residual, worst_residual
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 
-from studio.core.prop import Prop, PropShape
-from studio.core.triangle_mesh import TriangleMesh
+from studio.core.mesh.triangle_mesh import TriangleMesh
+from studio.core.stage.prop import Prop, PropShape
 
 TOP, LEG = 0.08, 0.09
 """Of a table: the thickness of its top in parts of its height, of its legs in parts of its length and width."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.capture import Capture
+from studio.core.captures.capture import Capture
 from studio.core.markers.force_plates import plate_reactions
 from studio.core.markers.marker_map import seen_labels
 from studio.core.markers.trial import Trial
-from studio.core.placement import Placement
+from studio.core.stage.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.performance import Posed

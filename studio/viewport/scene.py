@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 
-from studio.core.character import Character
-from studio.core.ground import Ground
+from studio.core.body.character import Character
+from studio.core.grounds.ground import Ground
 from studio.core.project import Project
 from studio.engine.performance import Posed
 from studio.engine.props import PropPose
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import VIEW_ANGLE, OrbitCamera
+from studio.viewport.eyes import MIDDLE, Eye
 from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
 from studio.viewport.ground_visual import GroundVisual
 from studio.viewport.live_mesh import LiveLines, flat_actor
@@ -66,26 +67,34 @@ class StageScene:
             body = self._body(performer_id, project.characters[pose.performer.character_id])
             if bones and body.bones_actor is None:
                 self._add_shaded(body.make_bones(pose.motion.morphology.layout))
+            body.coarsen(moving)
             body.pose(pose, bones)
-        self._coarsen(moving)
         self._lines.show_paths(paths)
         self._shadows.cast([(pose.points, pose.motion.morphology) for pose in posed.values()], project.ground)
         self._sync_ground(project.ground)
         self._sync_props(project, props)
 
-    def render(self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)) -> Pixels:
-        """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel."""
+    def render(
+        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), eye: Eye = MIDDLE
+    ) -> Pixels:
+        """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel.
+
+        From an ``eye`` beside the camera the stage is seen through a window at the camera's target (off-axis).
+        """
         window, lens = self._window, self.plotter.renderer.GetActiveCamera()
         if tuple(window.GetSize()) != size:
             window.SetSize(*size)
-        lens.SetPosition(*camera.eye)
-        lens.SetFocalPoint(*camera.target)
+        tall = camera.distance * math.tan(VIEW_ANGLE / 2)  # half of the window at the target
+        away = np.array([eye.right, eye.up, eye.back]) @ camera.axes
+        lens.SetPosition(*(camera.eye + away))
+        lens.SetFocalPoint(*(camera.eye + away - camera.distance * camera.axes[2]))
         lens.SetViewUp(*camera.axes[1])
-        lens.SetViewAngle(math.degrees(VIEW_ANGLE))
+        lens.SetViewAngle(math.degrees(2.0 * math.atan(tall / (camera.distance + eye.back))))
         lens.SetParallelProjection(camera.parallel)
-        lens.SetParallelScale(camera.distance * math.tan(VIEW_ANGLE / 2))
+        lens.SetParallelScale(tall)
         lens.SetClippingRange(max(0.03 * camera.distance, 0.02), camera.distance + 200.0)
-        lens.SetWindowCenter(2 * offset[0] / size[0], 2 * offset[1] / size[1])
+        wide = tall * size[0] / size[1]
+        lens.SetWindowCenter(2 * offset[0] / size[0] - eye.right / wide, 2 * offset[1] / size[1] - eye.up / tall)
         self._sky.SetPosition(*camera.target)
         self._shading.turn(tuple(camera.axes[:, 2].tolist()))
         window.Render()
@@ -141,19 +150,6 @@ class StageScene:
                 self._add_shaded(actor)
         body.take(character)
         return body
-
-    def make_ready(self) -> bool:
-        """Make a coarser mesh of one body, while there is time; whether there may be more to do."""
-        late = next((body for body in self._bodies.values() if not body.can_be_coarse), None)
-        if late is not None:
-            late.make_coarse()
-        return late is not None
-
-    def _coarsen(self, moving: bool) -> None:
-        if moving and self._pixels.GetNumberOfValues():
-            self.make_ready()  # one in a picture, so that none waits for all, and the first of all for none
-        for body in self._bodies.values():
-            body.coarsen(moving and body.can_be_coarse)
 
     def _sync_ground(self, ground: Ground) -> None:
         self._ground.show(ground)

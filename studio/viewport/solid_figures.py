@@ -4,9 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from studio.core.mesh.triangle_mesh import TriangleMesh
+from studio.core.mesh.volume import BodyVolume, usual_volume
 from studio.core.solver.request import AdaptedMotion
-from studio.core.triangle_mesh import TriangleMesh
-from studio.core.volume import BodyVolume, usual_volume
 from studio.viewport.camera import FloatArray
 
 MOST_EDGES = 240
@@ -31,7 +31,8 @@ def capsule_ends(volume: BodyVolume, motion: AdaptedMotion, row: int) -> FloatAr
 
 
 def _capsule(begin: FloatArray, end: FloatArray, first: float, last: float) -> list[FloatArray]:
-    along = (end - begin) / max(float(np.linalg.norm(end - begin)), 1e-9)
+    length = float(np.linalg.norm(end - begin))
+    along = (end - begin) / length if length > 1e-6 else np.eye(3)[2]  # a ball has no direction
     side = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
     side /= np.linalg.norm(side)
     across = np.stack([side, np.cross(along, side)])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.scene import Pixels, StageScene
+from studio.viewport.eyes import Pixels, Renders
 
 SAMPLES, FILM_SAMPLES = 12, 4
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
@@ -19,7 +19,7 @@ def shift(sample: int) -> tuple[float, float]:
 class Still:
     """A picture that gets smoother with each ``refine``."""
 
-    def __init__(self, scene: StageScene, camera: OrbitCamera, size: tuple[int, int]) -> None:
+    def __init__(self, scene: Renders, camera: OrbitCamera, size: tuple[int, int]) -> None:
         self._scene, self._camera, self._size = scene, camera, size
         self._sum = scene.render(camera, size).astype(np.uint16)
         self.count = 1
@@ -40,7 +40,7 @@ class Still:
         return ((self._sum + self.count // 2) // self.count).astype(np.uint8)
 
 
-def smooth_picture(scene: StageScene, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
+def smooth_picture(scene: Renders, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
     """What the scene shows now, of as many samples a pixel."""
     still = Still(scene, camera, size)
     while still.count < samples:

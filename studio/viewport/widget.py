@@ -10,20 +10,22 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
+from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.kinds import KINDS
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.empty_stage import empty_words
 from studio.engine.live import Live
 from studio.engine.moments import Moment
-from studio.engine.performance import Posed, has_moved_on, pose_of, posed_performers, resting_performers
+from studio.engine.performance import Posed, has_moved_on, pose_of, resting_performers, seen_now
 from studio.engine.props import PropPose, props_at
 from studio.viewport import mouse
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
-from studio.viewport.constraining import NEEDS_A_PICK, Here, constraint_here
-from studio.viewport.figure import bone_pairs
+from studio.viewport.constraining import Here, constraint_here
+from studio.viewport.dropping import StrikeDrops
 from studio.viewport.following import Follower
 from studio.viewport.framing import selected_points
 from studio.viewport.gestures import Gesture
@@ -34,7 +36,7 @@ from studio.viewport.movables import Movable, gizmo_on, selected_movable
 from studio.viewport.opening import is_another_size, opening_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.pace import Pace
-from studio.viewport.paths import StagePath, selection_rings, stage_paths
+from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths
 from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
 from studio.viewport.problem import Problem, worst_problem
@@ -74,7 +76,7 @@ class Viewport(Canvas):
         self._posed_in = document.project
         self._follower = Follower()
         self._pace = Pace()
-        self.preview = Preview(self)
+        self.preview, self.strike_drops = Preview(self), StrikeDrops(self, document)
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
         self._chips = Chips(
@@ -196,7 +198,7 @@ class Viewport(Canvas):
         picked = self.joint_picked
         performer_id = picked.performer_id if picked else self._document.active_performer_id or ""
         pose = self.posed.get(performer_id)
-        if pose is None or pose.motion_id is None or (picked is None and kind in NEEDS_A_PICK):
+        if pose is None or pose.motion_id is None or (picked is None and KINDS[kind].shown.picks):
             return None
         constraint = constraint_here(Here(self._moment(pose), picked.joint if picked else None), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
@@ -261,16 +263,15 @@ class Viewport(Canvas):
     @property
     def moving(self) -> bool:
         """While something moves, pictures are not smoothed."""
-        gesture = self.gesture is not None or self._live.interactive
+        gesture = self.gesture is not None or self._live.interactive or self._live.play.running
         return self._document.playhead.playing or gesture or self._glide.moving
 
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
-        project, time = self._document.project, self._document.playhead.time
-        self._posed_in = project
-        if not self._live.bring(time):
+        self._posed_in = self._document.project
+        if not self._live.bring(self._document.playhead.time):
             self.show_soon()
-        self.posed = posed_performers(project, self._live.shown, time, self._live.result)
+        project, time, self.posed = seen_now(self._document, self._live)
         self.resting = resting_performers(project, self.posed)
         if self.posed and not self._framed:
             # Results come one by one: the view is settled when every body is there.
@@ -346,10 +347,11 @@ class Viewport(Canvas):
         return pose_of(self._document.project, pose.performer, source, self._document.playhead.time) if source else None
 
     def _paths(self) -> list[StagePath]:
-        project, selected = self._document.project, self._document.selection.of("performers")
-        rings = selection_rings(project, self.posed, selected)
-        recorded = self._recorded.paths if self._recorded else ()
-        return [*stage_paths(project, self.posed, self._trail_point(), smooth=not self.moving), *rings, *recorded]
+        project, selection = self._document.project, self._document.selection
+        paths = stage_paths(project, self.posed, self._trail_point(), smooth=not self.moving)
+        paths += selection_rings(project, self.posed, selection.of("performers"))
+        paths += prop_paths(project, selection.of("props"), self._document.playhead.time)
+        return [*paths, *(self._recorded.paths if self._recorded else ())]
 
     @property
     def view(self) -> View:
@@ -384,6 +386,8 @@ class Viewport(Canvas):
             (self._live.adapted, self._adapted),
             (self._live.told_changed, self._told_changed),
             (self._live.interactive_changed, self.show_again),
+            (self._live.play.stepped, self.show_again),
+            (self._live.play.running_changed, self.show_again),
         )
         for signal, slot in links:
             signal.connect(slot)

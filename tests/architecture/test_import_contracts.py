@@ -37,9 +37,9 @@ def test_empty_packages_break_no_contract(checkout):
 @pytest.mark.parametrize(
     ("importer", "statement"),
     [
-        ("core/pose.py", "import studio.io"),
-        ("core/pose.py", "import pathlib"),
-        ("core/pose.py", "from PySide6.QtCore import QObject"),
+        ("core/body/pose.py", "import studio.io"),
+        ("core/body/pose.py", "import pathlib"),
+        ("core/body/pose.py", "from PySide6.QtCore import QObject"),
         ("io/bvh.py", "import studio.document"),
         ("cli/render.py", "import pyqtgraph"),
         ("viewport/scene.py", "import studio.panels"),

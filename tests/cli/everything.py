@@ -8,7 +8,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import AnimatedMorphology
+from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.activation import ActivationCurve, EaseShape
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
@@ -16,23 +18,25 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint
-from studio.core.ground import Ground
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
-from studio.core.morphology import AnimatedMorphology
+from studio.core.grounds.ground import Ground
+from studio.core.mesh.skin import Blending, skin_vertices
+from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.normalize import detected_contacts, normalize
+from studio.core.normalized.realize import realize
 from studio.core.normalized.round_trip import round_trip
-from studio.core.skin import Blending, skin_vertices
-from studio.core.solver.adapt import adapt
+from studio.core.solver.adapt import adapt, standing_of
 from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
-from studio.core.triangle_mesh import TriangleMesh
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index
 from studio.library.library import Library
 from studio.library.searching import Asked, find
+from studio.live.driving import ReceivedPose, driven
+from studio.live.streamer import packets_of
+from studio.live.tracker import Inbox
 from studio.resources_folder import example_captures_folder
 from tests.builders import make_capture
 from tests.core.motions import ALWAYS, walk
@@ -57,6 +61,7 @@ def do_everything() -> None:
     """Each of these ends; what becomes of it is others' to test."""
     read_files()
     search_library()
+    play_live()
     for request in scenes():
         solve(request)
     for blending in Blending:
@@ -73,6 +78,17 @@ def search_library() -> None:
         for each in (library, Library.of_clips(list(library.clips))):
             motion = each.clips[0].take.motion
             find(each, Asked(replace(motion, channels=motion.channels[:1]), STILL, (0.5, 0.0, 1.2)))
+
+
+def play_live() -> None:
+    """A body comes in by VMC, and plays on another one that is asked something."""
+    inbox, (positions, rotations) = Inbox(), realize(WALK, STILL)
+    for packet in packets_of(positions[0], rotations[0], STILL, 0.0):
+        inbox.feed(packet)
+    pose = ReceivedPose(inbox)()
+    assert pose is not None
+    for request in asking(AdaptRequest(WALK, STILL, FEET), [("position",)]):
+        driven(request, 20, pose)
 
 
 def read_files() -> None:
@@ -122,5 +138,5 @@ def solve(request: AdaptRequest) -> None:
     """As a whole and a window of it, with and without limits and easing, and report of it."""
     for limited, eased in product((True, False), repeat=2):
         asked = replace(request, limited=limited, eased=eased)
-        report_of(asked, adapt(asked))
+        report_of(standing_of(asked), asked, adapt(asked))
     adapt(request, 5, 8)

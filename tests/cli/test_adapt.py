@@ -12,12 +12,12 @@ import pytest
 
 from studio.cli.adapt_report import residual_record
 from studio.cli.main import main
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.kinematics import joint_world
+from studio.core.body.morphology import Proportions
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.growth import KeyedProportions
-from studio.core.kinematics import joint_world
-from studio.core.morphology import Proportions
 from studio.io.character_file import bundled_characters, write_character
 from studio.io.export import write_capture
 from studio.io.importing import load_capture

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from studio.cli.main import main
-from studio.core.canonical import BodyPart
-from studio.core.kinematics import joint_world
+from studio.core.body.canonical import BodyPart
+from studio.core.body.kinematics import joint_world
 from studio.io.export import write_capture
 from studio.io.importing import load_capture, load_character
 from tests.builders import make_capture

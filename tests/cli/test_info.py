@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from studio.cli.main import main
-from studio.core.contacts import CONTACT_POINTS
+from studio.core.captures.contacts import CONTACT_POINTS
 from studio.io.c3d_writer import write_c3d
 from studio.io.export import write_capture
 from studio.io.project_file import new_document_id, write_project

@@ -8,7 +8,8 @@ import pytest
 
 from studio.cli.main import main
 from studio.cli.render import performances
-from studio.core.project import Clip, Performer
+from studio.core.project import Performer
+from studio.core.stage.clip import Clip
 from studio.io.importing import load_capture
 from studio.io.project_file import new_document_id, read_project, write_project
 from tests.builders import make_capture, make_project

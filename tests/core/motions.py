@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from studio.core.canonical import BodyPart
-from studio.core.capture import Capture
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.kernels import layout as at
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
-from studio.core.pose import PoseSequence
 from studio.core.rotations import multiply, rotate, to_matrix
-from studio.core.skeleton import Skeleton
 from studio.core.solver.request import AdaptedMotion
 from tests.builders import make_capture, make_skeleton
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
@@ -15,8 +15,8 @@ from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.solver.adapt import place_of
+from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.tracks import Track, Tracks
 from tests.core.motions import ALWAYS, RATE
 from tests.core.twins.rotation import from_vector
 

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology, Proportions
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactPoint
-from studio.core.ground import Ground
-from studio.core.metrics import contact_quality
-from studio.core.morphology import Morphology, Proportions
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.realize import realize
+from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.packing import limb_of, point_indices
+from studio.core.solver.asking.packing import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
 from tests.builders import make_constraint, make_morphology

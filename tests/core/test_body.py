@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
 from studio.core.kernels.algebra.turns import turn_in
 from studio.core.kernels.body import parts as kernel
 from studio.core.normalized.realize import realize

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyLayout, BodyPart
+from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.kernels.body.parts import distal_range
 from tests.core.twins.body import carried_by, carried_points
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.capture import Capture, Guess
+from studio.core.body.humanoid import BodyPart
+from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyPart
 from tests.builders import BODY_MAP, make_capture
 
 

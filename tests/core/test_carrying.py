@@ -10,20 +10,21 @@ from hypothesis.extra.numpy import arrays
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from studio.core.contacts import ContactInterval, ContactPoint
-from studio.core.ground import Ground
+from studio.core.body.pose import PoseSequence
+from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds import Bumps, Slope, Steps
+from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import place_leg
+from studio.core.kernels.records import Arms, Legs, Links, Pose
 from studio.core.kernels.support import carrying as kernel
-from studio.core.metrics import contact_quality
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
-from studio.core.pose import PoseSequence
+from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
-from studio.core.solver.carrying import averaged, eased, find_carrying, leaning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.carrying import averaged, eased, find_carrying, leaning
 from studio.io.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.motions import RATE, about, random_rotations, walk
@@ -197,9 +198,8 @@ class _Links:
 
     def settled(self, stiffness: float) -> np.ndarray:
         moves = np.zeros((1, 6))
-        kernel.settle_frames(
-            self.roots, self.starts, self.ends, self.least, self.most, self.seats, np.zeros((1, 6)), stiffness, moves
-        )
+        links = Links(self.starts, self.ends, self.least, self.most)
+        kernel.settle_frames(self.roots, links, self.seats, np.zeros((1, 6)), stiffness, moves)
         return moves[0]
 
 
@@ -244,7 +244,8 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     wrist = positions[shoulder] + random.uniform(0.2, 1.3) * BODY.arm[side].sum() * way / np.linalg.norm(way)
     hand = random_rotations(random)
     comfort = random.uniform(0.9, 1.0)
-    kernel.place_arm(row, BODY.packed, side, wrist, hand, 1.0, comfort, positions, rotations)
+    ours = (np.stack([[each]] * 2) for each in (comfort, wrist, hand, 1.0))
+    kernel.place_arm(0, side, BODY.packed, Arms(row[None], *ours), Pose(positions, rotations))
 
     clavicle = rotations[layout.spine_count - 1] @ from_quaternion(row[at.CLAVICLE + 4 * side :][:4])
     frame = clavicle @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
@@ -291,7 +292,8 @@ def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
     assume(0.5 * (upper + lower) < span < 0.9 * (upper + lower))
     row, foot, toe = WALK.channels[0], random_rotations(random), random_rotations(random)
     target = np.array([*ankle, *knee, 1.0])
-    place_leg(row, BODY.packed, side, 0.97, target, foot, toe, positions, rotations)
+    legs = Legs(row, *(np.stack([each] * 2) for each in (0.97, target, foot, toe)))
+    place_leg(side, BODY.packed, legs, Pose(positions, rotations))
     assert np.allclose(positions[layout.ankle(side)], ankle, atol=1e-9)
     assert np.allclose(positions[layout.hip(side) + 1], knee, atol=1e-9)
 

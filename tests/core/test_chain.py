@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain, finite_vector
 from studio.core.constraints.position import PositionConstraint
 from tests.builders import make_constraint

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from studio.core.morphology import Proportions
+from studio.core.body.morphology import Proportions
 from studio.io.character_file import bundled_characters
 
 

@@ -6,15 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from studio.core.canonical import BodyPart
-from studio.core.character_skeleton import (
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character_skeleton import (
     character_body_map,
     character_poses,
     character_skeleton,
     joint_points,
     t_pose_rotations,
 )
-from studio.core.kinematics import joint_world, rest_poses
+from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.normalized.normalize import normalize
 from studio.core.rotations import IDENTITY
 from studio.core.solver.adapt import adapt

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studio.core.body_shape import body_by_shape
-from studio.core.canonical import BodyPart
-from studio.core.character import Character
-from studio.core.character_skeleton import t_pose_rotations
+from studio.core.body.body_shape import body_by_shape
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.body.character_skeleton import t_pose_rotations
+from studio.core.body.morphology import Proportions
+from studio.core.body.rest_pose import rest_pose
+from studio.core.body.skeleton import Skeleton
+from studio.core.body.standing import standing_points
 from studio.core.mannequin.tailoring import tailored
-from studio.core.morphology import Proportions
-from studio.core.rest_pose import rest_pose
-from studio.core.skeleton import Skeleton
-from studio.core.skin import Blending, bound_pose, fit_skin, skin_vertices
-from studio.core.standing import standing_points
+from studio.core.mesh.skin import Blending, bound_pose, fit_skin, skin_vertices
 from studio.io.character_file import bundled_characters
 from tests.io.character_files import JOINTS, NAMES, PLACES
 

@@ -5,7 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
@@ -13,13 +15,11 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.limits import clearance as kernel
 from studio.core.kernels.limits.clearing import make_clearing
 from studio.core.kernels.records import ActorRooms, Pose, Volume
-from studio.core.morphology import Morphology
-from studio.core.rest_pose import rest_pose
-from studio.core.skin import fit_skin
+from studio.core.mesh.skin import fit_skin
+from studio.core.mesh.volume import BodyVolume, usual_volume
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.clearance import rooms
+from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.volume import BodyVolume, usual_volume
 from studio.io.character_file import bundled_characters
 from tests.core.motions import walk
 

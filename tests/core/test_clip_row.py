@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from studio.core.clip_row import begun_at, edited, ended_at, frame_at, players_of, split
 from studio.core.normalized.compose import compose
 from studio.core.normalized.pieces import Piece
-from studio.core.project import Clip
+from studio.core.stage.clip import Clip
+from studio.core.stage.clip_row import begun_at, edited, ended_at, frame_at, players_of, split
 from tests.builders import make_project
 from tests.core.test_compose import cut, example
 

@@ -6,9 +6,8 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from studio.core.contacts import ContactInterval, ContactPoint
-from studio.core.ground import Ground
-from studio.core.metrics import QUIET, angular_acceleration, contact_quality
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, Piece, compose
 from studio.core.normalized.differences import difference, moved
 from studio.core.normalized.joining import SAME_PLACE, Planar, average_body
@@ -16,6 +15,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.normalized.realize import realize
 from studio.core.normalized.transition import placed
+from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.solver.adapt import Standing, hold, stand
 from studio.io.importing import load_capture
 from tests.architecture.sources import ROOT

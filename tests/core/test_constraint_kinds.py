@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
@@ -15,12 +16,11 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import centre_of_mass, contact_quality
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.areas import nearest_place
+from studio.core.solver.asking.areas import nearest_place
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
 from tests.core.motions import walk

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.contacts import (
+from studio.core.captures.contacts import (
     BODY_POINTS,
     FOOT_POINTS,
     WANDER,

@@ -7,25 +7,25 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.joint_limits import limits_of
+from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowTracked
-from studio.core.ground import Ground
-from studio.core.joint_limits import limits_of
+from studio.core.grounds.ground import Ground
 from studio.core.kernels.time.jolts import LEVER, WHOLE
-from studio.core.metrics import QUIET, angular_acceleration, contact_quality
-from studio.core.rest_pose import rest_pose
+from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import Bound, Standing, hold, place_of, stand
-from studio.core.solver.limb_charts import LimbCharts
-from studio.core.solver.packing import pack
+from studio.core.solver.asking.packing import pack
+from studio.core.solver.asking.tracks import Targets, Track
 from studio.core.solver.report import EASED, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stretch import Stretch
-from studio.core.solver.tracks import Targets, Track
-from studio.core.solver.wished import brought
+from studio.core.solver.smoothing.limb_charts import LimbCharts
+from studio.core.solver.smoothing.stretch import Stretch
+from studio.core.solver.smoothing.wished import brought
 from studio.io.character_file import bundled_characters
 from tests.core.motions import local_rotations, random_rotations, target, walk
 from tests.core.test_smooth_law import BEFORE, BODIES, CONTACTS, STANDING, Wishes
@@ -148,7 +148,7 @@ def test_a_report_says_what_was_missed_for_easing() -> None:
     )
     standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
     adapted = hold(standing, request.constraints, eased=True)
-    assert (report_of(request, adapted).winners == EASED).any()
+    assert (report_of(standing, request, adapted).winners == EASED).any()
 
 
 @settings(max_examples=30, deadline=None)

@@ -6,12 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from studio.core.contacts import ContactInterval, ContactPoint
-from studio.core.ground import Ground
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.grounds.ground import Ground
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.limbs.legs import hip_heights, place_leg
+from studio.core.kernels.records import Legs, Pose
 from studio.core.normalized.realize import realize
-from studio.core.solver.footing import (
+from studio.core.solver.standing.footing import (
     STANDING_REACH,
     SWINGING_REACH,
     find_footing,
@@ -112,10 +113,8 @@ class _Leg:
         self.ankle = self.hip + random.uniform(*stretch) * self.length * self.direction
         self.foot, self.toe = random_rotations(random), random_rotations(random)
         self.before = self.positions.copy(), self.rotations.copy()
-        place_leg(
-            self.row, BODY.packed, self.side, self.comfort, self.ankle, self.foot, self.toe,
-            self.positions, self.rotations,
-        )  # fmt: skip
+        ours = (np.stack([each] * 2) for each in (self.comfort, self.ankle, self.foot, self.toe))
+        place_leg(self.side, BODY.packed, Legs(self.row, *ours), Pose(self.positions, self.rotations))
         first, upper = BODY.layout.hip(self.side), BODY.layout.spine_count + 10 + 4 * self.side
         self.points, self.segments = slice(first, first + 5), slice(upper, upper + 4)
 
@@ -153,7 +152,7 @@ def test_a_clip_is_placed_frame_by_frame() -> None:
     footing = find_footing(WALK, BODY, CONTACTS, Ground(), positions, rotations)
     placed, turned = positions.copy(), rotations.copy()
     stance = (footing.comforts, footing.ankles, footing.feet, footing.toes)
-    place_frames(WALK.channels, BODY.packed[None], footing.drops, *stance, placed, turned)
+    place_frames(BODY.packed[None], footing.drops, Legs(WALK.channels, *stance), placed, turned)
     for frame in (0, 33, 119):
         root = positions[frame, 0] - [0.0, 0.0, footing.drops[frame]]
         assert np.allclose(placed[frame, 0], root)

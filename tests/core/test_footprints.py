@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from studio.core.contacts import ContactPoint
-from studio.core.ground import Ground
+from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
-from studio.core.metrics import acceleration_ratio, contact_quality
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, stand
-from studio.core.solver.footprints import planes_under, tilts_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.footprints import planes_under, tilts_of
 from studio.io.character_file import bundled_characters
 from tests.core.motions import walk
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.ground import Ground
 from studio.core.grounds import GROUND_KINDS, Bumps, HeightMap, Slope, Steps, SurfaceMesh
+from studio.core.grounds.ground import Ground
 
 seeds = st.integers(0, 2**32 - 1)
 RANDOM = np.random.default_rng(4)

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.character import Character
+from studio.core.body.character import Character
+from studio.core.body.growth import KeyedProportions, grown
+from studio.core.body.morphology import AnimatedMorphology, Proportions
 from studio.core.errors import StudioError
-from studio.core.growth import KeyedProportions, grown
-from studio.core.morphology import AnimatedMorphology, Proportions
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performing import perform
+from studio.core.solver.performers.performing import perform
 from studio.document.document import Document
 from studio.io.character_file import bundled_characters, read_character, write_character
 from studio.io.entity_json import entity_of, entity_record

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from studio.core.body_matching import BodySearch
+from studio.core.body.body_matching import BodySearch
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyMap, BodyPart
-from studio.core.skeleton import Skeleton
 from tests.builders import BODY_MAP, make_skeleton
 
 

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.joint_limits import HIP, SHOULDER, BallLimit, limits_of
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
-from studio.core.joint_limits import HIP, SHOULDER, BallLimit, limits_of
-from studio.core.metrics import angular_acceleration
-from studio.core.morphology import Morphology
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, standing_of
+from studio.core.solver.asking.tracks import Track
 from studio.core.solver.report import LIMITS, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 from tests.core.reachable import Mannequin

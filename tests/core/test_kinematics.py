@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world, rest_poses
-from studio.core.pose import PoseSequence
 from studio.core.rotations import IDENTITY, from_euler, to_matrix
-from studio.core.skeleton import Skeleton
 
 
 def _tree(joints: int, seed: int = 0) -> Skeleton:

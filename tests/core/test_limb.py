@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.kernels.algebra.turns import put_turn
 from studio.core.kernels.limbs import limb as kernel
+from studio.core.kernels.records import Limb, Pose
 from tests.core.motions import random_rotations
 from tests.core.twins import limb as twin
 
@@ -24,11 +25,10 @@ class _Limb:
         self.distance = random.uniform(near + 0.01 * far, 0.999 * far) if distance is None else distance
         self.off_plane = random.uniform(-0.2, 0.2) if off_plane is None else off_plane
         self.bend, self.twist = random.choice([-1.0, 1.0]), random.uniform(-3, 3, size=2)
-        self.points, self.upper, self.lower = np.empty((2, 3)), np.empty((3, 3)), np.empty((3, 3))
-        kernel.place_limb(
-            self.root, tuple(self.frame.ravel()), self.distance, self.bones, self.off_plane, self.bend,
-            tuple(self.twist), *self.points, self.upper, self.lower,
-        )  # fmt: skip
+        limb = Limb(self.bones, self.distance, self.off_plane, self.bend, tuple(self.twist))
+        pose = Pose(np.stack([self.root] * 3), np.empty((2, 3, 3)))
+        kernel.place_limb(0, 0, tuple(self.frame.ravel()), limb, pose)
+        self.points, (self.upper, self.lower) = pose.positions[1:], pose.rotations
 
 
 @given(seeds)

@@ -8,14 +8,14 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from studio.core.canonical import BodyPart
-from studio.core.character import Character
-from studio.core.hand_shapes import AT_EASE, FIST, HALF_CLOSED, OPEN
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.body.morphology import Proportions
+from studio.core.body.rest_pose import rest_pose
 from studio.core.mannequin.physiques import BUNDLED
 from studio.core.mannequin.sculpt import make_mannequin
-from studio.core.morphology import Proportions
-from studio.core.rest_pose import rest_pose
-from studio.core.skin import fit_skin, gripping
+from studio.core.mesh.hand_shapes import AT_EASE, FIST, HALF_CLOSED, OPEN
+from studio.core.mesh.skin import fit_skin, gripping
 from studio.io.character_file import bundled_characters, read_character, write_character
 
 STATURES = {"adult_woman": 1.66, "tall_man": 1.94, "stocky_man": 1.68, "child": 1.20, "giant": 2.21}

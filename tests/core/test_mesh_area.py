@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.areas import nearest_place
+from studio.core.solver.asking.areas import nearest_place
 from studio.core.solver.request import AdaptRequest
-from studio.core.triangle_mesh import TriangleMesh
 from studio.io.character_file import bundled_characters
 from tests.core.motions import walk
 

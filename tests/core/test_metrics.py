@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.contacts import FOOT_POINTS, ContactInterval, ContactPoint
-from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
+from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.realize import realize
+from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.rotations import to_matrix
 from studio.core.solver.request import AdaptedMotion
 from tests.builders import make_morphology

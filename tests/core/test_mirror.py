@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.contacts import ContactInterval, ContactPoint
+from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.normalized.mirror import mirrored, mirrored_contacts
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize

@@ -7,20 +7,20 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from studio.core.capture import Capture
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_world
+from studio.core.body.morphology import Morphology
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyMap
 from studio.core.kernels import layout as at
-from studio.core.kinematics import joint_world
-from studio.core.morphology import Morphology
 from studio.core.normalized.alignment import find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, heading, normalize
 from studio.core.normalized.realize import realize, restore
-from studio.core.pose import PoseSequence
 from studio.core.rotations import angle_between, from_matrix, to_matrix
-from studio.core.skeleton import Skeleton
 from tests.builders import BODY_MAP, make_capture, make_morphology
 from tests.core.motions import about, placed, random_rotations, scaled, swaying, times
 from tests.core.twins.normalize import channels_of

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint, Support

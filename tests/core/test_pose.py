@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from studio.core.body.pose import PoseSequence
 from studio.core.errors import StudioError
-from studio.core.pose import PoseSequence
 from studio.core.rotations import normalized, sign_continuous
 
 

@@ -13,7 +13,7 @@ from studio.core.kernels.search.priorities import eliminate, find_step, move_joi
 from studio.core.kernels.search.reused_step import step_again
 from studio.core.kernels.tasks.second_order import ASK, HOLD
 from studio.core.normalized.realize import realize
-from studio.core.solver.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
+from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, free_joints
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.core.twins import body as body_twin

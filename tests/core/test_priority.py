@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
 from studio.core.solver.adapt import adapt, hold, place_of, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters

@@ -6,18 +6,19 @@ import numpy as np
 import pytest
 
 from studio.cli.render import prepared
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Proportions
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowBody, FollowProp
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
-from studio.core.placement import Placement
 from studio.core.project import Project
-from studio.core.prop import InHand, Prop, PropShape
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.performing import Staged, perform
-from studio.core.solver.props import Holder, stage_track
-from studio.core.solver.stage import asked_of
+from studio.core.solver.performers.performing import Staged, perform
+from studio.core.solver.performers.props import Holder, stage_track
+from studio.core.solver.performers.stage import asked_of
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.library.scenes import carrying
 from tests.builders import make_constraint, make_project
 
@@ -149,3 +150,81 @@ def test_a_prop_that_is_turned_in_a_hand_turns_what_follows_it() -> None:
 def test_a_mesh_shape_without_a_mesh_is_refused() -> None:
     with pytest.raises(ValueError, match="load a mesh"):
         Prop("Thing", shape=PropShape.MESH)
+
+
+PICKED, PUT = 2.5, 5.5
+"""Seconds in which the walk carries something."""
+
+
+def handled(manner: str, *, put: bool) -> tuple[Project, str]:
+    """Three bodies of which one picks a box up and puts it down, with the wrists on it meanwhile."""
+    project = carrying.three_boxes()
+    key = list(project.performers)[1]
+    from_here, to_there = (1.6, 0.0, 0.9), (4.0, 0.5, 0.7)
+    position = KeyedPlace((PICKED, PUT), (from_here, to_there)) if put else from_here
+    held = (
+        replace(carrying_of(project, key), begin=PICKED, end=PUT)
+        if manner == "both hands"
+        else InHand(key, BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.1)), begin=PICKED, end=PUT)
+    )
+    box = replace(project.props[f"box {key}"], position=position, held=held)
+    project = project.with_entity("props", f"box {key}", box)
+    if manner == "one hand":
+        project = replace(project, constraints={})
+    return project, key
+
+
+def carrying_of(project: Project, key: str) -> Carried:
+    held = project.props[f"box {key}"].held
+    assert isinstance(held, Carried)
+    return held
+
+
+@pytest.mark.parametrize("put", [False, True], ids=["left", "put"])
+@pytest.mark.parametrize("manner", ["both hands", "one hand"])
+def test_a_prop_lies_until_it_is_picked_up_goes_with_the_hands_and_lies_where_it_is_put(manner: str, put: bool) -> None:
+    project, key = handled(manner, put=put)
+    made = performed(project).performances[key]
+    timing = made.composite.timing
+    times = np.arange(0.0, 8.0, 1.0 / 60.0)
+    placement = Placement.of(project.performers[key])
+    holder = Holder(made.adapted, timing.frames_at(times), placement, timing=timing)
+    prop = project.props[f"box {key}"]
+    track = stage_track(prop, times, holder)
+    own = stage_track(replace(prop, held=None), [0.0, 8.0], None)
+    assert track.places[times < PICKED] == pytest.approx(np.tile(own.places[0], (np.sum(times < PICKED), 1)))
+    after = track.places[times > PUT]
+    assert np.ptp(after, axis=0) == pytest.approx(0.0, abs=1e-9)
+    if put:
+        assert after[0] == pytest.approx(own.places[-1])
+    alone = stage_track(replace(prop, held=replace(prop.held, begin=None, end=None)), times, holder).places
+    middle = (times > PICKED + 0.4) & (times < PUT - 0.4)
+    assert track.places[middle] == pytest.approx(alone[middle], abs=1e-9)
+    steps = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
+    usual = np.linalg.norm(np.diff(alone, axis=0), axis=1).max()
+    far = np.linalg.norm(own.places[0] - alone[np.searchsorted(times, PICKED)])
+    near = np.linalg.norm(own.places[-1] - alone[np.searchsorted(times, PUT)])
+    assert steps.max() < usual + 2.0 * max(far, near) / 0.3 / 60.0  # the steepest of an ease in 0.3 s
+
+
+def test_wrists_are_on_a_box_from_before_it_is_picked_up_until_it_is_put_down_on_any_body() -> None:
+    for factor in (0.8, 1.0, 1.2):
+        project, key = handled("both hands", put=False)
+        character = project.characters[project.performers[key].character_id]
+        grown = replace(character, proportions=Proportions(stature=factor))
+        project = project.with_entity("characters", project.performers[key].character_id, grown)
+        made = performed(project).performances[key]
+        timing, placement = made.composite.timing, Placement.of(project.performers[key])
+        times = np.arange(PICKED + 0.35, PUT - 0.05, 1.0 / 60.0)
+        frames = np.rint(timing.frames_at(times)).astype(int)
+        prop = project.props[f"box {key}"]
+        track = stage_track(prop, times, Holder(made.adapted, frames, placement, timing=timing))
+        for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
+            sides = track.places + track.rotations @ (np.array([-0.7, side, 0.0]) * np.array(prop.size) / 2)
+            wrists = placement.to_stage(place_of(wrist, made.adapted)[frames])
+            assert np.linalg.norm(wrists - sides, axis=1).max() < 2e-3
+
+
+def test_a_prop_is_not_put_down_before_it_is_picked_up() -> None:
+    with pytest.raises(ValueError, match="later one"):
+        Carried("performer 0", begin=2.0, end=1.0)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.ground import Ground
-from studio.core.metrics import contact_quality
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.character_file import bundled_characters

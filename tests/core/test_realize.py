@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from studio.core.body.morphology import Proportions
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.realize import sample_spine
-from studio.core.morphology import Proportions
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology

@@ -8,16 +8,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.joint_limits import limits_of
+from studio.core.body.morphology import Morphology
+from studio.core.body.pose import PoseSequence
+from studio.core.captures.contacts import ContactInterval, ContactPoint, contact_mask
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint, contact_mask
-from studio.core.ground import Ground
-from studio.core.joint_limits import limits_of
+from studio.core.grounds.ground import Ground
 from studio.core.kernels.adapt import make_search
 from studio.core.kernels.limbs.reach import aim_at
 from studio.core.kernels.records import Body, Legs, Pose, Problem
@@ -31,17 +33,15 @@ from studio.core.kernels.tasks.balance import (
     sum_masses,
 )
 from studio.core.kernels.tasks.task import TASK
-from studio.core.metrics import acceleration_ratio, angular_acceleration, contact_quality
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
-from studio.core.pose import PoseSequence
+from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.solver.adapt import Bound, Standing, hold, stand
-from studio.core.solver.chains import free_joints, point_masses, segment_masses
-from studio.core.solver.footing import FREED_AFTER
-from studio.core.solver.recruiting import leg_room, limb_freedoms
+from studio.core.solver.asking.chains import free_joints, point_masses, segment_masses
+from studio.core.solver.asking.recruiting import leg_room, limb_freedoms
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.support import mass_path
+from studio.core.solver.standing.footing import FREED_AFTER
+from studio.core.solver.standing.support import mass_path
 from studio.io.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
 from tests.core.motions import ALWAYS, HINGES, RATE, about, local_rotations, target, walk

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from studio.core.capture import Capture
-from studio.core.humanoid import BodyPart
-from studio.core.pose import PoseSequence
-from studio.core.remarks import Remark, remarks_on, remarks_on_body
-from studio.core.skeleton import Skeleton
+from studio.core.body.humanoid import BodyPart
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
+from studio.core.captures.remarks import Remark, remarks_on, remarks_on_body
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from studio.resources_folder import example_captures_folder

@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from benchmarks.scenes import scene
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactPoint
-from studio.core.ground import Ground
-from studio.core.metrics import contact_quality
-from studio.core.morphology import Morphology
-from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import contact_quality
+from studio.core.solver.adapt import adapt, hold, place_of, standing_of
+from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
 from tests.core.test_targets import CONTACTS as STANDS
@@ -26,7 +27,7 @@ PELVIS = BodyPoint(BodyPart.PELVIS)
 def reported(body: Morphology, *constraints: Constraint) -> tuple[AdaptedMotion, Report]:
     request = AdaptRequest(WALK, body, STANDS, constraints)
     adapted = adapt(request, FIRST, LAST)
-    return adapted, report_of(request, adapted)
+    return adapted, report_of(standing_of(request), request, adapted)
 
 
 def beside(body: Morphology, point: BodyPoint, *way: float) -> tuple[float, ...]:
@@ -89,8 +90,19 @@ def test_the_arrays_have_a_number_a_frame_and_say_what_the_worst_values_say(body
     assert np.nanmax(report.mass_margins) < 0.3
 
 
+def test_who_does_not_act_keeps_nobody_from_anything() -> None:
+    """What frees the root now and then must not be named where it is not asked."""
+    standing = standing_of(AdaptRequest(WALK, BODIES["child"], STANDS))
+    for seed in range(4):
+        asked = scene(standing, hold(standing, ()), seed)
+        adapted = hold(standing, asked)
+        named = winners(standing, asked, {}, adapted)
+        acts = np.isfinite(adapted.residuals)
+        assert all(acts[named[row, frame], frame] for row, frame in zip(*np.nonzero(named >= 0), strict=True))
+
+
 def test_a_motion_without_constraints_or_contacts_is_reported_too() -> None:
     request = AdaptRequest(WALK, BODIES["child"])
-    report = report_of(request, adapt(request, FIRST, LAST))
+    report = report_of(standing_of(request), request, adapt(request, FIRST, LAST))
     assert report.winners.shape == (0, LAST - FIRST + 1)
     assert np.isnan(report.mass_margins).all()

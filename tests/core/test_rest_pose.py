@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.body.rest_pose import rest_pose
 from studio.core.mannequin.physiques import BUNDLED
-from studio.core.morphology import Morphology
-from studio.core.rest_pose import rest_pose
 
 BODIES = {name: physique.morphology() for name, (_, _, physique) in BUNDLED.items()}
 

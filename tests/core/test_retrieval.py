@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import retrieval as at
 from studio.core.retrieval import BLOCK, Query, SearchTable, pose_distances, pose_rows, search, searched_points
 from tests.core.twins.retrieval import brute_force, kovar_distance
@@ -100,10 +100,9 @@ def test_clips_that_are_not_allowed_are_never_found():
 def test_no_frame_costs_less_than_the_bound_of_its_block():
     for table in TABLES:
         blocks, query = table.blocks, made_query(7, table)
-        bounds, weights = np.empty(len(blocks.spans)), np.array([query.posture_weight, query.reach_weight])
-        every = np.ones(table.clip_count, dtype=np.bool_)
-        judged = blocks.middles, blocks.radii, blocks.rings, blocks.clips, table.clips
-        at.bound_blocks(*judged, every, query.poses, query.targets, weights, bounds)
+        bounds, every = np.empty(len(blocks.spans)), np.ones(table.clip_count, dtype=np.bool_)
+        asked = at.Query(query.poses, query.targets, query.posture_weight, query.reach_weight)
+        at.bound_blocks(table.searched, every, asked, bounds)
         for (clip, first, count), bound in zip(blocks.spans, bounds, strict=True):
             part = SearchTable(
                 table.rows[first : first + count],

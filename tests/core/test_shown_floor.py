@@ -4,10 +4,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.contacts import contact_mask
+from studio.core.captures.contacts import contact_mask
+from studio.core.captures.rising_heels import rising_heels
 from studio.core.normalized.realize import realize
-from studio.core.rising_heels import rising_heels
-from studio.core.solver.shown_floor import shown_floor
+from studio.core.solver.standing.shown_floor import shown_floor
 from tests.builders import make_morphology
 from tests.core.motions import walk
 

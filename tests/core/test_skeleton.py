@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.skeleton import Skeleton
 
 
 def _skeleton(names: str = "hips spine head leg foot", parents: tuple[int, ...] = (-1, 0, 1, 0, 3)) -> Skeleton:

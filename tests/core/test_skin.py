@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studio.core.canonical import BodyPart
-from studio.core.character import Character
-from studio.core.morphology import Proportions
-from studio.core.rest_pose import rest_pose
-from studio.core.skin import fit_skin, segment_scales, skin_vertices
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.body.morphology import Proportions
+from studio.core.body.rest_pose import rest_pose
+from studio.core.mesh.skin import fit_skin, segment_scales, skin_vertices
 from studio.io.character_file import bundled_characters
 
 

@@ -8,17 +8,17 @@ be at most three times that and the peak of the source together.
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import QUIET, angular_acceleration
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import hold, place_of, stand
+from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, local_rotations, walk
 

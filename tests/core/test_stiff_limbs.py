@@ -8,18 +8,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.objections import objection
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import angular_acceleration
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold, stand
+from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.kernels.support import swing as kernel
 from studio.core.rotations import to_matrix
-from studio.core.solver.swing import Sole, led_clear, worn_height
+from studio.core.solver.standing.swing import Sole, led_clear, worn_height
 from tests.core.motions import from_vectors
 
 SOLE = np.array([[0.13, 0.01, -0.06, 0.08, 0.05, 0.09]])

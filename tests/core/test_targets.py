@@ -9,7 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
@@ -20,22 +23,21 @@ from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
-from studio.core.ground import Ground
-from studio.core.metrics import centre_of_mass, contact_quality
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import normalize
-from studio.core.placement import Placement
-from studio.core.prop import Prop
+from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, hold, place_of, stand
-from studio.core.solver.following import performer_track, tracked_track
-from studio.core.solver.props import seen_from, stage_track
+from studio.core.solver.asking.tracks import Track
+from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.following import performer_track, tracked_track
+from studio.core.solver.performers.props import seen_from, stage_track
+from studio.core.solver.performers.stage import concerning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stage import concerning
-from studio.core.solver.support import outlines, smoothed, standing_points, support_margins
-from studio.core.solver.tracks import Track
+from studio.core.solver.standing.support import outlines, smoothed, standing_points, support_margins
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Prop
 from studio.io.character_file import bundled_characters
 from tests.core.motions import RATE, swaying, walk
 from tests.core.test_constraint_kinds import ALL, HEAD, LEFT, MET, RIGHT, ask
@@ -424,3 +426,17 @@ def plain_centre(areas: np.ndarray) -> np.ndarray:
 def test_targets_that_make_no_sense_are_refused_by_name(kind: Any, more: dict[str, Any], sentence: str) -> None:
     with pytest.raises(ValueError, match=rf"'{kind.__name__}'.*{sentence}"):
         ask(kind, LEFT, **more)
+
+
+def test_what_is_awaited_is_where_it_is_once_it_is_asked_wholly_and_what_is_chased_where_it_is() -> None:
+    ways = np.linspace(0.0, 1.0, 90)[:, None] * [1.0, 2.0, 0.5]
+    track = Track(ways, np.tile(np.eye(3), (90, 1, 1)))
+    curve = ActivationCurve(20 / RATE, 30 / RATE, 40 / RATE, 55 / RATE)
+    for awaits in (True, False):
+        follow = FollowPerformer("other", HEAD, awaits=awaits)
+        asked = PositionConstraint("motion", "Meet", BodyPoint(BodyPart.RIGHT_HAND), Chain(), 0, curve, target=follow)
+        places = awaited({follow: track}, [asked], RATE)[follow].places
+        whole = [*range(20), *range(30, 41), *range(56, 90)]
+        assert np.array_equal(places[whole], ways[whole])
+        assert np.array_equal(places[20:30], np.tile(ways[30], (10, 1)) if awaits else ways[20:30])
+        assert np.array_equal(places[41:56], np.tile(ways[40], (15, 1)) if awaits else ways[41:56])

@@ -7,20 +7,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
+from studio.core.captures.touching import find_touches
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.morphology import Morphology
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.normalized.realize import realize
 from studio.core.solver.adapt import adapt
-from studio.core.solver.clearance import rooms
+from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.touching import find_touches
 from studio.io.character_file import bundled_characters
 from studio.io.entity_json import entity_of, entity_record
 from studio.io.importing import load_capture

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.body.pose import PoseSequence
 from studio.core.constraints.base import SINGLE, Chain
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import contact_quality
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import normalize
-from studio.core.pose import PoseSequence
+from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.prop import Prop
+from studio.core.stage.prop import Prop
 from studio.document import journal as journals
 from studio.document.document import Document
 from studio.document.recovery import ASIDE, put_aside, put_damaged_aside, recover, recoverable_sessions, tidy

@@ -16,8 +16,9 @@ from typing import Any
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.project import Clip, Motion, Project
-from studio.core.prop import Prop
+from studio.core.project import Motion, Project
+from studio.core.stage.clip import Clip
+from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import recover, recoverable_sessions, tidy
 from studio.io.entity_json import project_json

@@ -10,18 +10,25 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from studio.core.constraints.base import Constraint
-from studio.core.constraints.follow import FollowProp, FollowTracked
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.constraints.follow import FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
-from studio.core.ground import Ground
-from studio.core.project import GROUND_ID, Clip, Motion
-from studio.core.prop import Prop
+from studio.core.grounds.ground import Ground
+from studio.core.project import GROUND_ID, Motion
+from studio.core.stage.behaviour import Behaviour, Role, State, Transition
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import DistanceCondition
+from studio.core.stage.manners import KeepDistance
+from studio.core.stage.prop import Prop
+from studio.core.stage.whom import FollowPartner, Gap
 from studio.document.document import Document
 from studio.io.entity_json import project_json
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 
+WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 
@@ -29,11 +36,25 @@ def state(document: Document) -> bytes:
     return project_json(document.project, {})
 
 
+def behaviour_of(document: Document, chance: Random) -> Behaviour:
+    """One about whoever and whatever is on the stage."""
+    project = document.project
+    players, motions, props = list(project.performers), list(project.motions), list(project.props)
+    role = (Role(players[0], players[-1]),) if len(players) > 1 else ()
+    clip = Clip(motions[0], 0, 9) if motions else None
+    whoms = [FollowPartner(), *map(FollowProp, props), *(FollowPerformer(key, WRIST) for key in players)]
+    near = DistanceCondition(Gap(chance.choice(whoms)))
+    rest = State("Rest", clip, manners=(KeepDistance(chance.choice(whoms), chance.uniform(0.5, 2.0)),))
+    return Behaviour("Fighter", (rest, State("Go")), (Transition("Rest", "Go", (near,)),), cast=role)
+
+
 def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     """One of the edits an animator makes; some belong to the current gesture."""
     project = document.project
     constraints, contacts = list(project.constraints), list(project.contacts)
-    match chance.choice(["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group"]):
+    match chance.choice(
+        ["add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave"]
+    ):
         case "add" if project.motions:
             props = [FollowProp(key) for key in project.props]
             target = chance.choice([(0.4, -0.3, 1.2), KeyedPlace((0.1,), ((0.0, 0.1, 1.0),)), *props])
@@ -52,9 +73,23 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             key = chance.choice(contacts)
             trimmed = replace(project.contacts[key], last=12 + chance.randrange(5))
             document.replace("contacts", key, trimmed, "Trim contact")
+        case "behave" if project.behaviours:
+            key = chance.choice(list(project.behaviours))
+            document.replace("behaviours", key, behaviour_of(document, chance), "Change behaviour", gesture)
+        case "behave":
+            document.add("behaviours", behaviour_of(document, chance), "Add behaviour")
         case "remove":
-            names = ["constraints", "contacts", "props", "performers", "characters", "motions", "captures"]
-            name = chance.choices(names, [6, 6, 6, 2, 1, 0.1, 0.1])[0]
+            names = [
+                "behaviours",
+                "constraints",
+                "contacts",
+                "props",
+                "performers",
+                "characters",
+                "motions",
+                "captures",
+            ]
+            name = chance.choices(names, [2, 6, 6, 6, 2, 1, 0.1, 0.1])[0]
             keys = list(getattr(project, name))
             if keys:
                 document.remove(name, chance.choice(keys), "Remove")

@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.position import PositionConstraint
-from studio.core.placement import Placement
 from studio.core.project import Motion, Project
-from studio.core.prop import Prop
-from studio.core.scope import Scope
 from studio.core.solver.adapt import place_of
-from studio.core.solver.stage import asked_of, in_order, leaders_of
+from studio.core.solver.performers.stage import asked_of, in_order, leaders_of
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Prop
+from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from tests.builders import make_constraint, make_project

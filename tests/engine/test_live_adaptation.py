@@ -13,10 +13,10 @@ import pytest
 from PySide6.QtCore import QTimer
 
 from studio.cli.warm_up import WarmUp
-from studio.core.capture import Capture
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.ground import Ground
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import GROUND_ID
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -86,7 +86,7 @@ def make_scene(qapp: Any) -> Iterator[Callable[..., Scene]]:
         solver = Solver()
         solver.hold.set()
         document = Document(make_project(frames=FRAMES, **parts))
-        live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise)
+        live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, workers=1)
         scenes.append(live)
         return Scene(document, live, solver)
 

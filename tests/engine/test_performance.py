@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.placement import Placement
-from studio.core.project import Clip
-from studio.core.solver.rows import timing_of
+from studio.core.solver.performers.rows import timing_of
+from studio.core.stage.clip import Clip
+from studio.core.stage.placement import Placement
 from studio.engine.performance import motion_time, posed_performers, row_at, stage_time
 from tests.builders import make_project
 from tests.viewport.standing import FRAMES, RATE, results_of

@@ -1,4 +1,4 @@
-from studio.core.canonical import BodyLayout, BodyPart
+from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.engine.point_names import POINTS, point_words
 from studio.panels.constraint_editors.common import point_choices

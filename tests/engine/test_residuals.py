@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
-from studio.core.contacts import ContactPoint
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.residuals import missed_by, worst_residual
 from studio.panels.constraint_editors.residuals import residuals_of, words_of

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.prop import Prop
+from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.engine.saving import save_in_background
 from studio.engine.tasks import TaskRunner

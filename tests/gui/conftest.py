@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QApplication
 
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
-from studio.core.contacts import ContactPoint
+from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.io.bvh_writer import write_bvh
 from studio.timeline.timeline import Timeline

@@ -7,7 +7,7 @@ import pytest
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
 from studio.app.verbs.constraining import put_area_mesh
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain

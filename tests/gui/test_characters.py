@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
-from studio.core.appearance import Material
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.skin import Blending, bound_pose
 from studio.core.project import Performer
-from studio.core.skin import Blending, bound_pose
 from studio.core.solver.request import AdaptedMotion
 from studio.document.commands.replace import same_value
 from studio.document.document import Document

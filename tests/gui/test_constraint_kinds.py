@@ -8,16 +8,17 @@ from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QComboBox
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.metrics import centre_of_mass
-from studio.core.prop import Prop
+from studio.core.constraints.kinds import KINDS
+from studio.core.quality.metrics import centre_of_mass
+from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.engine.moments import HELD_BY, Moment
+from studio.engine.moments import Moment
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
@@ -29,7 +30,6 @@ from tests.gui.test_viewport import drag, joint_pixel, settle
 from tests.viewport.standing import StandingLive
 
 LEFT = Qt.MouseButton.LeftButton
-KINDS = ("position", "orientation", "look_at", "distance", "balance", "area", "clear")
 
 
 @pytest.fixture
@@ -278,7 +278,7 @@ def keyed(studio, kind="position"):
     """A constraint whose place has a key at 0.1 s, before the playhead at 0.2 s."""
     viewport, document, _ = studio
     constraint = add(studio, kind)
-    name = HELD_BY[kind]
+    name = KINDS[kind].shown.held_by
     place = fixed(studio, constraint)
     new = replace(constraint, **{name: KeyedPlace((0.1,), (place,))})
     document.replace("constraints", document.selection.current[1], new, "Key")
@@ -301,9 +301,9 @@ def test_dragging_a_keyed_target_sets_a_key_at_the_playhead_and_escape_takes_it_
     QTest.mouseRelease(viewport, LEFT, Qt.KeyboardModifier.NoModifier, end)
     assert current(document) == before
     drag(viewport, begin, end)
-    target = getattr(current(document), HELD_BY[kind])
+    target = getattr(current(document), KINDS[kind].shown.held_by)
     assert target.times == (0.1, 0.2)
-    assert target.values[0] == getattr(before, HELD_BY[kind]).values[0]
+    assert target.values[0] == getattr(before, KINDS[kind].shown.held_by).values[0]
     assert target.values[1][2] > target.values[0][2] + 0.02
     what = "centre" if kind == "area" else "target"
     assert document.undo_stack.undoText() == f"Key {what} of {before.name}"
@@ -344,6 +344,25 @@ def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studi
     assert current(document).target.times == pytest.approx([0.3, 0.4])
     choose(inspector, "Target is", "One place for all")
     assert isinstance(current(document).target, tuple)
+
+
+def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
+    viewport, document, inspector = studio
+    add(studio, "position")
+    place = numbers_of(inspector, "Target")
+    for words, number in (("Goes round a circle", "Radius"), ("Wanders at random", "Reach X")):
+        choose(inspector, "Target is", words)
+        enter(inspector, number, "0.25")
+        settle(viewport)
+        [handle] = [one for one in viewport.handles() if one.main]
+        [way] = handle.figure.lines
+        assert np.linalg.norm(way - handle.target, axis=1).min() < 1e-6
+    assert current(document).target.reach == (0.25, 0.1, 0.1)
+    enter(inspector, "Target Z", "1.5")
+    assert field(inspector, "Target Z").value() == pytest.approx(1.5)
+    assert current(document).target.at([0.2])[0, 2] == pytest.approx(1.5)
+    choose(inspector, "Target is", "One place for all")
+    assert len(current(document).target) == len(place)
 
 
 def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
@@ -430,3 +449,23 @@ def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_for
     assert current(document).place.values[0][1] == 0.4
     press(inspector, "The height of the centre of mass is asked too")
     assert current(document).vertical
+
+
+def test_what_is_kept_upright_has_a_cone_a_direction_and_an_axis_taken_from_the_pose(studio):
+    viewport, document, inspector = studio
+    made = add(studio, "upright")
+    assert made.point == BodyPoint(BodyPart.RIGHT_HAND)
+    turn = viewport.posed["performer 0"].motion.rotations[viewport.posed["performer 0"].row]
+    hand = turn[viewport.posed["performer 0"].motion.morphology.layout.segment(BodyPart.RIGHT_HAND)]
+    assert np.allclose(hand @ made.axis, [0.0, 0.0, 1.0], atol=1e-9)
+    enter(inspector, "Cone", "20")
+    assert current(document).cone == pytest.approx(np.radians(20.0))
+    enter(inspector, "Direction Y", "1")
+    assert current(document).direction == pytest.approx((0.0, np.sqrt(0.5), np.sqrt(0.5)))
+    settle(viewport)
+    [take] = [each for each in inspector.findChildren(QAbstractButton) if each.text() == "Take axis from pose"]
+    take.click()
+    assert np.allclose(hand @ current(document).axis, current(document).direction, atol=0.2)
+    document.undo_stack.undo()
+    assert current(document).axis == made.axis
+    assert viewport.handles()[0].figure.lines

@@ -8,9 +8,10 @@ from PySide6.QtGui import QContextMenuEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
-from studio.core.contacts import ContactPoint
-from studio.core.project import Clip, Motion
-from studio.core.scope import Scope
+from studio.core.captures.contacts import ContactPoint
+from studio.core.project import Motion
+from studio.core.stage.clip import Clip
+from studio.core.stage.scope import Scope
 from studio.document import clips
 from studio.document.document import Document
 from studio.document.dragging import carried_capture

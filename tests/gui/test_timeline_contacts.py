@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 
-from studio.core.contacts import ContactPoint
+from studio.core.captures.contacts import ContactPoint
 from studio.timeline.menus import menu_at
 from tests.builders import make_contact
 from tests.gui.hand import LEFT, NONE, in_lane, pixels

@@ -8,9 +8,9 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
-from studio.core.pose import PoseSequence
+from studio.core.body.pose import PoseSequence
 from studio.core.project import Project
-from studio.core.scope import Scope
+from studio.core.stage.scope import Scope
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN
 from studio.timeline.curves import Quantity

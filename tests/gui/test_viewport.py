@@ -10,7 +10,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 
 from studio.core.project import Motion
-from studio.core.prop import Prop
+from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.engine.empty_stage import HIDDEN
 from studio.viewport.body_points import body_joints

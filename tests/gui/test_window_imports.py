@@ -3,7 +3,7 @@
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from studio.core.annotations import Annotations
+from studio.core.captures.annotations import Annotations
 from studio.io.export import take_of_capture, write_take
 from tests.builders import make_capture, make_constraint, make_contact
 from tests.gui.window_use import drop, same, wait_until_idle

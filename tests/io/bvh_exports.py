@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from studio.core.capture import Capture
-from studio.core.humanoid import BodyMap
-from studio.core.pose import PoseSequence
-from studio.core.skeleton import Skeleton
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
 from tests.builders import BODY_MAP, make_capture, make_poses, make_skeleton
 
 EXTRAS = {"Eye": "Head", "Twist": "LeftForeArm", "Thumb1": "LeftHand", "Thumb2": "Thumb1", "Sword": "RightHand"}

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from studio.core.pose import PoseSequence
-from studio.core.skeleton import Skeleton
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 from tests.builders import make_poses, make_skeleton
 
 TICKS = 46_186_158_000

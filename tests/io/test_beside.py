@@ -17,7 +17,7 @@ from studio.io.mesh_file import read_mesh
 from studio.io.npy import array_of
 from studio.io.project_file import read_project
 from studio.io.zipped import npy
-from studio.live.tracker import read_recording
+from studio.live.recording import read_recording
 from tests.builders import make_character
 from tests.cli.test_adapt import WRIST
 from tests.io.seeds import OBJ

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.core.body.kinematics import joint_world
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world
-from studio.core.pose import PoseSequence
 from studio.core.rotations import from_euler, to_matrix
-from studio.core.skeleton import Skeleton
 from studio.io.bvh import BvhFile, read_bvh, write_bvh
 from studio.io.bvh_writer import _continued
 from tests.builders import make_poses, make_skeleton

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.capture import Capture
-from studio.core.kinematics import joint_world
+from studio.core.body.kinematics import joint_world
+from studio.core.captures.capture import Capture
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import restore
 from studio.io.export import write_capture

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.kinematics import joint_positions, joint_world
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_positions, joint_world
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.take import centre_errors
@@ -188,7 +188,7 @@ def test_a_failed_export_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_contacts_become_events(captures: Path) -> None:
-    from studio.core.contacts import BODY_POINTS, ContactInterval, ContactPoint
+    from studio.core.captures.contacts import BODY_POINTS, ContactInterval, ContactPoint
 
     [path] = (captures / "bvh").rglob("accad_male2_G2_FrontKick.bvh")
     contacts = [

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 from benchmarks.read_back import gltf_motion
-from studio.core.capture import Capture
-from studio.core.carried_joints import carried_joints
-from studio.core.character import Character
-from studio.core.character_skeleton import joint_segments, t_pose_rotations
-from studio.core.humanoid import BodyMap
-from studio.core.kinematics import joint_world
+from studio.core.body.carried_joints import carried_joints
+from studio.core.body.character import Character
+from studio.core.body.character_skeleton import joint_segments, t_pose_rotations
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_world
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.normalize import normalize
-from studio.core.pose import PoseSequence
 from studio.core.rotations import angle_between, from_matrix
-from studio.core.skeleton import Skeleton
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.character_file import actor_character, bundled_characters

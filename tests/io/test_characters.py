@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.appearance import Material
 from studio.core.errors import StudioError
-from studio.core.skin import bound_pose
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.skin import bound_pose
 from studio.io.character_file import read_character, write_character
 from studio.io.importing import ImportOptions, load_character
 from studio.io.registry import ReadCharacter

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.activation import EaseShape
-from studio.core.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.io.constraint_file import constraint_record, read_constraints
 from studio.io.entity_json import entity_record

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint, Support
@@ -16,15 +16,18 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.constraints.kinds import KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace
+from studio.core.constraints.upright import UprightConstraint
 from studio.core.errors import StudioError
-from studio.core.prop import Prop
-from studio.core.triangle_mesh import TriangleMesh
+from studio.core.mesh.triangle_mesh import TriangleMesh
+from studio.core.stage.prop import Prop
 from studio.io.constraint_file import constraint_of, constraint_record, read_constraints
-from studio.io.entity_json import CONSTRAINT_KINDS, entity_record, project_json, project_of
+from studio.io.entity_json import entity_record, project_json, project_of
 from studio.io.project_file import read_project, write_project
 from tests.builders import make_project
 
@@ -36,6 +39,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     PositionConstraint("motion", "Reach", WRIST, *COMMON, target=(0.1, 0.2, 0.3)),
     OrientationConstraint("motion", "Palm", BodyPoint(BodyPart.LEFT_HAND), *COMMON, target=(0.6, 0.0, 0.8, 0.0)),
     LookAtConstraint("motion", "Look", EYES, *COMMON, target=(1.0, 2.0, 1.5)),
+    UprightConstraint("motion", "Tray", BodyPoint(BodyPart.LEFT_HAND), *COMMON, axis=(0.0, 0.6, 0.8), cone=0.2),
     DistanceConstraint("motion", "Clap", WRIST, *COMMON, other=BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)),
     DistanceConstraint("motion", "Rod", WRIST, *COMMON, other=(0.5, 0.0, 1.0), distance=0.4),
     BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), *COMMON),
@@ -49,7 +53,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
 
 
 def test_every_kind_that_can_be_stored_is_tried_here() -> None:
-    assert {constraint.kind for constraint in CONSTRAINTS} == set(CONSTRAINT_KINDS)
+    assert {constraint.kind for constraint in CONSTRAINTS} == set(KINDS)
 
 
 @pytest.mark.parametrize("constraint", CONSTRAINTS, ids=lambda constraint: constraint.name)
@@ -74,7 +78,7 @@ TARGETS: tuple[Constraint, ...] = (
     PositionConstraint("motion", "Keyed", WRIST, *COMMON, target=KEYED),
     PositionConstraint("motion", "Own place", WRIST, *COMMON, target=OwnPlace(WRIST, 0.4, (0.0, 0.1, 0.2), APART)),
     PositionConstraint("motion", "Own", WRIST, *COMMON, target=FollowBody(HAND)),
-    PositionConstraint("motion", "Other", WRIST, *COMMON, target=FollowPerformer("performer 1", HAND)),
+    PositionConstraint("motion", "Other", WRIST, *COMMON, target=FollowPerformer("performer 1", HAND, awaits=True)),
     LookAtConstraint("motion", "Prop", EYES, *COMMON, target=FollowProp("box", (0.0, 0.1, 0.2))),
     LookAtConstraint("motion", "Tracked", EYES, *COMMON, target=FollowTracked("LeftHand")),
     OrientationConstraint(
@@ -86,6 +90,9 @@ TARGETS: tuple[Constraint, ...] = (
     BalanceConstraint("motion", "Path", HAND, *COMMON, place=KEYED, vertical=True),
     BalanceConstraint("motion", "Support", HAND, *COMMON, place=Support(0.01)),
     AreaConstraint("motion", "Tray", WRIST, *COMMON, centre=FollowProp("box"), heading=KeyedNumber((0.0,), (0.5,))),
+    PositionConstraint("motion", "Circle", WRIST, *COMMON, target=CirclePlace(centre=(0.1, 0.2, 0.3), tilt=0.5)),
+    LookAtConstraint("motion", "Swing", EYES, *COMMON, target=PendulumPlace(length=0.7, since=0.3)),
+    DistanceConstraint("motion", "Fly", WRIST, *COMMON, other=NoisePlace(reach=(0.1, 0.0, 0.2), seed=5), distance=0.4),
 )
 
 
@@ -107,7 +114,7 @@ def test_a_target_in_a_constraint_file_is_written_as_in_a_project_and_misspelt_m
     path.write_text(json.dumps({"constraints": [record]}))
     assert read_constraints(path, "motion").constraints == (TARGETS[3],)
     for change, sentence in (
-        ({"kind": "follow_wind"}, "target: kind: one of keyed, own_place, follow_body"),
+        ({"kind": "follow_wind"}, "target: kind: one of keyed, circle, pendulum, noise, own_place, follow_body"),
         ({"performer": "x"}, "'target.performer' is not known here"),
         ({"point": {"part": "tail"}}, "target: point: part"),
     ):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from studio.core.character_skeleton import joint_points
-from studio.core.contacts import ContactInterval
+from studio.core.body.character_skeleton import joint_points
+from studio.core.body.humanoid import BodyPart
+from studio.core.body.kinematics import joint_world
+from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
-from studio.core.humanoid import BodyPart
-from studio.core.kinematics import joint_world
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
-from studio.core.joint_skin import character_skin
-from studio.core.kinematics import joint_world, rest_poses
+from studio.core.body.canonical import BodyPart
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.zero_pose import t_pose, with_zero_pose
+from studio.core.mesh.joint_skin import character_skin
 from studio.core.normalized.normalize import normalize
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.core.zero_pose import t_pose, with_zero_pose
 from studio.io.character_file import bundled_characters
 from studio.io.export import take_of_adapted, take_of_capture, write_take
 from studio.io.export_options import ExportOptions

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world
 from studio.io import fbx_capture
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP

@@ -8,9 +8,9 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from studio.cli.main import main
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.round_trip import round_trip
 from studio.io.export import take_of_capture, write_take

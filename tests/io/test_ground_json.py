@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.ground import Ground
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
+from studio.core.grounds.ground import Ground
 from studio.core.project import GROUND_ID, Project
 from studio.io.entity_json import entity_of, entity_record, project_json, project_of
 from studio.io.project_file import read_project, write_project

@@ -91,6 +91,12 @@ def inside(collection: str, member: str, **values: Any) -> Callable[[dict[str, b
     return project(lambda record: record[collection][0][member].update(values))
 
 
+def behaviour(**values: object) -> Callable[[dict[str, bytes]], bytes]:
+    """A behaviour of one state, with something wrong in it."""
+    record = {"id": "fighter", "name": "Fighter", "states": [{"name": "Guard"}], **values}
+    return project(lambda given: given["behaviours"].append(record))
+
+
 REFUSED: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "an empty file": (lambda _: b"", "is empty"),
     "a text": (lambda _: b"Dear diary\n" * 40, "not a ZIP archive"),
@@ -166,6 +172,22 @@ TOLD: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "a character without legs": (project(lambda record: record["characters"][0]["build"].pop("leg")), "leg"),
     "a character with a negative thigh": (inside("characters", "build", leg=[[-1, 1], [1, 1]]), "length above zero"),
     "a vertex beyond single precision": (inside("characters", "skin", vertices=[[1e300, 0, 0]]), "numbers|skin"),
+    "a behaviour without states": (behaviour(states=[]), "needs a state to begin in"),
+    "a behaviour that begins nowhere": (behaviour(start="Nap"), "which is none of its states"),
+    "a transition to no state": (
+        behaviour(transitions=[{"source": "Guard", "target": "Nap", "conditions": [{"kind": "clip_end"}]}]),
+        "needs a state called 'Nap', and there is none",
+    ),
+    "a transition that waits for nothing": (
+        behaviour(transitions=[{"source": "Guard", "target": "Guard", "conditions": []}]),
+        "needs a condition",
+    ),
+    "a state as far away as the moon": (
+        behaviour(states=[{"name": "Guard", "manners": [{"kind": "keep_distance", "distance": 4e8}]}]),
+        "cannot be true",
+    ),
+    "a behaviour of a body that is not there": (behaviour(cast=[{"performer_id": "gone"}]), "it needs performers"),
+    "a state that is a number": (behaviour(states=[7]), "a record expected"),
     "a ground with the height of nothing": (entity("grounds", height=None), "ground"),
 }
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.kinematics import joint_world
+from studio.core.body.kinematics import joint_world
+from studio.core.body.pose import PoseSequence
 from studio.core.normalized.normalize import normalize
-from studio.core.pose import PoseSequence
 from studio.core.rotations import from_euler, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest

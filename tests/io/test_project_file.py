@@ -13,8 +13,8 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.core.prop import Prop
-from studio.core.scope import EVERYONE
+from studio.core.stage.prop import Prop
+from studio.core.stage.scope import EVERYONE
 from studio.io.archive import stamp
 from studio.io.entity_json import project_json
 from studio.io.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from studio.cli.main import main
-from studio.core.annotations import Annotations, Label
+from studio.core.body.kinematics import joint_world
+from studio.core.captures.annotations import Annotations, Label
 from studio.core.errors import StudioError
-from studio.core.kinematics import joint_world
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
 from studio.core.rotations import angle_between, from_matrix

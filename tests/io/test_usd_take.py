@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.core.character_skeleton import joint_points
+from studio.core.body.character_skeleton import joint_points
+from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.joint_skin import character_skin
-from studio.core.kinematics import joint_world
+from studio.core.mesh.joint_skin import character_skin
+from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize
-from studio.core.skin import skin_vertices
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.character_file import bundled_characters

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.morphology import Proportions
+from studio.core.body.morphology import Proportions
 from studio.library.catalogue import DATABASE, Catalogue
-from studio.library.clips import HitSegment, Kind, Limb
+from studio.library.clips import ClipLabel, HitSegment, Kind, Limb
 from studio.library.hitting import limb_size
-from studio.library.indexing import corrected, index
+from studio.library.indexing import corrected, index, unsaid
 from studio.library.library import POSES, Library
 from studio.library.searching import Asked, find
 
@@ -163,3 +163,12 @@ def test_an_empty_library_finds_nothing(tmp_path, catalogue):
     with Catalogue(tmp_path / "empty") as empty:
         library = Library.of(empty)
     assert find(library, asked_of(clip, 0, clip.actor.body, (0.5, 0.0, 1.0), in_box=True)) == []
+
+
+def test_a_confirmed_strike_takes_the_place_of_its_own_proposal_and_no_other():
+    left = ClipLabel(0, 40, 20, Limb.LEFT_ARM, Kind.PUNCH, HitSegment.FIST)
+    right = ClipLabel(10, 50, 32, Limb.RIGHT_ARM, Kind.PUNCH, HitSegment.FIST)
+    said = replace(left, hit=23, confirmed=True)
+    assert unsaid([said], [left, right]) == [right]
+    assert unsaid([replace(right, limb=Limb.LEFT_ARM)], [right]) == []
+    assert unsaid([], [left, right]) == [left, right]

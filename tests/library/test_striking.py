@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.core.body.morphology import Proportions
 from studio.core.constraints.keyed import KeyedPlace
-from studio.core.ground import Ground
-from studio.core.metrics import contact_quality
-from studio.core.morphology import Proportions
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import Piece
 from studio.core.normalized.realize import realize
+from studio.core.quality.metrics import contact_quality
 from studio.io.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind

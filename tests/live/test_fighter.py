@@ -20,7 +20,7 @@ from studio.live import vmc
 from studio.live.fight import ANY_STRIKE, ORDERS, fight, orders_every
 from studio.live.fighter import Fighter, State
 from studio.live.osc import encode_message
-from studio.live.tracker import write_recording
+from studio.live.recording import write_recording
 from studio.resources_folder import bundled_strikes_folder
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"

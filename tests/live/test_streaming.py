@@ -15,8 +15,9 @@ from studio.core.normalized.realize import realize
 from studio.io.character_file import bundled_characters
 from studio.live import vmc
 from studio.live.osc import encode_message
+from studio.live.recording import read_recording, write_recording
 from studio.live.streamer import LARGEST_BUNDLE, Streamer, packets_of
-from studio.live.tracker import FARTHEST, MOST_NAMES, Inbox, UdpInput, read_recording, write_recording
+from studio.live.tracker import FARTHEST, MOST_NAMES, Inbox, UdpInput
 from tests.builders import make_morphology
 from tests.core.motions import walk
 

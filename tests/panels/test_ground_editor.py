@@ -7,8 +7,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QSlider
 
-from studio.core.ground import Ground
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps
+from studio.core.grounds.ground import Ground
 from studio.core.project import GROUND_ID
 from studio.document.document import Document
 from studio.panels.fields import Choice, NumberField

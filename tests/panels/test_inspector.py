@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, QPoint, Qt, Signal
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QCheckBox, QComboBox, QLineEdit, QListWidget, QSlider
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
@@ -382,3 +382,12 @@ def test_a_body_keyed_over_time_takes_what_a_slider_says_at_the_playhead(inspect
     assert slider.value() < grown
     QTest.mouseClick(named(inspector, QCheckBox, "Body is keyed over time"), LEFT, pos=QPoint(8, 8))
     assert document.project.characters["character 0"].proportions.stature == 1.0
+
+
+def test_a_form_outlives_the_event_that_puts_another_in_its_place(inspector, document, qtbot):
+    document.selection.set(("constraints", "constraint 0"))
+    gone = []
+    inspector.editor.destroyed.connect(lambda: gone.append(True))
+    document.selection.set(("constraints", "constraint 1"))
+    assert not gone
+    qtbot.waitUntil(lambda: gone == [True])

@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 from PySide6.QtWidgets import QComboBox, QPushButton
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace
-from studio.core.prop import Carried, InHand, Prop, PropShape
-from studio.core.triangle_mesh import TriangleMesh
+from studio.core.constraints.procedural import PendulumPlace
+from studio.core.mesh.triangle_mesh import TriangleMesh
+from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.performance import posed_performers
 from studio.engine.props import moved_prop, prop_at, turned_prop
 from studio.io.project_file import new_document_id, read_project, write_project
+from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.prop_figures import unit_mesh
 from tests.builders import make_constraint, make_project
@@ -60,6 +62,20 @@ def choose(form, name, text):
 def at(document, live, time):
     posed = posed_performers(document.project, live.result, time)
     return prop_at(document.project, posed, "box", time)
+
+
+def test_a_prop_swings_from_where_it_is_and_a_drag_moves_its_whole_way(document, form, live):
+    choose(form, "Where", "Swings as a pendulum")
+    [length] = [each for each in form.findChildren(NumberField) if each.accessibleName() == "Length"]
+    length.edited.emit(0.5)
+    swing = document.project.props["box"].position
+    assert (swing.kind, swing.centre, swing.length) == ("pendulum", (0.0, 0.0, 0.2), 0.5)
+    here = at(document, live, 0.3)
+    moved = moved_prop(here, here.place + WAY)
+    assert moved.position.at([0.3, 0.9]) == pytest.approx(swing.at([0.3, 0.9]) + WAY)
+    document.undo_stack.undo()
+    document.undo_stack.undo()
+    assert document.project.props["box"].position == (0.0, 0.0, 0.2)
 
 
 def test_a_prop_is_keyed_where_it_is_and_gets_keys_at_the_playhead(document, form, live):
@@ -144,10 +160,22 @@ def test_props_of_every_kind_are_saved_and_read_again(tmp_path):
     props = {
         "keyed": Prop("Ball", position=keyed, heading=KeyedNumber((0.5,), (1.0,)), shape=PropShape.BALL),
         "stick": Prop("Stick", shape=PropShape.STICK, held=InHand("performer 0", hand, (0.0, 0.0, 0.6, 0.8))),
-        "box": Prop("Box", held=Carried("performer 0", (0.4, 0.0, 0.3))),
+        "box": Prop("Box", held=Carried("performer 0", (0.4, 0.0, 0.3), begin=0.5, end=1.5)),
+        "swing": Prop("Bob", position=PendulumPlace(centre=(1.0, 0.0, 0.5), angle=0.3)),
         "mesh": Prop("Chair", (2.0, 1.0, 4.0), shape=PropShape.MESH, mesh=TETRAHEDRON),
     }
     for key, prop in props.items():
         project = project.with_entity("props", key, prop)
     write_project(tmp_path / "props.studio", project, new_document_id())
     assert dict(read_project(tmp_path / "props.studio").project.props) == props
+
+
+def test_how_a_prop_is_held_is_changed_while_when_stays(document, form, live):
+    prop = document.project.props["box"]
+    document.replace("props", "box", replace(prop, held=Carried(SECOND, begin=0.1, end=0.3)), "Hold")
+    assert form._held.text() == "0.10 s to 0.30 s"
+    choose(form, "Where", "In a hand, or on a body")
+    held = document.project.props["box"].held
+    assert (held.kind, held.begin, held.end) == ("in_hand", 0.1, 0.3)
+    form._always.click()
+    assert document.project.props["box"].held.is_always

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from PySide6.QtWidgets import QComboBox
 
-from studio.core.contacts import ContactPoint
-from studio.core.scope import EVERYONE, Scope
+from studio.core.captures.contacts import ContactPoint
+from studio.core.stage.scope import EVERYONE, Scope
 from studio.document.document import Document
 from studio.panels.inspector import Inspector
 from tests.builders import make_constraint, make_contact, make_project

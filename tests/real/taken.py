@@ -3,8 +3,8 @@
 from functools import lru_cache
 from pathlib import Path
 
-from studio.core.capture import Capture
-from studio.core.contacts import ContactInterval
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize

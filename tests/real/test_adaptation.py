@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Chain
-from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, contact_quality, swing_depths
-from studio.core.morphology import Morphology
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion

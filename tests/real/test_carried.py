@@ -6,19 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import AnimatedMorphology
+from studio.core.captures.contacts import BODY_POINTS, ContactPoint
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
-from studio.core.contacts import BODY_POINTS, ContactPoint
-from studio.core.ground import Ground
 from studio.core.grounds import Bumps, Slope
-from studio.core.metrics import acceleration_ratio, contact_quality, swing_depths
-from studio.core.morphology import AnimatedMorphology
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt, hold, place_of, stand
+from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.tracks import Track
 from studio.io.character_file import bundled_characters
 from tests.core.motions import target
 from tests.real.taken import HUMANS, contacts_of, named, taken

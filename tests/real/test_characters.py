@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, contact_quality
-from studio.core.skin import Blending, bound_pose, skin_vertices
+from studio.core.grounds.ground import Ground
+from studio.core.mesh.skin import Blending, bound_pose, skin_vertices
+from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion

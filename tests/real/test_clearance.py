@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import QUIET, angular_acceleration
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.adapt import Standing, hold, stand
-from studio.core.solver.clearance import rooms
+from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
 from studio.io.character_file import bundled_characters

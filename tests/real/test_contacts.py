@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.capture import Capture
-from studio.core.contacts import FOOT_POINTS, ContactPoint, contact_mask
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import FOOT_POINTS, ContactPoint, contact_mask
 from studio.core.markers.force_plates import plate_reactions, sample_times
 from studio.core.normalized.normalize import capture_contacts
 from studio.io.importing import load_annotations, load_capture

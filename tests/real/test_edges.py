@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
@@ -16,8 +16,8 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import angular_acceleration
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import Standing, hold, stand
 from studio.core.solver.request import AdaptedMotion
 from studio.io.character_file import bundled_characters

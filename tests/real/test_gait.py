@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.ground import Ground
-from studio.core.morphology import Morphology
-from studio.core.motion_quality import MotionQuality, motion_quality
+from studio.core.body.morphology import Morphology
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import contact_quality
+from studio.core.quality.motion_quality import MotionQuality, motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
@@ -59,3 +60,13 @@ def test_hips_go_up_and_down_as_much(captures: Path, stem: str) -> None:
 @pytest.mark.parametrize("stem", STEMS)
 def test_nothing_jolts(captures: Path, stem: str) -> None:
     assert max(each.peak for each in _qualities(stem)) < 3.0
+
+
+@pytest.mark.parametrize("stem", ["bvh11_cmu131_metres", "accad_male2_G5_BackKick", "cmu_135_06"])
+def test_feet_that_roll_sideways_while_they_stand_do_not_slide(captures: Path, stem: str) -> None:
+    """A turn on the ball leans the foot as far as one that lies on its side; its toes stay on their sole."""
+    capture, motion, _ = taken(named(stem))
+    contacts = contacts_of(capture)
+    for character in bundled_characters().values():
+        adapted = adapt(AdaptRequest(motion, character.morphology, contacts), capture.first_frame)
+        assert contact_quality(adapted, contacts, Ground()).slide < 1e-4

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
@@ -15,7 +15,7 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
+from studio.core.grounds.ground import Ground
 from studio.core.rotations import from_matrix
 from studio.core.solver.adapt import hold, place_of, stand
 from studio.core.solver.request import AdaptedMotion

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, contact_quality
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import hold, stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS

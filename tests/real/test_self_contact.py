@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from studio.core.metrics import angular_acceleration
 from studio.core.normalized.normalize import detected_contacts
+from studio.core.quality.metrics import angular_acceleration
+from studio.core.quality.motion_quality import rises
 from studio.core.solver.adapt import adapt
-from studio.core.solver.clearance import actor_rooms, rooms
+from studio.core.solver.asking.clearance import actor_rooms, rooms
 from studio.core.solver.request import AdaptRequest
 from studio.io.character_file import bundled_characters
-from tests.real.taken import named, taken
+from tests.real.taken import contacts_of, named, taken
 
 TAKES = ("cmu_max_jumping_jacks", "accad_male2_E11_BlockLeftHigh", "mass_kick", "accad_female1_C20_RunToJumpToWalk")
 BODIES = ("child", "stocky_man", "giant")
@@ -38,6 +39,17 @@ def test_arms_are_out_of_the_body_where_the_actors_are(stem, body):
     room = rooms(_adapted(stem, body, clears=True))
     deep = np.where(own >= 0.0, np.maximum(-room, 0.0), 0.0)[capture.first_frame :]
     assert deep.max() < 0.005
+
+
+def test_the_actors_own_arms_stay_as_they_are():
+    """However thick it is taken to be: what touches or seems to be inside touches or is inside."""
+    capture, motion, actor = taken(named("cmu_salsa_10"))
+    contacts = contacts_of(capture)
+    kept, through = (
+        rises(adapt(AdaptRequest(motion, actor.morphology, contacts, actor=actor.morphology, clears=clears)))
+        for clears in (True, False)
+    )
+    assert np.degrees(np.abs(kept - through)).max() < 3.0
 
 
 @pytest.mark.parametrize("body", BODIES)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from studio.core.ground import Ground
-from studio.core.motion_quality import motion_quality
+from studio.core.grounds.ground import Ground
+from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion

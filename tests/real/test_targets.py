@@ -5,17 +5,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody, FollowTracked
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.ground import Ground
-from studio.core.metrics import acceleration_ratio, centre_of_mass, contact_quality
-from studio.core.solver.adapt import adapt, hold, place_of, stand
-from studio.core.solver.following import tracked_track
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import acceleration_ratio, centre_of_mass, contact_quality
+from studio.core.solver.adapt import adapt, hold, place_of, stand, standing_of
+from studio.core.solver.performers.following import tracked_track
 from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
@@ -56,7 +56,7 @@ def test_the_report_of_a_real_kick_has_every_number_and_a_reason_for_every_miss(
     tracks = {hand: tracked_track(hand, capture)}
     request = AdaptRequest(motion, BODIES[name], contacts_of(capture), constraints, tracks=tracks)
     adapted = adapt(request)
-    report = report_of(request, adapted)
+    report = report_of(standing_of(request), request, adapted)
     assert np.isfinite(adapted.positions).all()
     assert np.isfinite(report.residuals).all()
     missed = report.residuals > [[2e-4], [np.radians(0.1)], [2e-4]]

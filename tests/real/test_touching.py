@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio.core.contacts import Touch
+from studio.core.captures.contacts import Touch
 from studio.core.normalized.normalize import detected_contacts
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.ground import Ground
 from studio.core.grounds import Bumps, Slope, Steps
-from studio.core.metrics import acceleration_ratio, contact_quality, swing_depths
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion

@@ -4,6 +4,7 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.live_play import LivePlay
 from tests.builders import make_morphology
 
 
@@ -33,6 +34,7 @@ class FakeLive(QObject):
     def __init__(self, document):
         super().__init__()
         self.document = document
+        self.play = LivePlay(document, lambda _: None, self)
         self.errors = {}
         self.unsolved = set()
         self.failures = {}

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.project import Clip, Motion
+from studio.core.project import Motion
+from studio.core.stage.clip import Clip
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import Curve, seen_curve
 from studio.timeline.shown import Shown

@@ -5,11 +5,12 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
+from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.project import Project
-from studio.core.rest_pose import rest_pose
 from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.engine.live_play import LivePlay
 from studio.viewport.body_points import point_path
 
 FRAMES, RATE = 30, 60.0
@@ -45,6 +46,7 @@ class StandingLive(QObject):
     def __init__(self, document: Any) -> None:
         super().__init__()
         self._document = document
+        self.play = LivePlay(document, lambda _: None, self)
         self.interactive = False
         self.was_interactive: list[bool] = []
         self.late: set[str] = set()

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from studio.core.ground import Ground
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
+from studio.core.grounds.ground import Ground
 from studio.core.project import GROUND_ID
 from studio.io.character_file import bundled_characters
 from studio.viewport.ground_visual import GroundVisual, lines_of, surface_of

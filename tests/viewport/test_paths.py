@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.engine.performance import posed_performers
 from studio.viewport.opening import opening_camera

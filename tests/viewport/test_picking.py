@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from studio.core.prop import Prop
+from studio.core.stage.prop import Prop
 from studio.engine.performance import posed_performers
 from studio.engine.props import props_at
 from studio.viewport.body_points import body_joints, point_path

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
 from studio.core.markers.take import MarkerTake
 from studio.core.normalized.normalize import motion_origin, normalize
 from studio.core.normalized.realize import realize
-from studio.core.placement import Placement
+from studio.core.stage.placement import Placement
 from studio.io.importing import GUESS_ALL, load_capture
 from studio.io.marker_capture import capture_of_take
 from studio.viewport.recording import METRES_A_NEWTON, RecordedBy

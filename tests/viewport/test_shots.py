@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.document.journal import StateHash
 from studio.viewport.camera import OrbitCamera

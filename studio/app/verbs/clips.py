@@ -1,5 +1,6 @@
 """Edits of the selected clips, and new ones from the captures of the project."""
 
+from collections.abc import Callable
 from functools import partial
 
 from studio.app.workbench import Workbench
@@ -19,24 +20,34 @@ def chosen_clip(bench: Workbench) -> str | None:
 
 def add(bench: Workbench) -> None:
     """Choose a capture: it plays after what the selected bodies play, or all that are shown."""
+    _choose(bench, "Add a clip of", lambda keys, motion_id: clips.add_clip(bench.document, keys, motion_id))
+
+
+def add_layer(bench: Workbench) -> None:
+    """Choose a capture: it plays over the upper body of those from the playhead on."""
+    now = bench.document.playhead.time
+    _choose(bench, "Add a layer of", lambda keys, motion_id: clips.add_layer(bench.document, keys, motion_id, now))
+
+
+def _choose(bench: Workbench, text: str, put: Callable[[list[str], str], str]) -> None:
     project = bench.document.project
     choices = [
-        ((motion.name, f"{project.captures[motion.capture_id].duration:.1f} s"), partial(_add, bench, motion_id))
+        ((motion.name, f"{project.captures[motion.capture_id].duration:.1f} s"), partial(_add, bench, put, motion_id))
         for motion_id, motion in project.motions.items()
         if project.captures[motion.capture_id].body_map is not None
     ]
     if not choices:
         raise StudioError("There is no motion to add yet. Drop a capture on the window first.")
-    bench.window.choose("Add a clip of", choices)
+    bench.window.choose(text, choices)
 
 
-def _add(bench: Workbench, motion_id: str) -> None:
+def _add(bench: Workbench, put: Callable[[list[str], str], str], motion_id: str) -> None:
     document = bench.document
     performers = document.project.performers
     chosen = [key for key in document.selection.of("performers") if key in performers]
     keys = chosen or [key for key, each in performers.items() if each.visible]
     if keys:
-        name = clips.add_clip(document, keys, motion_id)
+        name = put(keys, motion_id)
         document.selection.set(*(("performers", key) for key in keys), ("clips", name))
 
 

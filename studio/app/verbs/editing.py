@@ -4,12 +4,16 @@ from dataclasses import replace
 
 from studio.app.verbs import clips
 from studio.app.workbench import Workbench
-from studio.core.contacts import ContactInterval
+from studio.core.captures.contacts import ContactInterval
 from studio.core.names import free_name
-from studio.core.project import GROUND_ID, Clip
+from studio.core.project import GROUND_ID
+from studio.core.stage.behaviour import Transition
+from studio.core.stage.clip import Clip
+from studio.document.behaviours import duplicate_states, remove_parts
 from studio.document.clips import name_of, remove_clips
 
-SMALL_THINGS = ("constraints", "contacts", "props", "clips")
+PARTS = ("clips", "states", "transitions")
+SMALL_THINGS = ("constraints", "contacts", "props", "behaviours", *PARTS)
 
 
 def undo(bench: Workbench) -> None:
@@ -23,8 +27,13 @@ def redo(bench: Workbench) -> None:
 
 
 def duplicate(bench: Workbench) -> None:
-    """A copy of each selected constraint, last in priority; of a clip, one that plays after it."""
+    """A copy of each selected constraint, last in priority; of a clip, one that plays after it; of states, beside."""
     document = bench.document
+    if document.selection.of("states"):
+        bodies = [item for item in document.selection.items if item[0] == "performers"]
+        copied = duplicate_states(document, document.selection.of("states"))
+        document.selection.set(*bodies, *(("states", key) for key in copied))
+        return
     if document.selection.of("clips"):
         clips.duplicate(bench)
         return
@@ -53,8 +62,9 @@ def delete(bench: Workbench) -> None:
     text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} things"
     with document.group(text):
         remove_clips(document, document.selection.of("clips"), text)
+        remove_parts(document, document.selection.of("states"), document.selection.of("transitions"), text)
         for collection, key in items:
-            if collection != "clips" and document.project.get(collection, key) is not None:
+            if collection not in PARTS and document.project.get(collection, key) is not None:
                 document.remove(collection, key, text)
 
 
@@ -105,6 +115,8 @@ def _name(bench: Workbench, collection: str, key: str) -> str:
     entity = bench.document.project.get(collection, key)
     if isinstance(entity, ContactInterval):
         return f"{entity.point.words} contact"
+    if isinstance(entity, Transition):
+        return f"transition to {entity.target}"
     if isinstance(entity, Clip):
         return f"clip {name_of(bench.document.project, entity)}"
     return str(getattr(entity, "name", "selection"))

@@ -1,7 +1,7 @@
 """Time: play, step, jump, range, shuttle."""
 
 from studio.app.workbench import Workbench
-from studio.core.solver.rows import stage_span
+from studio.core.solver.performers.rows import stage_span
 
 FASTEST = 8.0
 

@@ -9,11 +9,18 @@ import numpy as np
 
 from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowProp
+from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.holding import grips
+from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name
-from studio.core.prop import Carried, Prop, PropShape
-from studio.core.triangle_mesh import TriangleMesh
+from studio.core.stage.clip import Clip
+from studio.core.stage.holding import REACHING, grips
+from studio.core.stage.prop import Carried, InHand, Prop, PropShape
+from studio.document.document import Document
+from studio.engine.performance import motion_time
 from studio.io.mesh_file import SUFFIXES, MeshFile, read_mesh
 
 AHEAD = 0.6
@@ -91,19 +98,76 @@ def selected_prop(bench: Workbench) -> str | None:
     return next((key for key in bench.document.selection.of("props") if key in props), None)
 
 
+def is_held(bench: Workbench) -> bool:
+    """Whether somebody holds the selected prop at some time."""
+    prop_id = selected_prop(bench)
+    return prop_id is not None and bench.document.project.props[prop_id].held is not None
+
+
 def hold(bench: Workbench) -> None:
     """The active body carries the selected prop, a hand on either side of it, as long as it plays its clip."""
+    document, _, _, clip = _holding(bench)
+    rate = document.project.frame_rate_of(clip)
+    _hold(bench, None, (clip.first / rate, clip.last / rate))
+
+
+def pick_up(bench: Workbench) -> None:
+    """The active body picks the selected prop up at the playhead, with both hands unless it has it in one."""
+    document, prop_id, performer_id, clip = _holding(bench)
+    prop, now = document.project.props[prop_id], document.playhead.time
+    if isinstance(prop.held, InHand) and prop.holder == performer_id:
+        end = prop.held.end if prop.held.end is not None and prop.held.end > now else None
+        held = replace(prop.held, begin=now, end=end)
+        document.replace("props", prop_id, replace(prop, held=held), f"Pick up {prop.name}")
+        return
+    rate = document.project.frame_rate_of(clip)
+    _hold(bench, now, (motion_time(clip, rate, now), clip.last / rate))
+
+
+def put_down(bench: Workbench) -> None:
+    """Whoever holds the selected prop puts it down at the playhead; hands leave it."""
+    document, prop_id = bench.document, selected_prop(bench)
+    prop, now = document.project.props[prop_id or ""], document.playhead.time
+    if prop_id is None or prop.held is None or (prop.held.begin is not None and prop.held.begin >= now):
+        raise StudioError("Nobody holds the prop here. Select one that is held, and go to a later moment.")
+    text = f"Put down {prop.name}"
+    with document.group(text):
+        document.replace("props", prop_id, replace(prop, held=replace(prop.held, end=now)), text)
+        for performer_clip in document.project.performers[prop.held.performer_id].clips:
+            time = motion_time(performer_clip, document.project.frame_rate_of(performer_clip), now)
+            for key, each in document.project.constraints_of(performer_clip.motion_id).items():
+                if _grips(each, prop_id, prop.held.performer_id) and each.activation.at(time) > 0.0:
+                    curve = each.activation
+                    full = min(curve.full, time)
+                    left = ActivationCurve(min(curve.start, full), full, time, time + REACHING, curve.shape)
+                    document.replace("constraints", key, replace(each, activation=left), text)
+
+
+def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
+    """Whether it keeps a hand of a performer on a prop."""
+    follows = any(isinstance(each, FollowProp) and each.prop_id == prop_id for each in follows_of(constraint))
+    return follows and constraint.scope.performer_id == performer_id
+
+
+def _holding(bench: Workbench) -> tuple[Document, str, str, Clip]:
+    """The selected prop, and the active performer with its clip."""
     document, prop_id = bench.document, selected_prop(bench)
     performer_id, clip = document.active_performer_id, document.active_clip
     if prop_id is None or performer_id is None or clip is None:
         raise StudioError("Select a prop, while a body that is shown plays something.")
+    return document, prop_id, performer_id, clip
+
+
+def _hold(bench: Workbench, begin: float | None, seconds: tuple[float, float]) -> None:
+    """Both hands hold the prop from ``begin`` on, and are on it during ``seconds`` of the motion."""
+    document, prop_id, performer_id, clip = _holding(bench)
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
-    text = f"{performer.name} holds {prop.name}"
+    text = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}"
     with document.group(text):
-        if not isinstance(prop.held, Carried) or prop.holder != performer_id:
-            document.replace("props", prop_id, replace(prop, held=Carried(performer_id)), text)
-        others = document.project.constraints_of(clip.motion_id).values()
-        last = max((each.priority for each in others), default=-1) + 1
-        rate = document.project.frame_rate_of(clip)
-        seconds = clip.first / rate, clip.last / rate
+        if not isinstance(prop.held, Carried) or prop.holder != performer_id or begin is not None:
+            document.replace("props", prop_id, replace(prop, held=Carried(performer_id, begin=begin)), text)
+        others = document.project.constraints_of(clip.motion_id)
+        for key in [key for key, each in others.items() if _grips(each, prop_id, performer_id)]:
+            document.remove("constraints", key, text)
+        last = max((each.priority for each in document.project.constraints_of(clip.motion_id).values()), default=-1) + 1
         document.add_all("constraints", grips(clip.motion_id, performer_id, prop_id, prop.name, seconds, last), text)

@@ -1,7 +1,11 @@
 """What is seen: camera, ghost, tools, panels, palette."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 from studio.app.workbench import Workbench
 from studio.io.registry import Format, known_formats
+from studio.viewport.eyes import Stereo
 
 
 def frame_selection(bench: Workbench) -> None:
@@ -42,6 +46,16 @@ def toggle_ghost(bench: Workbench) -> None:
 def toggle_following(bench: Workbench) -> None:
     """The camera goes with the selected character."""
     bench.viewport.set_following(not bench.viewport.following)
+
+
+def toggle_stereo(stereo: Stereo) -> Callable[[Workbench], None]:
+    """Two eyes' pictures in that way, or one again."""
+
+    def toggle(bench: Workbench) -> None:
+        now = bench.viewport.sight
+        bench.viewport.set_sight(replace(now, stereo=Stereo.OFF if now.stereo is stereo else stereo))
+
+    return toggle
 
 
 def toggle_markers(bench: Workbench) -> None:

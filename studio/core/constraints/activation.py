@@ -7,6 +7,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.plausible import TIME
+
 
 class EaseShape(StrEnum):
     """How an activation rises: the polynomial over its ramp."""
@@ -46,6 +48,7 @@ class ActivationCurve:
         times = (self.start, self.full, self.full_end, self.end)
         if not all(math.isfinite(time) for time in times):
             raise ValueError("An activation needs four finite times.")
+        TIME.check(times)
         if not self.start <= self.full <= self.full_end <= self.end:
             raise ValueError(
                 "An activation's times are in order, start, full, full end, end: "

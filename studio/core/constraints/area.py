@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint, Vector, finite_vector
+from studio.core.constraints.base import Constraint, Shown, Vector, finite_vector
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
-from studio.core.triangle_mesh import TriangleMesh
+from studio.core.mesh.triangle_mesh import TriangleMesh
 
 
 class AreaShape(StrEnum):
@@ -36,6 +36,10 @@ class AreaConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "area"
+    shown: ClassVar[Shown] = Shown(
+        "Add table (area) constraint", "A table under the picked joint, which it does not sink into", "#D98A6A",
+        held_by="centre", handle="centre", picks=True,
+    )  # fmt: skip
     shape: AreaShape = AreaShape.TABLE
     centre: Place = (0.0, 0.0, 0.0)
     size: Vector = (1.0, 1.0, 1.0)

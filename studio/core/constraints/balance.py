@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint
+from studio.core.constraints.base import Constraint, Shown
 from studio.core.constraints.target import Place, checked_place
 
 
@@ -34,6 +34,10 @@ class BalanceConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "balance"
+    shown: ClassVar[Shown] = Shown(
+        "Add balance constraint", "Keep the centre of mass where the motion has it", "#5FB5A8", held_by="place",
+        handle="place", about="whole body",
+    )  # fmt: skip
     place: tuple[float, float] | Place | Support | None = None
     vertical: bool = False
 

@@ -2,11 +2,17 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from studio.core.canonical import BodyPart
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
-from studio.core.scope import EVERYONE, Scope
+from studio.core.stage.scope import EVERYONE, Scope
+
+if TYPE_CHECKING:
+    from studio.core.constraints.carried_over import Carry
 
 Vector = tuple[float, float, float]
 
@@ -117,12 +123,31 @@ class Chain:
 
 
 @dataclass(frozen=True)
+class Shown:
+    """What people see of a kind of constraint, beside its form."""
+
+    action: str
+    """What the command that adds one is called."""
+    hint: str
+    colour: str
+    held_by: str = ""
+    """The value that is the place by which it is held, if any."""
+    handle: str = "target"
+    """What the handle there is called."""
+    about: str = ""
+    """What of the body it is about, where that is no point."""
+    picks: bool = False
+    """Whether it is made of a joint that was picked."""
+
+
+@dataclass(frozen=True)
 class Constraint:
     """What the user asks of a motion, apart from its kind. Priority 0 is the highest."""
 
     kind: ClassVar[str]
     unit: ClassVar[str] = "m"
     """What its residual is counted in: metres, or radians (``rad``)."""
+    shown: ClassVar[Shown]
     motion_id: str
     name: str
     point: BodyPoint
@@ -147,6 +172,14 @@ class Constraint:
             )
         if not (math.isfinite(self.weight) and self.weight > 0.0):
             raise ValueError(f"'{self.name}': a weight is a finite number above 0, got {self.weight}.")
+
+    def carried(self, carry: "Carry") -> dict[str, Any]:
+        """What else of it changes where a clip plays (``constraints.carried_over``)."""
+        return {}
+
+    def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Lines (N, 3) by which it is drawn where its point has a ``place`` (3,) and its segment a ``turn`` (3, 3)."""
+        return ()
 
 
 def finite_vector(values: object, what: str) -> Vector:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
@@ -14,8 +14,9 @@ from studio.core.constraints.clear import Arms
 from studio.core.constraints.follow import FOLLOWS, FollowBody, FollowPerformer, FollowProp
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys, Quaternion
 from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace
+from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.rotations import multiply
-from studio.core.triangle_mesh import TriangleMesh
 
 FloatArray = NDArray[np.float64]
 
@@ -99,7 +100,7 @@ def carried_over(constraint: Constraint, carry: Carry) -> Constraint:
         changed = _value(name, value, constraint, carry)
         if changed is not value:
             changes[name] = changed
-    return replace(constraint, **changes)
+    return replace(constraint, **changes, **constraint.carried(carry))
 
 
 def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
@@ -113,6 +114,15 @@ def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
             turned = tuple(_heading(each, constraint, carry) for each in value.values)
             numbers = turned if name == "heading" else value.values
             return replace(value, times=_keys(value, carry), values=numbers)
+        case CirclePlace() | PendulumPlace() | NoisePlace():
+            (x, y, z), seen = carry.places(value.centre).tolist(), value.mirrored() if carry.mirrored else value
+            return replace(
+                seen,
+                centre=(x, y, z),
+                heading=seen.heading + carry.turn,
+                seconds=value.seconds / carry.speed,
+                since=float(carry.times(value.since)),
+            )
         case OwnPlace():
             (x, y, z), own = carry.ways(value.offset).tolist(), value.own
             return replace(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint
+from studio.core.constraints.base import Constraint, Shown
 
 
 class Arms(StrEnum):
@@ -30,6 +30,10 @@ class ClearConstraint(Constraint):
     """
 
     kind: ClassVar[str] = "clear"
+    shown: ClassVar[Shown] = Shown(
+        "Keep clear of body", "Keep both arms of the active body out of its trunk, head and thighs", "#D9A0A0",
+        about="arms",
+    )  # fmt: skip
     arms: Arms = Arms.BOTH
     margin: float = 0.0
 

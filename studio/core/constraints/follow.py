@@ -27,12 +27,17 @@ class FollowBody:
 
 @dataclass(frozen=True)
 class FollowPerformer:
-    """``point`` of another performer; for that performer itself it is a point of the same body."""
+    """``point`` of another performer; for that performer itself it is a point of the same body.
+
+    What ``awaits`` it comes to where it will be once it is asked wholly, and leaves from where it was then: who wards
+    off a blow goes to meet it and does not chase it.
+    """
 
     kind: ClassVar[str] = "follow_performer"
     performer_id: str
     point: BodyPoint
     turn: Quaternion = UNTURNED
+    awaits: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "turn", unit_quaternion(self.turn))

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.activation import EaseShape, ease
+from studio.core.plausible import TIME
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -40,6 +41,7 @@ class Keys:
             raise ValueError(f"Keys are as many times as values, at least one: {len(times)} and {len(self.values)}.")
         if not all(math.isfinite(time) for time in times):
             raise ValueError("The times of keys are finite numbers of seconds.")
+        TIME.check(times)
         for before, after in pairwise(times):
             if after - before < SAME_TIME:
                 raise ValueError(f"Keys stand in the order of their times: {after:.3f} s comes after {before:.3f} s.")
@@ -96,6 +98,10 @@ class Line(Keys):
         begin = values[before] + since[:, None] * rates[before]
         end = values[after] + until[:, None] * rates[after]
         return np.asarray(begin + share[:, None] * (end - begin))
+
+    def path(self, time: float) -> FloatArray:
+        """(N, size) the whole way, from the first key to the last, whatever the ``time``."""
+        return self.at(np.linspace(self.times[0], self.times[-1], 24 * len(self.times) + 1))
 
     @property
     def points(self) -> FloatArray:

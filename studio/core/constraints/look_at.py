@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint, Constraint
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint, Constraint, Shown
 from studio.core.constraints.target import Place, checked_place
 
 
@@ -17,6 +17,9 @@ class LookAtConstraint(Constraint):
 
     kind: ClassVar[str] = "look_at"
     unit: ClassVar[str] = "rad"
+    shown: ClassVar[Shown] = Shown(
+        "Add look-at constraint", "Let the active body look at a place ahead of it", "#8FA3E0", held_by="target"
+    )
     target: Place = (1.0, 0.0, 1.5)
 
     def __post_init__(self) -> None:

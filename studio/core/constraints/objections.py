@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import TRUNK, BodyPoint, Chain, Constraint, limb_bones
 from studio.core.constraints.follow import FollowBody
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint
+from studio.core.constraints.base import Constraint, Shown
 from studio.core.constraints.target import Turn, checked_turn
 
 
@@ -17,6 +17,10 @@ class OrientationConstraint(Constraint):
 
     kind: ClassVar[str] = "orientation"
     unit: ClassVar[str] = "rad"
+    shown: ClassVar[Shown] = Shown(
+        "Add orientation constraint", "Keep what turns about the picked joint as it is turned now", "#C9B458",
+        picks=True,
+    )  # fmt: skip
     target: Turn = (0.0, 0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from studio.core.constraints.base import Constraint
+from studio.core.constraints.base import Constraint, Shown
 from studio.core.constraints.target import Place, checked_place
 
 
@@ -12,6 +12,10 @@ class PositionConstraint(Constraint):
     """``point`` is to be at ``target``: a place in the space of the motion, keyed places, or something it follows."""
 
     kind: ClassVar[str] = "position"
+    shown: ClassVar[Shown] = Shown(
+        "Add position constraint", "Give the joint picked in the viewport a target", "#5b93d6", held_by="target",
+        picks=True,
+    )  # fmt: skip
     target: Place = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:

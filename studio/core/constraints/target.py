@@ -1,11 +1,12 @@
-"""Where a target may be: fixed (plain numbers), keyed over time, each body's own, or following what moves."""
+"""Where a target may be: fixed (plain numbers), keyed, moving by a rule, each body's own, or following what moves."""
 
 from studio.core.constraints.base import Constraint, Vector, finite_vector
 from studio.core.constraints.follow import FOLLOWS, Follow, FollowBody
 from studio.core.constraints.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
 from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.procedural import ProceduralPlace
 
-Place = Vector | KeyedPlace | OwnPlace | Follow
+Place = Vector | KeyedPlace | ProceduralPlace | OwnPlace | Follow
 """Metres in the motion's space (before a performer's placement)."""
 Turn = Quaternion | KeyedTurn | Follow
 """A rotation in the motion's space."""
@@ -13,7 +14,7 @@ Turn = Quaternion | KeyedTurn | Follow
 
 def checked_place(place: object, constraint: Constraint, what: str) -> Place:
     """``place`` as a value that cannot be wrong; ValueError naming the constraint and ``what`` otherwise."""
-    if isinstance(place, KeyedPlace | OwnPlace | Follow):
+    if isinstance(place, KeyedPlace | ProceduralPlace | OwnPlace | Follow):
         if isinstance(place, FollowBody) and place.point == constraint.point:
             raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another one to follow.")
         return place

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from studio.core.ground import Ground
 from studio.core.grounds.bumps import Bumps
+from studio.core.grounds.ground import Ground
 from studio.core.grounds.height_map import HeightMap
 from studio.core.grounds.slope import Slope
 from studio.core.grounds.steps import Steps

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from studio.core.ground import FloatArray, Ground
+from studio.core.grounds.ground import FloatArray, Ground
 
 WAVES = 4
 """Plane waves of which the ground is the mean; so many that no direction is straight."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from studio.core.ground import FloatArray, Ground
+from studio.core.grounds.ground import FloatArray, Ground
 from studio.core.plausible import GROUND
 
 if TYPE_CHECKING:

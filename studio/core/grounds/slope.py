@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from studio.core.ground import FloatArray, Ground
+from studio.core.grounds.ground import FloatArray, Ground
 
 STEEPEST = math.radians(60.0)
 

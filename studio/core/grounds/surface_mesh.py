@@ -3,13 +3,16 @@
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.ground import FloatArray, Ground
+from studio.core.grounds.ground import FloatArray, Ground
 from studio.core.plausible import MESH
+
+if TYPE_CHECKING:
+    from studio.core.kernels.support.surface import TriangleGrid
 
 MOST_CELLS = 512
 """Cells of the index along the longer side, at most."""
@@ -63,12 +66,14 @@ class SurfaceMesh(Ground):
             from studio.core.kernels.support.surface import highest_triangles  # late: it loads numba
 
             found = np.zeros(len(places), dtype=np.bool_)
-            highest_triangles(places, *self._index, heights, slopes, found)
+            highest_triangles(places, self._grid, heights, slopes, found)
         return heights.reshape(xy.shape[:-1]), slopes.reshape(xy.shape)
 
     @cached_property
-    def _index(self) -> tuple[Any, ...]:
-        """Corners (T, 3, 3), and which triangles lie over each cell of a grid about as fine as they are."""
+    def _grid(self) -> "TriangleGrid":
+        """Which triangles lie over each cell of a grid about as fine as they are."""
+        from studio.core.kernels.support.surface import TriangleGrid  # late: it loads numba
+
         corners = np.ascontiguousarray(self.vertices[self.triangles])
         low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
         origin, end = low.min(axis=0), high.max(axis=0)
@@ -82,4 +87,4 @@ class SurfaceMesh(Ground):
         cells = (first[owners, 0] + place // wide[owners, 1]) * columns + first[owners, 1] + place % wide[owners, 1]
         order = np.argsort(cells, kind="stable")
         starts = np.searchsorted(cells[order], np.arange(rows * columns + 1))
-        return corners, starts, owners[order], origin, (size, rows, columns)
+        return TriangleGrid(corners, starts, owners[order], origin, size, rows, columns)

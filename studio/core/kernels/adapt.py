@@ -11,6 +11,7 @@ from studio.core.kernels.limits.clearing import clear_after, clear_before, make_
 from studio.core.kernels.records import (
     BRAKE,
     LAST_STEP,
+    LIMB_STATE,
     PULL,
     Asked,
     Body,
@@ -35,33 +36,20 @@ from studio.core.kernels.time.easing import ease_frame
 from studio.core.kernels.time.jolts import note_jolts
 
 
-@allocating_kernel
-def place_frames(channels, measures, drops, comforts, ankles, feet, toes, positions, rotations):
-    """Lower the root by ``drops`` (F,) and put both legs on their ankles (2, F, 3), in place."""
-    for frame in range(channels.shape[0]):
+@kernel
+def place_frames(measures, drops, legs, positions, rotations):
+    """Lower the root by ``drops`` (F,) and put both ``legs`` (``kernels.records``) on their ankles, in place.
+
+    ``measures`` (F or 1, n); ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3).
+    """
+    for frame in range(drops.shape[0]):
         if drops[frame] != 0.0:
             move_all(0.0, 0.0, -drops[frame], positions[frame])
-        row = frame if measures.shape[0] > 1 else 0
+        row = measures[frame if measures.shape[0] > 1 else 0]
+        pose, now = pack(Pose(positions[frame], rotations[frame])), pack(legs_at(frame, legs))
         for side in range(2):
-            place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, positions, rotations)
-
-
-@kernel
-def place_side(frame, row, side, channels, measures, comforts, ankles, feet, toes, positions, rotations):
-    """One leg of one frame of ``place_frames`` with the measures of ``row``."""
-    leg = (
-        channels[frame],
-        measures[row],
-        side,
-        comforts[side, frame],
-        ankles[side, frame],
-        feet[side, frame],
-        toes[side, frame],
-        positions[frame],
-        rotations[frame],
-    )
-    if not is_placed(*leg):
-        place_leg(*leg)
+            if not is_placed(side, row, now, pose):
+                place_leg(side, row, now, pose)
 
 
 @allocating_kernel
@@ -99,7 +87,8 @@ def solve_each(asked, body, motion, clearance, easing, scratch, out_residuals):
         frame = easing.frames[number]
         start = pack(Pose(motion.start_positions[frame], motion.start_rotations[frame]))
         pose = pack(Pose(motion.positions[frame], motion.rotations[frame]))
-        problem = pack(Problem(asked.tasks, asked.areas, chain, pack(body_at(frame, body)), search, start, pose))
+        now = pack(body_at(frame, body, pack(legs_at(frame, body.legs))))
+        problem = pack(Problem(asked.tasks, asked.areas, chain, now, search, start, pose))
         if eases:
             solve_eased(frame, clears, clip, problem)
         elif clears:
@@ -178,18 +167,17 @@ def solve_one(frame, stage, clip, problem):
 
 
 @small_kernel
-def body_at(frame, body):
-    """The body at one frame."""
-    legs = body.legs
-    at_frame = Legs(
-        legs.channels[frame],
-        legs.comforts[:, frame],
-        legs.ankles[:, frame],
-        legs.feet[:, frame],
-        legs.toes[:, frame],
-    )
+def legs_at(frame, legs):
+    """Legs at one frame."""
+    ankles, feet, toes = legs.ankles[:, frame], legs.feet[:, frame], legs.toes[:, frame]
+    return Legs(legs.channels[frame], legs.comforts[:, frame], ankles, feet, toes)
+
+
+@small_kernel
+def body_at(frame, body, legs):
+    """The body at one frame, with its ``legs`` there, packed by who calls."""
     row = body.measures[frame if body.measures.shape[0] > 1 else 0]
-    return Body(row, body.masses, body.leashes[:, frame], at_frame, body.limits, body.shares)
+    return Body(row, body.masses, body.leashes[:, frame], legs, body.limits, body.shares)
 
 
 @small_kernel
@@ -211,6 +199,7 @@ def with_packed(rows, equations, damped, search):
         search.sums,
         search.points,
         search.turns,
+        search.limbs,
         search.hung_turns,
         search.solved_turns,
         search.kept_turns,
@@ -262,6 +251,7 @@ def make_search(task_count, joint_count, point_count):
         np.empty((segments + 1, 4)),
         np.empty((8, 3)),
         np.empty((6, 3, 3)),
+        np.zeros(4, LIMB_STATE),
         np.empty((16, 3, 3)),
         np.empty((16, 3, 3)),
         np.empty((16, 3, 3)),

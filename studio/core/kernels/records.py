@@ -22,6 +22,21 @@ class Pose(NamedTuple):
     """(S, 3, 3) in the world."""
 
 
+class Limb(NamedTuple):
+    """How one limb lies in its frame, whose z axis points from its root to its end."""
+
+    bones: tuple[float, float]
+    """Metres, upper and lower."""
+    reach: float
+    """Metres from its root to its end."""
+    off_plane: float
+    """Metres by which elbow or knee is to lie off the plane, along x."""
+    bend: float
+    """Sign of the side, along y, to which it bends."""
+    twists: tuple[float, float]
+    """Radians by which both bones turn about themselves."""
+
+
 class Motion(NamedTuple):
     """All frames: ``start`` as they were before any constraint, and as they are solved."""
 
@@ -59,6 +74,33 @@ class Legs(NamedTuple):
     """(2, 3, 3) or (2, F, 3, 3) in the world."""
     toes: Array
     """The same."""
+
+
+class Arms(NamedTuple):
+    """How arms stand, at each of F frames."""
+
+    channels: Array
+    """(F, n) of the motion (``kernels.layout``)."""
+    comforts: Array
+    """(2, F) part of its length to which each arm stretches freely, 0 where it is left alone."""
+    wrists: Array
+    """(2, F, 3) metres."""
+    hands: Array
+    """(2, F, 3, 3) in the world."""
+    bends: Array
+    """(2, F) sign of the side to which the elbow bends."""
+
+
+class Links(NamedTuple):
+    """N limbs that carry a body, as links between it and what stands."""
+
+    starts: Array
+    """(N, F, 3) metres from the root: hips, shoulders."""
+    ends: Array
+    """(N, F, 3) in the world: knees, ankles, wrists."""
+    least: Array
+    most: Array
+    """(N, F) metres that each may be long."""
 
 
 class BodyFrames(NamedTuple):
@@ -208,6 +250,8 @@ class Search(NamedTuple):
     """(8, 3) scratch."""
     turns: Array
     """(6, 3, 3) scratch."""
+    limbs: Array
+    """(4,) records of ``LIMB_STATE``."""
     hung_turns: Array
     """(16, 3, 3) how each segment of a hung limb turns in what carries it, four a limb."""
     solved_turns: Array
@@ -397,6 +441,25 @@ class Scratch(NamedTuple):
 JOINT = np.dtype([(name, np.int64) for name in ("segment", "pivot", "first", "past", "carrier")], align=True)
 """A joint that a search may turn: the segment it turns (-1 for the root's translation), the point about which, the
 first and past the last of the segments that turn with it, and the segment that carries it (S none).
+"""
+LIMB_STATE = np.dtype(
+    [
+        ("bound", np.int64),
+        ("holds_end", np.int64),
+        ("turns_end", np.int64),
+        ("wishes", np.int64),
+        ("first", np.int64),
+        ("end", np.int64),
+        ("aims_upper", np.int64),
+        ("swivels", np.int64),
+        ("turns_lower", np.int64),
+    ],
+    align=True,
+)
+"""A limb while its constraints are solved (``kernels.limbs.limb_constraints``): whether limits bound it; whether hand
+or foot keeps its orientation in the world, and whether a constraint asks for that; how many wishes it has had; the task
+and the end of it that it reached for first, whether that is a point of its upper segment, and whether it leaves a
+swivel; whether the lower segment was turned for itself.
 """
 BRAKE = np.dtype([("axis", np.float64, (3,)), ("part", np.float64)], align=True)
 """The world axis of a joint's turn, and the root of the part of its mobility that is left about it."""

@@ -8,24 +8,67 @@ all lie within r of the one in its middle is no nearer than D - r.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from studio.core.kernels.compiling import kernel, small_kernel, summing_kernel
+from studio.core.kernels.compiling import kernel, pack, small_kernel, summing_kernel
+from studio.core.kernels.records import Array
 
 JOINTS, Y, Z, SQUARE, MIDDLE, WIDTH = 20, 20, 40, 60, 61, 64
 """Joints of a pose, and where each part of its row begins."""
 ROUNDING = 4e-6
-"""Metres squared by which D² may be wrong in float32."""
+"""Metres squared by which D² may be wrong in float32, and the parts of the turn."""
+SURE = 0.05
+"""Metres that a hit may be off by such a turn for it to be of use."""
 COST, POSTURE, REACH, TURN = 0, 1, 2, 3
 """Columns of what is found: the whole cost, both distances (m), and the turn of the frame onto the query (rad)."""
 CLIP, FRAME, CONTACT = 0, 1, 2
 """Columns of where it is found: clip, row of the frame from which to play, row of the path at which it hits."""
 
 
+class Table(NamedTuple):
+    """All that is searched: F frames of C clips in B blocks."""
+
+    rows: Array
+    """(F, 64) all poses."""
+    paths: Array
+    """(T, 3) all paths of hit points, each in the space of its clip."""
+    clips: Array
+    """(C, 4) actor, limb, first row and count of the path of the hit point."""
+    blocks: Array
+    """(B, 3) clip, first row and count."""
+    middles: Array
+    """(B, 64) the pose in the middle of each block."""
+    radii: Array
+    """(B,) metres from there to the farthest of its frames."""
+    rings: Array
+    """(B, 4) between which distances from the middle of a pose, and between which heights, the hit lies."""
+
+
+class Query(NamedTuple):
+    """What is searched for, by A actors."""
+
+    poses: Array
+    """(A, 64)."""
+    targets: Array
+    """(A, 4, 3) by actor and limb, about the middle of the pose."""
+    posture_weight: float
+    reach_weight: float
+
+
+class Found(NamedTuple):
+    """The N clips that cost least, in their order."""
+
+    costs: Array
+    """(N, 4), inf where there are no more."""
+    places: Array
+    """(N, 3), -1 where there are no more."""
+
+
 @kernel
 def judge_blocks(blocks, rows, paths, clips, middles, out_radii, out_rings):
-    """What bounds the cost of the frames of each block: see ``bound_blocks``; ``blocks`` (B, 3) clip, first, count."""
+    """What bounds the cost of the frames of each block: ``radii`` and ``rings`` of a ``Table``."""
     for block in range(blocks.shape[0]):
         start, count = clips[blocks[block, 0], 2], clips[blocks[block, 0], 3]
         widest, ring = 0.0, out_rings[block]
@@ -42,34 +85,36 @@ def judge_blocks(blocks, rows, paths, clips, middles, out_radii, out_rings):
 
 
 @summing_kernel
-def bound_blocks(middles, radii, rings, block_clips, clips, allowed, queries, targets, weights, out_bounds):
-    """The least cost (B,) that any frame of each block may have; inf where its clip is not allowed.
-
-    ``middles`` (B, 64) the pose in the middle of each block, ``radii`` (B,) metres; ``rings`` (B, 4) between which
-    distances from the middle of a pose and between which heights the hit lies; ``block_clips`` (B,) which clip;
-    ``clips`` (C, 4) actor, limb, first row and count of the path of the hit point; ``allowed`` (C,); ``queries``
-    (A, 64); ``targets`` (A, 4, 3) by actor and limb, about the middle of the query; ``weights`` (2,).
-    """
-    for block in range(middles.shape[0]):
-        clip = block_clips[block]
+def bound_blocks(table, allowed, query, out_bounds):
+    """The least cost (B,) that any frame of each block may have; inf where its clip is not ``allowed`` (C,)."""
+    clips, blocks = table.clips, table.blocks
+    for block in range(blocks.shape[0]):
+        clip = blocks[block, 0]
         if not allowed[clip]:
             out_bounds[block] = math.inf
             continue
-        query = queries[clips[clip, 0]]
-        posture = max(math.sqrt(least_square(query, middles[block])) - radii[block], 0.0)
-        target = targets[clips[clip, 0], clips[clip, 1]]
-        out_bounds[block] = weights[0] * posture + weights[1] * beyond(target, rings[block])
+        pose, target = query.poses[clips[clip, 0]], query.targets[clips[clip, 0], clips[clip, 1]]
+        posture = max(math.sqrt(least_square(pose, table.middles[block])) - table.radii[block], 0.0)
+        reach = beyond(target, table.rings[block])
+        out_bounds[block] = query.posture_weight * posture + query.reach_weight * reach
+
+
+@small_kernel
+def least_square(query, pose):
+    """D² of two rows (64,) in float32, less what rounding may have added."""
+    return turned_square(query, pose)[2]
 
 
 @summing_kernel
-def least_square(query, pose):
-    """D² of two rows (64,) in float32, less what rounding may have added."""
+def turned_square(query, pose):
+    """Both parts of the turn of two rows (64,), A and B, and D² less what rounding may have added, in float32."""
     a, b, h = np.float32(0.0), np.float32(0.0), np.float32(0.0)
     for k in range(JOINTS):
         a += query[k] * pose[k] + query[Y + k] * pose[Y + k]
         b += query[Y + k] * pose[k] - query[k] * pose[Y + k]
         h += query[Z + k] * pose[Z + k]
-    return max(pose[SQUARE] + query[SQUARE] - np.float32(2.0) * (math.sqrt(a * a + b * b) + h) - ROUNDING, 0.0)
+    square = pose[SQUARE] + query[SQUARE] - np.float32(2.0) * (math.sqrt(a * a + b * b) + h) - ROUNDING
+    return a, b, max(square, 0.0)
 
 
 @small_kernel
@@ -82,48 +127,54 @@ def beyond(target, ring):
 
 
 @kernel
-def search_blocks(first, bounds, blocks, rings, rows, paths, clips, queries, targets, weights, out_found, out_places):
-    """The best frame of each of the N clips that cost least, in their order; what is too few ends in inf and -1.
+def search_blocks(first, bounds, table, query, found):
+    """The best frame of each of the clips that cost least, written into ``found``.
 
-    ``first`` (n,) blocks to begin with, whose ``bounds`` (B,) are then set to inf; ``blocks`` (B, 3) clip, first row
-    and count; ``rows`` (F, 64) all poses; ``paths`` (T, 3) all paths of hit points, each in the space of its clip.
-    Out: (N, 4) and (N, 3), by the columns above.
+    ``first`` (n,) blocks to begin with, whose ``bounds`` (B,) are then set to inf.
     """
-    last = out_found.shape[0] - 1
+    last = found.costs.shape[0] - 1
     for n in range(last + 1):
-        out_found[n, COST] = math.inf
+        found.costs[n, COST] = math.inf
         for column in range(3):
-            out_places[n, column] = -1
+            found.places[n, column] = -1
+    known = pack(table), pack(query), pack(found)
     for n in range(first.shape[0]):
         block = first[n]
-        if bounds[block] < out_found[last, COST]:
-            search_block(
-                blocks[block], rings[block], rows, paths, clips, queries, targets, weights, out_found, out_places
-            )
+        if bounds[block] < found.costs[last, COST]:
+            search_block(block, *known)
         bounds[block] = math.inf
-    for block in range(blocks.shape[0]):
-        if bounds[block] < out_found[last, COST]:
-            search_block(
-                blocks[block], rings[block], rows, paths, clips, queries, targets, weights, out_found, out_places
-            )
+    for block in range(table.blocks.shape[0]):
+        if bounds[block] < found.costs[last, COST]:
+            search_block(block, *known)
 
 
 @kernel
-def search_block(block, ring, rows, paths, clips, queries, targets, weights, out_found, out_places):
+def search_block(block, table, query, found):
     """Put the frames of one block where they belong among what is found."""
-    clip, last = block[0], out_found.shape[0] - 1
-    query, target = queries[clips[clip, 0]], targets[clips[clip, 0], clips[clip, 1]]
-    least = weights[1] * beyond(target, ring)
-    for frame in range(block[1], block[1] + block[2]):
-        near = math.sqrt(least_square(query, rows[frame]))
-        if weights[0] * near + least >= out_found[last, COST]:
+    costs, rows, last = found.costs, table.rows, found.costs.shape[0] - 1
+    clip, begin = table.blocks[block, 0], table.blocks[block, 1]
+    actor, limb, path = table.clips[clip, 0], table.clips[clip, 1], table.clips[clip, 2]
+    pose, target = query.poses[actor], query.targets[actor, limb]
+    ring, count = table.rings[block], table.clips[clip, 3]
+    least = query.reach_weight * beyond(target, ring)
+    for frame in range(begin, begin + table.blocks[block, 2]):
+        a, b, square = turned_square(pose, rows[frame])
+        near, planar = query.posture_weight * math.sqrt(square), math.sqrt(np.float64(a) * a + np.float64(b) * b)
+        if near + least >= costs[last, COST]:
             continue
-        square, turn = pose_distance(query, rows[frame])
+        # By the turn in float32 most frames are seen to miss; it is off by no more than ROUNDING over its length.
+        off = ring[1] * ROUNDING / max(planar, 1e-12)
+        if off < SURE:
+            reach, _ = hit_distance(rows[frame], (a / planar, b / planar), target, table.paths, path, count)
+            if near + query.reach_weight * (reach - off) >= costs[last, COST]:
+                continue
+        square, turn = pose_distance(pose, rows[frame])
         posture = math.sqrt(square)
-        reach, contact = hit_distance(rows[frame], turn, target, paths, clips[clip, 2], clips[clip, 3])
-        cost = weights[0] * posture + weights[1] * reach
-        if cost < out_found[last, COST]:
-            note(cost, posture, reach, turn, clip, frame, contact, out_found, out_places)
+        facing = math.cos(turn), math.sin(turn)
+        reach, contact = hit_distance(rows[frame], facing, target, table.paths, path, count)
+        cost = query.posture_weight * posture + query.reach_weight * reach
+        if cost < costs[last, COST]:
+            note((cost, posture, reach, turn), (clip, frame, contact), found)
 
 
 @small_kernel
@@ -140,9 +191,12 @@ def pose_distance(query, pose):
 
 
 @small_kernel
-def hit_distance(pose, turn, target, paths, start, count):
-    """How near (m) the path of a hit point comes to ``target`` (3,), turned with ``pose`` (64,), and in which row."""
-    c, s = math.cos(turn), math.sin(turn)
+def hit_distance(pose, facing, target, paths, start, count):
+    """How near (m) the path of a hit point comes to ``target`` (3,), and in which row.
+
+    It is turned with ``pose`` (64,), by an angle whose cosine and sine are ``facing``.
+    """
+    c, s = facing
     best, contact = math.inf, start
     for row in range(start, start + count):
         x, y = paths[row, 0] - pose[MIDDLE], paths[row, 1] - pose[MIDDLE + 1]
@@ -154,20 +208,21 @@ def hit_distance(pose, turn, target, paths, start, count):
 
 
 @kernel
-def note(cost, posture, reach, turn, clip, frame, contact, out_found, out_places):
+def note(costs, place, found):
     """Keep a frame in the order of cost, one a clip; what was the last falls out."""
-    place = out_found.shape[0] - 1
-    for n in range(out_found.shape[0]):
-        if out_places[n, CLIP] == clip:
-            place = n
-            if out_found[n, COST] <= cost:
+    row = found.costs.shape[0] - 1
+    for n in range(found.costs.shape[0]):
+        if found.places[n, CLIP] == place[CLIP]:
+            row = n
+            if found.costs[n, COST] <= costs[COST]:
                 return
-    while place > 0 and out_found[place - 1, COST] > cost:
+    while row > 0 and found.costs[row - 1, COST] > costs[COST]:
         for column in range(4):
-            out_found[place, column] = out_found[place - 1, column]
+            found.costs[row, column] = found.costs[row - 1, column]
         for column in range(3):
-            out_places[place, column] = out_places[place - 1, column]
-        place -= 1
-    out_found[place, COST], out_found[place, POSTURE] = cost, posture
-    out_found[place, REACH], out_found[place, TURN] = reach, turn
-    out_places[place, CLIP], out_places[place, FRAME], out_places[place, CONTACT] = clip, frame, contact
+            found.places[row, column] = found.places[row - 1, column]
+        row -= 1
+    for column in range(4):
+        found.costs[row, column] = costs[column]
+    for column in range(3):
+        found.places[row, column] = place[column]

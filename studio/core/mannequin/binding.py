@@ -5,11 +5,11 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import FloatArray
 from studio.core.mannequin.form import Form
 from studio.core.mannequin.surface import vertex_links
-from studio.core.morphology import FloatArray
-from studio.core.skin import INFLUENCES
+from studio.core.mesh.skin import INFLUENCES
 
 
 def segment_weights(form: Form, vertices: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from studio.core.morphology import FloatArray
+from studio.core.body.morphology import FloatArray
 
 _TINY = 1e-7
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.morphology import FloatArray
 from studio.core.mannequin.surface import Triangles
-from studio.core.morphology import FloatArray
 from studio.core.rotations import frame_along
 
 SIDES = 8

@@ -10,13 +10,13 @@ from functools import cached_property
 
 import numpy as np
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import FloatArray
+from studio.core.body.rest_pose import rest_pose
 from studio.core.mannequin.field import Ellipsoid, Loft, Part, Solid, smooth_union, union
 from studio.core.mannequin.fingers import fingers
 from studio.core.mannequin.physique import Physique
 from studio.core.mannequin.surface import Triangles
-from studio.core.morphology import FloatArray
-from studio.core.rest_pose import rest_pose
 from studio.core.rotations import frame_along
 
 _FORWARD, _LEFT, _UP = np.eye(3)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
 
 SPINE_SHARES = np.array([0.17, 0.22, 0.25, 0.36])
 """Pelvis, lower abdomen, upper abdomen, thorax: shares of the height from root to neck base."""

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.morphology import FloatArray
 from studio.core.mannequin.surface import Triangles
-from studio.core.morphology import FloatArray
 
 Sizes = Callable[[FloatArray], FloatArray]
 Onto = Callable[[FloatArray], FloatArray]

@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyPart
-from studio.core.hand_shapes import GRIPS, HandShapes
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import FloatArray
 from studio.core.mannequin import binding, remesh, surface
 from studio.core.mannequin.form import Form
 from studio.core.mannequin.physique import Physique
-from studio.core.morphology import FloatArray
-from studio.core.skin import SkinnedMesh
+from studio.core.mesh.hand_shapes import GRIPS, HandShapes
+from studio.core.mesh.skin import SkinnedMesh
 
 CELL = 0.0058
 """Grid cell of the first surface, as a fraction of stature."""

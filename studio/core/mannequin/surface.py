@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from studio.core.morphology import FloatArray
+from studio.core.body.morphology import FloatArray
 
 Field = Callable[[FloatArray], FloatArray]
 Triangles = NDArray[np.int64]

@@ -11,8 +11,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyPart
-from studio.core.humanoid import BodyMap
+from studio.core.body.canonical import BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 from studio.core.markers.body_axes import (
     HEAD,
     Trunk,
@@ -25,9 +27,7 @@ from studio.core.markers.body_axes import (
     upright,
 )
 from studio.core.markers.roles import SIDES
-from studio.core.pose import PoseSequence
 from studio.core.rotations import from_matrix, normalized, shortest_arc
-from studio.core.skeleton import Skeleton
 
 FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]

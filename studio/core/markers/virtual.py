@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyPart
-from studio.core.capture import Capture
-from studio.core.contacts import ContactInterval, ContactPoint
-from studio.core.humanoid import BodyMap
-from studio.core.kinematics import joint_world, rest_poses
+from studio.core.body.canonical import BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.markers.roles import JOINTS, SIDES
 from studio.core.markers.trial import MARKER, VIRTUAL, Trial, TrialEvent
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.morphology import Morphology
-from studio.core.pose import PoseSequence
-from studio.core.skeleton import Skeleton
+from studio.core.body.morphology import Morphology
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
 
 FloatArray = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def find_alignments(marks: Landmarks) -> FloatArray:
-    """A (S, 3, 3) for every segment, such that R_canonical = R_joint A (METHOD 0 and 1)."""
+    """A (S, 3, 3) for every segment, such that R_canonical = R_joint A (METHOD 2)."""
     layout, reference = marks.layout, marks.reference
     desired = np.empty((layout.segment_count, 3, 3))
     body = anatomical_frame(reference[layout.hip(0)] - reference[layout.hip(1)])

@@ -12,16 +12,16 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.constraints.activation import EaseShape, ease
-from studio.core.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import blended, difference, moved
-from studio.core.normalized.joining import Join, Planar, join
+from studio.core.normalized.joining import Join, Planar, join, stepping_there
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import POINTS, Held, Mask, Piece, PieceSource, Played, Source
-from studio.core.normalized.resample import common_spine
+from studio.core.normalized.resample import Resampled, common_spine
 from studio.core.normalized.transition import Transition, joint_peaks
-from studio.core.timing import Timing
+from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 
@@ -45,8 +45,17 @@ class Composite:
 
     @property
     def is_plain(self) -> bool:
-        """Whether it is one motion, whole and as it is."""
-        return self.motion is self.played[0].piece.motion
+        """Whether it is one motion whose frames are its own, whatever lies over them."""
+        return len(self.played) == 1 and self.played[0].piece.is_plain
+
+    def at(self, frame: int) -> "Composite":
+        """One frame of it, which is frame 0 then."""
+        motion, timing = self.motion, self.timing
+        still = NormalizedMotion(
+            motion.name, motion.frame_rate, motion.channels[frame : frame + 1], motion.spine_places, motion.girdle
+        )
+        played = tuple(replace(each, first=each.first - frame, last=each.last - frame) for each in self.played)
+        return Composite(still, (), Timing(timing.stage_time(frame), timing.frame_rate, 0, 0), played)
 
     def playing(self, frame: int) -> Played:
         """The piece that plays in a frame: of two the one that takes over."""
@@ -67,7 +76,23 @@ def compose(pieces: tuple[Piece, ...]) -> Composite:
         timing = Timing(first.start - first.first / rate, rate, first.first, first.last)
         whole = Played(first, 0, first.motion.frame_count - 1, Planar())
         return Composite(first.motion, first.contacts, timing, (whole,))
-    row = _Row(common_spine([piece.motion for piece in ordered]), timing_of_pieces(ordered))
+    return _composed(ordered)
+
+
+def go_on(shown: Piece, played: NormalizedMotion, pieces: Sequence[Piece]) -> Composite:
+    """``compose``, where all that is there before ``pieces`` is what was ``shown`` last, no more than a moment.
+
+    How fast it may change is known by what has ``played`` of late.
+    """
+    return _composed([shown, *pieces], played)
+
+
+def _composed(ordered: Sequence[Piece], played: NormalizedMotion | None = None) -> Composite:
+    spine_places = common_spine([piece.motion for piece in ordered])
+    row = _Row(spine_places, timing_of_pieces(ordered))
+    if played is not None:
+        channels = Resampled(played, spine_places).at(np.arange(played.frame_count, dtype=np.float64))
+        row.peaks = joint_peaks(channels, played.frame_rate)
     for piece in ordered:
         row.add(piece)
     name = " + ".join(dict.fromkeys(piece.motion.name for piece in ordered))
@@ -90,6 +115,8 @@ class _Row:
 
     spine_places: FloatArray
     timing: Timing
+    peaks: FloatArray | None = None
+    """Those of the first piece, where that is not all of what it shows."""
     channels: FloatArray = field(init=False)
     stands: Mask = field(init=False)
     end: int = 0
@@ -115,7 +142,7 @@ class _Row:
         else:
             first = min(max(first, 1), self.end)
             shared = (first, min(self.end - 1, last)) if first < self.end - 1 else (self.end - 1, self.end - 1)
-            found = self._join(source, *shared)
+            found = self._join(source, first, *shared)
             self.placement, takes_over = found.placement, source.placed(found.placement)
             if self._fades(takes_over, first, last, found):
                 self._fade(takes_over, first, last, found)
@@ -132,16 +159,17 @@ class _Row:
             for first, last in spans_of(mask)
         )
 
-    def _join(self, source: PieceSource, first: int, last: int) -> Join:
-        """How a piece that follows is placed, from what both play in frames ``first`` to ``last``."""
+    def _join(self, source: PieceSource, begins: int, first: int, last: int) -> Join:
+        """How a piece that ``begins`` in a frame is placed, from what both play in frames ``first`` to ``last``."""
         frames = np.arange(first, last + 1)
         both = (self.stands[FEET][:, frames] & source.stands(frames)[FEET]).T
         shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
         weights = shares * (1.0 - shares) + 1e-3
-        if not source.piece.joined:
-            return Join(source.around(first, source.piece.own))
-        found = join(self.channels[frames], source.channels(frames), both, self.spine_places, weights)
-        return replace(found, placement=source.around(first, source.piece.own, found.placement))
+        piece, known = source.piece, (self.channels[frames], source.channels(frames), both, self.spine_places)
+        if not piece.joined:
+            return stepping_there(*known, source.around(begins, piece.own))
+        found = join(*known, weights)
+        return replace(found, placement=source.around(begins, piece.own, found.placement))
 
     def _put(self, source: Source, first: int, last: int) -> None:
         frames = np.arange(first, last + 1)
@@ -173,9 +201,15 @@ class _Row:
         """From what is there to a piece that takes over at ``first``."""
         rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
         gaps = difference(source.channels(before), self.channels[before])
-        both = self.channels[:first], source.channels(np.arange(first, last + 1))
-        peaks = np.maximum(*(joint_peaks(each, rate) for each in both))
+        peaks = np.maximum(self._peaks(first), joint_peaks(source.channels(np.arange(first, last + 1)), rate))
         return Transition.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks, seconds)
+
+    def _peaks(self, first: int) -> FloatArray:
+        """``joint_peaks`` of what is there, before frame ``first``."""
+        rate = self.timing.frame_rate
+        if self.peaks is None:
+            return joint_peaks(self.channels[:first], rate)
+        return np.maximum(self.peaks, joint_peaks(self.channels[self.played[0].last : first], rate))
 
     def _fades(self, source: Source, first: int, last: int, found: Join) -> bool:
         """Whether a piece overlaps what is there for as long as a blend needs."""

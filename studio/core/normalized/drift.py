@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.core.capture import Capture, Guess
+from studio.core.captures.capture import Capture, Guess
 from studio.core.normalized.normalize import sole_heights
 
 TOLD = 0.01

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at
-from studio.core.kernels.body.normalize import continue_turns, encode_frames
-from studio.core.morphology import Morphology
+from studio.core.kernels.body.normalize import ActorSizes, continue_turns, encode_frames
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import trunk_places
 from studio.core.rotations import frame_along, from_matrix, sign_continuous
@@ -22,13 +22,17 @@ def encode(
     Exact where the bones have the body's lengths; what a pose has beyond that (a stray of the hips) is kept as play.
     """
     layout = body.layout
-    rests = np.array([frame_along(rest, FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
-    sizes = np.array([body.ankle_height.mean(), body.leg_length, body.neck])
-    totals = np.concatenate([body.arm.sum(axis=1), body.leg.sum(axis=1)])
+    actor = actor_sizes(body, np.concatenate([body.arm.sum(axis=1), body.leg.sum(axis=1)]))
     turns = sign_continuous(from_matrix(np.asarray(rotations[:, 0])))
     yaw = np.unwrap(2.0 * np.arctan2(turns[:, 2], turns[:, 3]))
     channels = np.zeros((len(positions), at.SPINE + 4 * (layout.spine_count - 1)))
-    of_body = rests, body.hip_offset, sizes, totals
-    encode_frames(np.array(positions), np.array(rotations), yaw, *of_body, channels)
+    encode_frames(np.array(positions), np.array(rotations), yaw, actor, channels)
     continue_turns(np.array([*at.TURNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
     return NormalizedMotion(name, frame_rate, channels, trunk_places(body.spine))
+
+
+def actor_sizes(body: Morphology, limbs: FloatArray) -> ActorSizes:
+    """What channels leave out of a body whose arms and legs are ``limbs`` (4,) metres long."""
+    rests = np.array([frame_along(rest, FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
+    ankle_height, leg, neck = float(body.ankle_height.mean()), float(body.leg_length), float(body.neck)
+    return ActorSizes(rests, body.hip_offset, limbs, ankle_height, leg, neck)

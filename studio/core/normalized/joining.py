@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.contacts import FOOT_POINTS, touching_points
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import FOOT_POINTS, touching_points
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 
@@ -63,6 +63,22 @@ def join(
     left = [_miss(old, new, placement, both_stand, 1 - kept) for kept, placement in enumerate(tries)]
     kept = int(left[1] < left[0])  # the foot that leaves the other the shorter way
     return Join(tries[kept], 1 - kept, left[kept])
+
+
+def stepping_there(
+    first: FloatArray,
+    second: FloatArray,
+    both_stand: NDArray[np.bool_],
+    spine_places: FloatArray,
+    placement: Planar,
+) -> Join:
+    """As ``join``, where the placement is given: one foot may have to step where the other goes on standing."""
+    old, new = (_points(channels, spine_places) for channels in (first, second))
+    misses = [_miss(old, new, placement, both_stand, side) for side in range(2)]
+    if max(misses) < SAME_PLACE or min(misses) >= SAME_PLACE:
+        return Join(placement)
+    side = int(misses[1] > misses[0])
+    return Join(placement, side, misses[side])
 
 
 def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:

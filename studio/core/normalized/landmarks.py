@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.canonical import BodyLayout, BodyPart
-from studio.core.capture import Capture
-from studio.core.humanoid import BodyMap
-from studio.core.kinematics import joint_world, rest_poses
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture
 from studio.core.pieces import do_over_frames
-from studio.core.skeleton import Skeleton
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.contacts import ContactPoint, contact_mask
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactPoint, contact_mask
 from studio.core.normalized.landmarks import Landmarks, spread
 
 FloatArray = NDArray[np.float64]

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from studio.core.contacts import ContactInterval, ContactPoint, Touch, contact_point
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, contact_point
 from studio.core.kernels import layout as at
 from studio.core.normalized.motion import NormalizedMotion
 

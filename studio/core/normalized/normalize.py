@@ -6,44 +6,44 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from studio.core.capture import Capture
-from studio.core.contacts import (
+from studio.core.body.kinematics import joint_world
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import (
     BODY_POINTS,
     FLAT,
+    LOW_KNEE,
     SHORTEST,
-    TRAILING,
     ContactInterval,
     ContactPoint,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
     faces_down,
-    staying,
     tipped_over,
     touching_points,
+    trailed,
     without,
 )
+from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.normalize import continue_turns, encode_frames
-from studio.core.kinematics import joint_world
-from studio.core.morphology import Morphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.alignment import find_alignments, level_feet
+from studio.core.normalized.encode import actor_sizes
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdles, trunk_places
 from studio.core.normalized.soles import sole_points
 from studio.core.pieces import do_over_frames
-from studio.core.rising_heels import rising_heels
-from studio.core.rotations import frame_along, from_matrix, sign_continuous
+from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.sharing import Shared
 
 FloatArray = NDArray[np.float64]
 Contacts = dict[ContactPoint, list[tuple[int, int]]]
 
-FORWARD = np.array([1.0, 0.0, 0.0])
 HEADING_SMOOTHING = 0.25
 """Seconds, standard deviation of the low-pass on the pelvis' heading."""
 
@@ -109,7 +109,7 @@ def sole_heights(capture: Capture) -> list[list[float]]:
 
 def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
     """``capture_contacts`` as those of a motion, and what its hands touch (``touching``)."""
-    from studio.core.touching import find_touches  # it needs a body, which is measured here
+    from studio.core.captures.touching import find_touches  # it needs a body, which is measured here
 
     if capture.body_map is None:
         return ()
@@ -154,9 +154,9 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> Contacts:
             feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle(side), 2], float(leg)
         )
         feet[heel] = without(feet[heel], rising, shortest)
-        down = contact_mask([*bodies[knee], *bodies[ContactPoint.SEAT]], len(points))
-        stays = (staying(toes[:, side], *span, TRAILING) if down[slice(*span)].any() else span for span in feet[toe])
-        feet[toe] = [(first, last) for first, last in stays if last - first >= shortest]
+        low = tracks[knee][:, 2] < LOW_KNEE * leg
+        down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
+        feet[toe] = trailed(feet[toe], toes[:, side], down, capture.frame_rate)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < FLAT * leg
@@ -176,17 +176,13 @@ def _level_soles(marks: Landmarks, contacts: Contacts, alignments: FloatArray) -
 
 def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame_rate: float) -> FloatArray:
     layout = body.layout
-    rests = [frame_along(rest, FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)]
     roots = [layout.collar(0) + 1, layout.collar(1) + 1, layout.hip(0), layout.hip(1)]
     seen = points[spread(len(points))]
     totals = [sum(_median_length(seen[:, root + k], seen[:, root + k + 1]) for k in (0, 1)) for root in roots]
-    sizes = np.array([body.ankle_height.mean(), body.leg_length, body.neck])
+    actor = actor_sizes(body, np.array(totals))
     yaw = heading(rotations[:, 0], frame_rate)
     channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
-    of_actor = (np.array(rests), body.hip_offset, sizes, np.array(totals))
-    do_over_frames(
-        lambda run: encode_frames(points[run], rotations[run], yaw[run], *of_actor, channels[run]), len(points)
-    )
+    do_over_frames(lambda run: encode_frames(points[run], rotations[run], yaw[run], actor, channels[run]), len(points))
     continue_turns(np.array([*at.TURNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
     return channels
 

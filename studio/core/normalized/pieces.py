@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.contacts import CONTACT_POINTS, ContactInterval
+from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.kernels import layout as at
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.mirror import mirrored, mirrored_contacts
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.resample import Resampled
 from studio.core.normalized.transition import placed
-from studio.core.timing import Timing
+from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]

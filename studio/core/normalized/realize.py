@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.morphology import AnyMorphology
+from studio.core.body.pose import PoseSequence
 from studio.core.kernels import layout as at
-from studio.core.morphology import AnyMorphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.pose import PoseSequence
 from studio.core.rotations import from_matrix, to_matrix
 
 FloatArray = NDArray[np.float64]

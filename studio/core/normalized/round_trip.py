@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studio.core.capture import Capture
-from studio.core.kinematics import joint_world
+from studio.core.body.kinematics import joint_world
+from studio.core.captures.capture import Capture
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import restore

@@ -57,16 +57,28 @@ class Transition:
         return cls(offset, speed, seconds, halts)
 
     def left(self, times: FloatArray) -> FloatArray:
-        """(N, C) what is left ``times`` (N,) seconds after.
+        """(N, C) what is left ``times`` (N,) seconds after."""
+        place = place_left(times[:, None], self.seconds) * self.offset
+        return np.asarray(place + pace_left(times[:, None], self.halts) * self.speed)
 
-        Of an offset x and a speed v the quintics with that value, or that speed, and nothing else at 0, and with
-        nothing at T: x (1 - 10 s^3 + 15 s^4 - 6 s^5) and v T (s - 6 s^3 + 8 s^4 - 3 s^5), s = t / T.
-        """
-        s = np.clip(times / self.seconds, 0.0, 1.0)[:, None]
-        place = 1.0 - s**3 * (10.0 - s * (15.0 - 6.0 * s))
-        s = np.clip(times[:, None] / self.halts, 0.0, 1.0)
-        pace = s - s**3 * (6.0 - s * (8.0 - 3.0 * s))
-        return np.asarray(place * self.offset + pace * self.halts * self.speed)
+
+def place_left(times: FloatArray, seconds: float) -> FloatArray:
+    """What is left of an offset after ``times``: 1 - 10 s^3 + 15 s^4 - 6 s^5, s = t / T; nowhere a jolt."""
+    s = np.clip(times / seconds, 0.0, 1.0)
+    return np.asarray(1.0 - s**3 * (10.0 - s * (15.0 - 6.0 * s)))
+
+
+def pace_left(times: FloatArray, seconds: float | FloatArray) -> FloatArray:
+    """The offset that a speed of 1 makes while it dies away: T (s - 6 s^3 + 8 s^4 - 3 s^5)."""
+    s = np.clip(times / seconds, 0.0, 1.0)
+    return np.asarray((s - s**3 * (6.0 - s * (8.0 - 3.0 * s))) * seconds)
+
+
+def fade_seconds(differences: FloatArray, peaks: FloatArray) -> float:
+    """Seconds that a fade takes to add no more to any joint than it may, where two differ by (N, C) meanwhile."""
+    places = np.linalg.norm(_joints(differences), axis=-1).max(axis=0)
+    needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET))).max()
+    return float(np.clip(needed, SHORTEST, LONGEST))
 
 
 def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:

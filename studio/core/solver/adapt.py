@@ -2,34 +2,36 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.morphology import AnimatedMorphology, AnyMorphology, Morphology
+from studio.core.captures.contacts import ContactInterval, on_ground
 from studio.core.constraints.base import BodyPoint, Constraint
-from studio.core.contacts import ContactInterval, on_ground
-from studio.core.ground import Ground
+from studio.core.grounds.ground import Ground
+from studio.core.kernels import records
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.support.carrying import place_arms
-from studio.core.metrics import angular_acceleration
-from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology
+from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
-from studio.core.solver.carrying import Hold, find_carrying
-from studio.core.solver.easing import LOOKED
-from studio.core.solver.footing import Footing, find_footing
-from studio.core.solver.packing import point_indices
-from studio.core.solver.raised_hands import raise_hands
+from studio.core.quality.metrics import angular_acceleration
+from studio.core.single import PoseArray, part_of, single
+from studio.core.solver.asking.packing import point_indices
+from studio.core.solver.asking.self_contact import SelfContact, hands_standing, self_contact_of
+from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
-from studio.core.solver.self_contact import SelfContact, hands_standing, self_contact_of
-from studio.core.solver.settling import Arms, settle
-from studio.core.solver.shown_floor import shown_floor
-from studio.core.solver.stretch import Stretch, legs_of
-from studio.core.solver.tracks import Tracks
-from studio.core.volume import BodyVolume
+from studio.core.solver.smoothing.easing import LOOKED
+from studio.core.solver.smoothing.stretch import Stretch, legs_of
+from studio.core.solver.standing.carrying import Hold, find_carrying
+from studio.core.solver.standing.footing import Footing, find_footing
+from studio.core.solver.standing.raised_arms import raise_arms
+from studio.core.solver.standing.settling import Arms, settle
+from studio.core.solver.standing.shown_floor import shown_floor
 
 FloatArray = NDArray[np.float64]
 
@@ -45,8 +47,8 @@ class Standing:
     footing: Footing
     holds: tuple[Hold, ...]
     arms: Arms | None
-    positions: FloatArray
-    rotations: FloatArray
+    positions: PoseArray
+    rotations: PoseArray
     volume: BodyVolume | None = None
     actor: Morphology | None = None
     limited: bool = True
@@ -57,6 +59,11 @@ class Standing:
         """Its poses."""
         return Unasked(self.positions, self.rotations)
 
+    def kept(self) -> "Standing":
+        """The same with its poses in half the memory, see ``core.single``."""
+        footing = replace(self.footing, feet=single(self.footing.feet), toes=single(self.footing.toes))
+        return replace(self, footing=footing, positions=single(self.positions), rotations=single(self.rotations))
+
     def around(self, window: slice, seconds: float) -> slice:
         """``window`` and ``seconds`` on either side, as far as there are frames."""
         frames = math.ceil(seconds * self.motion.frame_rate)
@@ -66,8 +73,9 @@ class Standing:
     def peaks(self) -> FloatArray:
         """(S,) radians a second squared: the greatest angular acceleration of each segment in its carrier."""
         carriers = np.array(self.morphology.layout.parent_segments())
-        local = self.rotations.copy()
-        local[:, 1:] = np.swapaxes(self.rotations[:, carriers[1:]], 2, 3) @ self.rotations[:, 1:]
+        rotations = self.rotations[:]
+        local = rotations.copy()
+        local[:, 1:] = np.swapaxes(rotations[:, carriers[1:]], 2, 3) @ rotations[:, 1:]
         return np.asarray(angular_acceleration(local, self.motion.frame_rate).max(axis=0, initial=0.0))
 
 
@@ -114,7 +122,7 @@ def stand(
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations)
-    upright, share = (positions, rotations), 1.0 if carrying is None else carrying.feet_share
+    upright, share = (positions, rotations), None if carrying is None else carrying.feet_share
     if carrying is not None:
         positions += carrying.shift[:, None]
         if not ground.is_level:  # feet keep their heights above it
@@ -125,17 +133,17 @@ def stand(
     holds: tuple[Hold, ...] = ()
     if carrying is not None:
         footing, arms, holds = settle(carrying, footing, motion, morphology, ground, positions, rotations)
-    measures, legs = morphology.rows, legs_of(footing, slice(None))
-    place_frames(motion.channels, measures, footing.drops, *legs, positions, rotations)
+    measures = morphology.rows
+    place_frames(measures, footing.drops, legs_of(footing, motion, slice(None)), positions, rotations)
     if arms is not None:
-        stance = arms.wrists, arms.hands, arms.bends, arms.comforts
-        place_arms(motion.channels, measures, *stance, positions, rotations)
-    raise_hands(motion, morphology, ground, arms, positions, rotations)
+        stance = records.Arms(motion.channels, arms.comforts, arms.wrists, arms.hands, arms.bends)
+        place_arms(measures, stance, positions, rotations)
+    raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
     self_contact = self_contact_of(motion, morphology, touches, volume, actor, clears)
     if self_contact is not None:
         asked = hands_standing(contacts, motion.frame_count, motion.frame_rate)
         self_contact.close(slice(None), asked, positions, rotations)
-        raise_hands(motion, morphology, ground, arms, positions, rotations)
+        raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
     known = contacts, ground
     return Standing(
         motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited, self_contact
@@ -161,16 +169,16 @@ def hold(
     count = standing.motion.frame_count
     window = slice(first, count if last is None else min(last + 1, count))
     if not constraints:
-        unsolved = standing.positions[window], standing.rotations[window]
+        unsolved = part_of(standing.positions, window), part_of(standing.rotations, window)
         return _answer(standing, first, *unsolved, np.empty((0, len(unsolved[0]))))
     self_contact = standing.self_contact
-    touched = standing.around(window, self_contact.reach if self_contact else 0.0)
+    touched = self_contact.around(window) if self_contact else window
     seen = standing.around(touched, LOOKED if eased else 0.0)
     stretch = Stretch(standing, constraints, seen, tracks, bound)
     if stretch.solve() and eased and stretch.eases(touched):
-        wide = standing.around(touched, stretch.reach)
-        if wide != stretch.window:
-            stretch = Stretch(standing, constraints, wide, tracks, bound)
+        while not within(wide := standing.around(stretch.with_runs(touched), LOOKED), seen):
+            seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
+            stretch = Stretch(standing, constraints, seen, tracks, bound)
             stretch.solve()
         stretch.ease(touched)
     positions, rotations, residuals = stretch.answer(touched)
@@ -180,8 +188,13 @@ def hold(
     return _answer(standing, first, positions[rows], rotations[rows], residuals[:, rows])
 
 
+def within(frames: slice, others: slice) -> bool:
+    """Whether some frames are all among others."""
+    return bool(others.start <= frames.start and frames.stop <= others.stop)
+
+
 def _answer(
-    standing: Standing, first: int, positions: FloatArray, rotations: FloatArray, residuals: FloatArray
+    standing: Standing, first: int, positions: PoseArray, rotations: PoseArray, residuals: FloatArray
 ) -> AdaptedMotion:
     body, rate = standing.morphology, standing.motion.frame_rate
     animated = body if isinstance(body, AnimatedMorphology) else None

@@ -12,16 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.metrics import centre_of_mass, contact_tracks, knee_speeds
-from studio.core.solver.adapt import Bound, Standing, hold, standing_of
-from studio.core.solver.measured import misses
+from studio.core.quality.metrics import centre_of_mass, contact_tracks, knee_speeds
+from studio.core.solver.adapt import Bound, Standing
+from studio.core.solver.asking.measured import misses
+from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stretch import constraint_activations, targets_of
-from studio.core.solver.support import outlines, standing_points, support_margins
-from studio.core.solver.tracks import Tracks
+from studio.core.solver.smoothing.stretch import Stretch, constraint_activations, targets_of
+from studio.core.solver.standing.support import outlines, standing_points, support_margins
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 NOBODY, CONTACTS, LIMITS, REACH, EASED = -1, -2, -3, -4, -5
 """Who kept a constraint from being met, beside the row of another one: nobody (it is met, or not asked), the feet that
@@ -52,12 +53,11 @@ class Report:
     mass_margins: FloatArray
 
 
-def report_of(request: AdaptRequest, adapted: AdaptedMotion) -> Report:
-    """All there is to say of ``adapted``, the answer to ``request`` in any window."""
-    standing = standing_of(request)
+def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion) -> Report:
+    """All there is to say of ``adapted``, the answer to ``request``, which stands so, in any window."""
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     stands = standing_points(request.contacts, request.motion.frame_count)[:, window]
-    areas = outlines(adapted.positions, adapted.rotations, stands, adapted.morphology)
+    areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, request.contacts, request.ground)
     return Report(
         adapted.residuals,
@@ -77,19 +77,22 @@ def winners(
     residuals, first = adapted.residuals, adapted.first_frame
     if not constraints:
         return np.empty(residuals.shape, dtype=np.int64)
-    last = first + adapted.frame_count - 1
     limits = np.array([[MET[each.unit]] for each in constraints]).reshape(-1, 1)
     missed = residuals > limits
     found = np.where(missed, REACH, NOBODY)
     best = np.maximum(limits, WORTH * np.nan_to_num(residuals))
 
-    def weigh(name: int, rows: list[int], asked: Sequence[Constraint], bound: Bound) -> None:
-        """Solve for ``asked`` alone, the constraints of ``rows``, and note where that is better than any so far."""
-        without = np.full(residuals.shape, np.inf)
-        without[rows] = hold(standing, asked, first, last, tracks, bound=bound).residuals
-        gain = np.where(missed, residuals - without, 0.0)
-        better = gain > best
-        found[better], best[better] = name, gain[better]
+    def weigh(name: int, rows: list[int], asked: Sequence[Constraint], bound: Bound, acts: Mask | None = None) -> None:
+        """Solve for ``asked`` alone, the constraints of ``rows``, where any of them is missed and what is left out
+        ``acts`` (F,), and note where that is better than any so far.
+        """
+        frames = np.flatnonzero(missed[rows].any(axis=0) & (True if acts is None else acts))
+        if len(frames):
+            here = np.ix_(np.array(rows), frames)
+            gain = residuals[here] - residuals_at(standing, asked, first + frames, tracks, bound)
+            better = missed[here] & (gain > best[here])
+            found[here] = np.where(better, name, found[here])
+            best[here] = np.where(better, gain, best[here])
 
     if missed.any():
         everybody = list(range(len(constraints)))
@@ -101,11 +104,22 @@ def winners(
         for row in everybody:
             others = [other for other in everybody if other != row]
             if missed[others][ranks[others] >= ranks[row]].any():
-                weigh(row, others, [constraints[other] for other in others], Bound())
+                without = [constraints[other] for other in others]
+                weigh(row, others, without, Bound(), np.isfinite(residuals[row]))
         for row in np.flatnonzero((found == REACH).any(axis=1)).tolist():
             _weigh_together(row, standing, constraints, tracks, adapted, found, best)
-    found[_yielding(standing, constraints, slice(first, last + 1))] = CONTACTS
+    found[_yielding(standing, constraints, slice(first, first + adapted.frame_count))] = CONTACTS
     return found
+
+
+def residuals_at(
+    standing: Standing, constraints: Sequence[Constraint], frames: IntArray, tracks: Tracks, bound: Bound
+) -> FloatArray:
+    """(C, n) what each is missed by at some ``frames`` (n,), in order, of the whole motion, each solved by itself."""
+    window = slice(int(frames[0]), int(frames[-1]) + 1)
+    stretch = Stretch(standing, constraints, window, tracks, bound)
+    stretch.solve(frames - window.start)
+    return stretch.residuals[:, frames - window.start]
 
 
 def _weigh_together(
@@ -118,9 +132,10 @@ def _weigh_together(
     best: FloatArray,
 ) -> None:
     """Where several stand in the way, and none of them alone, the first of them is named."""
-    first, own = adapted.first_frame, constraints[row]
-    alone = hold(standing, [own], first, first + adapted.frame_count - 1, tracks).residuals[0]
-    helped = (found[row] == REACH) & (adapted.residuals[row] - alone > best[row])
+    own, helped = constraints[row], found[row] == REACH
+    frames = np.flatnonzero(helped)
+    alone = residuals_at(standing, [own], adapted.first_frame + frames, tracks, Bound())[0]
+    helped[frames] = adapted.residuals[row, frames] - alone > best[row, frames]
     above = [k for k, each in enumerate(constraints) if k != row and each.priority <= own.priority]
     for other in sorted(above, key=lambda k: constraints[k].priority):
         here = helped & np.isfinite(adapted.residuals[other])

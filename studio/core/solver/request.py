@@ -5,14 +5,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.morphology import AnimatedMorphology, AnyMorphology, Morphology
+from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
-from studio.core.contacts import ContactInterval
-from studio.core.ground import Ground
-from studio.core.morphology import AnimatedMorphology, AnyMorphology, Morphology
+from studio.core.grounds.ground import Ground
+from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.tracks import Tracks
-from studio.core.volume import BodyVolume
+from studio.core.single import PoseArray, part_of, single
+from studio.core.solver.asking.tracks import Tracks
 
 FloatArray = NDArray[np.float64]
 
@@ -47,8 +48,8 @@ class AdaptRequest:
 class Unasked:
     """All frames of a motion on a body as it stands before anything is asked of it, in the motion's space."""
 
-    positions: FloatArray
-    rotations: FloatArray
+    positions: PoseArray
+    rotations: PoseArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +65,8 @@ class AdaptedMotion:
     morphology: Morphology
     frame_rate: float
     first_frame: int
-    positions: FloatArray
-    rotations: FloatArray
+    positions: PoseArray
+    rotations: PoseArray
     residuals: FloatArray
     animated: AnimatedMorphology | None = None
     volume: BodyVolume | None = None
@@ -92,7 +93,11 @@ class AdaptedMotion:
         return replace(
             self,
             first_frame=self.first_frame + rows.start,
-            positions=self.positions[rows],
-            rotations=self.rotations[rows],
+            positions=part_of(self.positions, rows),
+            rotations=part_of(self.rotations, rows),
             residuals=self.residuals[:, rows],
         )
+
+    def kept(self) -> "AdaptedMotion":
+        """The same with its poses in half the memory, see ``core.single``."""
+        return replace(self, positions=single(self.positions), rotations=single(self.rotations))

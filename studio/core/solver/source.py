@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.morphology import Morphology
+from studio.core.body.morphology import Morphology
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize

@@ -2,29 +2,29 @@
 
 import numpy as np
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.joint_limits import limits_of
+from studio.core.body.morphology import Morphology
+from studio.core.body.rest_pose import rest_pose
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.ground import Ground
+from studio.core.grounds.ground import Ground
 from studio.core.grounds.surface_mesh import SurfaceMesh
-from studio.core.joint_limits import limits_of
 from studio.core.kernels import layout as at
 from studio.core.kernels.records import JOINT
-from studio.core.morphology import Morphology
+from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.rest_pose import rest_pose
 from studio.core.solver.adapt import Bound, Standing, adapt, hold, standing_of
-from studio.core.solver.areas import nearest_place
-from studio.core.solver.easing import Solve
-from studio.core.solver.footing import Footing, smooth_drops
-from studio.core.solver.limb_charts import LimbCharts
+from studio.core.solver.asking.areas import nearest_place
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.stretch import Stretch
-from studio.core.triangle_mesh import TriangleMesh
+from studio.core.solver.smoothing.easing import Solve
+from studio.core.solver.smoothing.limb_charts import LimbCharts
+from studio.core.solver.smoothing.stretch import Stretch
+from studio.core.solver.standing.footing import Footing, smooth_drops
 
 FRAMES = 4
 HAND = BodyPoint(BodyPart.LEFT_HAND)

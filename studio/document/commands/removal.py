@@ -3,14 +3,15 @@
 from dataclasses import replace
 
 from studio.core.project import Performer, Project
-from studio.core.prop import Prop
+from studio.core.stage.behaviour import Behaviour, without
+from studio.core.stage.prop import Prop
 from studio.document.commands.replace import Edit, applied
 
 
 def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ...]:
     """The edits that remove an entity and what refers to it; a performer only loses its clips of a motion.
 
-    A prop is let go.
+    A prop is let go, and a behaviour goes on without it.
     """
     edits: list[Edit] = []
     for name, key in project.referring_to(collection, entity_id):
@@ -19,9 +20,12 @@ def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ..
             continue
         if collection == "motions" and isinstance(old, Performer):
             kept = tuple(clip for clip in old.clips if clip.motion_id != entity_id)
-            steps: tuple[Edit, ...] = (Edit(name, key, old, replace(old, clips=kept)),)
+            over = tuple(layer for layer in old.layers if layer.clip.motion_id != entity_id)
+            steps: tuple[Edit, ...] = (Edit(name, key, old, replace(old, clips=kept, layers=over)),)
         elif collection == "performers" and isinstance(old, Prop):
             steps = (Edit(name, key, old, replace(old, held=None)),)
+        elif isinstance(old, Behaviour):
+            steps = (Edit(name, key, old, without(old, collection, entity_id)),)
         else:
             steps = removal(project, name, key)
         edits += steps

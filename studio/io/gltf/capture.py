@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body_shape import body_by_shape
-from studio.core.capture import Capture, Guess
+from studio.core.body.body_shape import body_by_shape
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.pose import PoseSequence
 from studio.core.rotations import from_matrix, to_matrix
-from studio.core.skeleton import Skeleton
 from studio.io.body_maps import FoundBody, find_body
-from studio.io.capture_guesses import body_guesses, stood_capture
+from studio.io.capture_guesses import ReadJoints, body_guesses, stood_capture
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import Track, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
@@ -78,18 +78,8 @@ def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> Capture
         metres = unit_called(options.unit, leg_length(sample, found.body_map) if found.body_map else None).metres
     skeleton = Skeleton(figure.names, skeleton.parents, metres * offsets, skeleton.end_sites)
     poses = PoseSequence(local, metres * moves)
-    capture = stood_capture(
-        path,
-        skeleton,
-        poses,
-        metres * places,
-        found,
-        options,
-        guesses,
-        frame_rate=rate,
-        unit=options.unit or "m",
-        up_axis=axis,
-    )
+    read = ReadJoints(path, skeleton, poses, metres * places, rate, options.unit or "m", axis)
+    capture = stood_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture
 

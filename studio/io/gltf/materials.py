@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.appearance import Material
 from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
 from studio.io.beside import content_of
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile

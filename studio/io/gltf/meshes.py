@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from studio.core.appearance import Material
 from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
 from studio.io.figure import MOST_VERTICES, Piece
 from studio.io.gltf.accessors import Accessors, FloatArray, IntArray
 from studio.io.gltf.container import GltfFile

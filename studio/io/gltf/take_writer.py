@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import __version__
-from studio.core.appearance import Material
-from studio.core.joint_skin import JointSkin, bone_skin, character_skin
+from studio.core.mesh.appearance import Material
+from studio.core.mesh.joint_skin import JointSkin, bone_skin, character_skin
 from studio.io.export import Take
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.appearance import Material
 from studio.core.errors import StudioError
+from studio.core.mesh.appearance import Material
 from studio.io.beside import path_beside, read_bytes
 from studio.io.gltf.materials import hex_colour
 from studio.io.hanim.scene import SceneNode

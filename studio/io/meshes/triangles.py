@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.triangle_mesh import MOST_TRIANGLES
+from studio.core.mesh.triangle_mesh import MOST_TRIANGLES
 
 Points = NDArray[np.float64]
 Triangles = NDArray[np.int64]

@@ -28,7 +28,8 @@ SCENES = (
         "Fight training",
         "Eight fighters of different bodies train in pairs with three motions: rest, kick, and ward off with a"
         " counter-punch. At 2.0 s each kick is met by the middle of a forearm; at 3.0 s each fist meets the other's"
-        " head, which leans back. Change a body, or move a fighter: forearm and fist find ankle and head again.",
+        " head, which leans back. Change a body, or move a fighter: forearm and fist find ankle and head again. Played"
+        " live they keep their distance, and X lets all in white kick.",
         "fight.fight_training",
     ),
     Scene(
@@ -77,8 +78,21 @@ SCENES = (
         "changing.clap",
     ),
     Scene(
+        "Handstand and cartwheel",
+        "Five bodies stand on their hands, then wheel to their left: hands stay where they stand, as feet do, arms of"
+        " any length carry, and the hips rise as high as arms let them. Change the length of an arm while it plays.",
+        "acrobatics.handstand_and_cartwheel",
+    ),
+    Scene(
         "Bodies that grow and shrink",
         "One grows and one shrinks while they walk: from 1 to 7 s. Steps change with their legs, and no foot slides.",
         "changing.growing",
+    ),
+    Scene(
+        "Sparring",
+        "Two fighters behave while the stage plays live: they step to keep their distance; X and C let the first one"
+        " punch low and high, N and M the second. A forearm meets a low punch, a head leans away from a high one. Move"
+        " a fighter while it plays: the other follows. Their states are in the Behaviour panel (Shift+B).",
+        "sparring.sparring",
     ),
 )

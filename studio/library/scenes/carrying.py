@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from studio.core.constraints.base import Constraint
-from studio.core.holding import grips
 from studio.core.project import Project
-from studio.core.prop import Carried, Prop
+from studio.core.stage.holding import grips
+from studio.core.stage.prop import Carried, Prop
 from studio.library.scenes.papers import row
 from studio.library.scenes.stagehand import RATE, material
 

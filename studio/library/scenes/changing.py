@@ -2,15 +2,16 @@
 
 from dataclasses import replace
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Proportions
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.grounds.steps import Steps
-from studio.core.growth import KeyedProportions
-from studio.core.morphology import Proportions
-from studio.core.project import GROUND_ID, Clip, Project
+from studio.core.project import GROUND_ID, Project
+from studio.core.stage.clip import Clip
 from studio.library.scenes.papers import row
 from studio.library.scenes.stagehand import RATE, material
 

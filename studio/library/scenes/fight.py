@@ -1,40 +1,56 @@
 """Fight training (K05 section 10, figure 14): eight fighters in pairs, with three motions between them."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from studio.core import hand_shapes
-from studio.core.canonical import BodyPart
-from studio.core.character import Character
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.balance import BalanceConstraint
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
-from studio.core.project import Clip, Performer, Project
-from studio.core.scope import Scope
+from studio.core.mesh import hand_shapes
+from studio.core.project import Performer, Project
+from studio.core.stage.behaviour import Behaviour, Role, State, Transition
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import (
+    ClipEndCondition,
+    DistanceCondition,
+    EventCondition,
+    KeyCondition,
+    TimeCondition,
+)
+from studio.core.stage.manners import KeepDistance
+from studio.core.stage.scope import Scope
 from studio.library.scenes.stagehand import RATE, around, bodies, material
 
 KICK, PUNCH = 152, 181
 """Frames of the captures at which the leg and the arm are stretched most."""
-REACH = 1.42
-"""Leg lengths between two who fight, of the mean of their legs."""
+REACH = 1.7
+"""Leg lengths between two who fight, of the mean of their legs: as far as kick and punch go by themselves."""
 BESIDE = 2.2
 """Metres from one pair to the next."""
-PELVIS = BodyPoint(BodyPart.PELVIS)
 ANKLE = BodyPoint(BodyPart.RIGHT_SHANK, at_end=True)
 FOREARM = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
 FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
 BEFORE_CHEST = BodyPoint(BodyPart.THORAX, (0.24, 0.0, -0.02))
 BEFORE_BELLY = BodyPoint(BodyPart.PELVIS, (0.24, 0.0, 0.02))
-SMALL = 0.85
+SMALL = 0.9
 """Of the other's stature, below which a leg does not reach the chest."""
 CHIN = BodyPoint(BodyPart.HEAD, (0.12, 0.0, 0.03))
 BACK = (-0.22, 0.0, -0.05)
 """Leg lengths by which a head leans back from a fist."""
 LEG, PUNCHING, LEAN = Chain(root=1.0), Chain(trunk=0.6, root=0.6), Chain(trunk=1.0)
 GUARD, LOW_GUARD = Chain(), Chain(trunk=0.8)
+
+
+KICKS, WARDS = 1.0, 0.65
+"""Seconds of the stage at which the timeline has the kick begin, and how much later it is warded off."""
+ON_GUARD = 1.4
+"""Leg lengths from hips to hips, as they stand on guard at the beginning."""
+AT_REACH, FAR = KeepDistance(distance=ON_GUARD, room=0.12, legs=True), ON_GUARD + 0.3
+"""How they stand while it plays live; from more leg lengths nobody kicks."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +82,36 @@ def fight_training(pairs: int = 4) -> Project:
             performers[key] = Performer(name, key, clips, (x, across), heading)
         small = characters[pair.white].morphology.stature < SMALL * characters[pair.red].morphology.stature
         constraints |= _asked(pair, BEFORE_BELLY if small else BEFORE_CHEST)
-    return Project(stuff.captures, stuff.motions, characters, performers, constraints, stuff.contacts)
+    behaviours = {"white": _kicking(fighters), "red": _warding(fighters)}
+    return Project(
+        stuff.captures, stuff.motions, characters, performers, constraints, stuff.contacts, behaviours=behaviours
+    )
+
+
+def _kicking(fighters: Sequence[Pair]) -> Behaviour:
+    """Of all in white, played live: they kick on a key. What is asked of the kick is asked in any case."""
+    guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(AT_REACH,))
+    kick = State("Kick", Clip("kick", 90, 240, id="kick"), False, event="kick", place=(288.0, 0.0))
+    ways = (
+        Transition("Guard", "Kick", (KeyCondition("X"), DistanceCondition(AT_REACH.gap, FAR)), 0.3),
+        Transition("Kick", "Guard", (ClipEndCondition(),), 0.3),
+    )
+    cast = tuple(Role(pair.white, pair.red) for pair in fighters)
+    return Behaviour("White", (guard, kick), ways, cast=cast)
+
+
+def _warding(fighters: Sequence[Pair]) -> Behaviour:
+    """Of all in red, played live: they wait for the leg of the partner that kicks, ward it off and punch."""
+    guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(AT_REACH,))
+    waits = State("Wait", Clip("rest", 240, 340, id="wait"), place=(264.0, -72.0))
+    ward = State("Ward off, punch", Clip("ward_off", 100, 230, id="ward off"), False, place=(528.0, 0.0))
+    ways = (
+        Transition("Guard", "Wait", (EventCondition("kick"),), 0.3),
+        Transition("Wait", ward.name, (TimeCondition(WARDS - 2 / RATE),), 0.3),
+        Transition(ward.name, "Guard", (ClipEndCondition(),), 0.3),
+    )
+    cast = tuple(Role(pair.red, pair.white) for pair in fighters)
+    return Behaviour("Red", (guard, waits, ward), ways, cast=cast)
 
 
 def _leg(character: Character) -> float:
@@ -76,26 +121,26 @@ def _leg(character: Character) -> float:
 def _white(key: str) -> tuple[Clip, ...]:
     return (
         Clip("rest", 240, 300, 0.0, f"{key} before"),
-        Clip("kick", 90, 240, 1.0, f"{key} kick"),
+        Clip("kick", 90, 240, KICKS, f"{key} kick"),
         Clip("rest", 240, 340, 3.5, f"{key} after"),
     )
 
 
 def _red(key: str) -> tuple[Clip, ...]:
+    wards = KICKS + WARDS
     return (
         Clip("rest", 240, 339, 0.0, f"{key} before"),
-        Clip("ward_off", 100, 230, 1.65, f"{key} ward off"),
-        Clip("rest", 240, 320, 1.65 + 130 / RATE, f"{key} after"),
+        Clip("ward_off", 100, 230, wards, f"{key} ward off"),
+        Clip("rest", 240, 320, wards + 130 / RATE, f"{key} after"),
     )
 
 
 def _asked(pair: Pair, kicked: BodyPoint) -> dict[str, Constraint]:
     """Of one pair: each of its own fighter alone, after the other's adapted body."""
     white, red = Scope(performer_id=pair.white), Scope(performer_id=pair.red)
-    met = 100 + round((1.0 + (KICK - 90) / RATE - 1.65) * RATE)  # frames of the one motion at which the other's are
-    hit = 90 + round((1.65 + (PUNCH - 100) / RATE - 1.0) * RATE)
+    met = 100 + round(((KICK - 90) / RATE - WARDS) * RATE)  # frames of the one motion at which the other's are
+    hit = 90 + round((WARDS + (PUNCH - 100) / RATE) * RATE)
     guard = LOW_GUARD if kicked is BEFORE_BELLY else GUARD
-    always = ActivationCurve(-1.0, 0.0, 10.0, 11.0)
     asked = (
         PositionConstraint(
             "kick", "Kick", ANKLE, LEG, 0, around(KICK), scope=white,
@@ -103,19 +148,15 @@ def _asked(pair: Pair, kicked: BodyPoint) -> dict[str, Constraint]:
         ),
         PositionConstraint(
             "ward_off", "Forearm meets ankle", FOREARM, guard, 0, around(met), scope=red,
-            target=FollowPerformer(pair.white, ANKLE),
+            target=FollowPerformer(pair.white, ANKLE, awaits=True),
         ),
         PositionConstraint(
             "ward_off", "Fist meets head", FIST, PUNCHING, 0, around(PUNCH), scope=red,
-            target=FollowPerformer(pair.white, CHIN),
+            target=FollowPerformer(pair.white, CHIN, awaits=True),
         ),
         PositionConstraint(
             "kick", "Lean away", CHIN, LEAN, 0, around(hit, 20, 4), scope=white,
             target=OwnPlace(CHIN, hit / RATE, BACK),
-        ),
-        *(
-            BalanceConstraint(motion, f"Balance, {motion}", PELVIS, Chain(root=1.0), 1, always, scope=whose)
-            for motion, whose in (("kick", white), ("ward_off", red))
         ),
     )  # fmt: skip
     return {f"{pair.white} {each.name}": each for each in asked}

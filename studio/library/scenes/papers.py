@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
@@ -10,8 +10,9 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.slope import Slope
-from studio.core.project import GROUND_ID, Clip, Performer, Project
-from studio.core.scope import Scope
+from studio.core.project import GROUND_ID, Performer, Project
+from studio.core.stage.clip import Clip
+from studio.core.stage.scope import Scope
 from studio.library.scenes.stagehand import RATE, Material, around, bodies, material
 
 ALWAYS = ActivationCurve(-1.0, 0.0, 60.0, 61.0)

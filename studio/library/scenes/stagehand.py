@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from studio.core.canonical import BodyPart
-from studio.core.capture import Capture
-from studio.core.character import Character
+from studio.core.body.canonical import BodyPart
+from studio.core.body.character import Character
+from studio.core.body.morphology import Proportions
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint
-from studio.core.contacts import ContactInterval
-from studio.core.morphology import Proportions
 from studio.core.normalized.normalize import detected_contacts
 from studio.core.project import Motion
 from studio.io.character_file import bundled_characters

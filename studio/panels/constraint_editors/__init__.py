@@ -8,11 +8,13 @@ from studio.panels.constraint_editors.distance import DistanceEditor
 from studio.panels.constraint_editors.look_at import LookAtEditor
 from studio.panels.constraint_editors.orientation import OrientationEditor
 from studio.panels.constraint_editors.position import PositionEditor
+from studio.panels.constraint_editors.upright import UprightEditor
 
 EDITORS: dict[str, type[ConstraintEditor]] = {
     "position": PositionEditor,
     "orientation": OrientationEditor,
     "look_at": LookAtEditor,
+    "upright": UprightEditor,
     "distance": DistanceEditor,
     "balance": BalanceEditor,
     "area": AreaEditor,

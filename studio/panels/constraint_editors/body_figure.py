@@ -4,7 +4,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 
@@ -96,28 +96,27 @@ class BodyFigure(QWidget):
         return bool(super().event(event))
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.scale(SCALE, SCALE)
-        for part, shape in SHAPES.items():
-            colour = colours.EDGE
-            if self._weights.get(part, 0.0) > 0.0:
-                share = 0.35 + 0.65 * self._weights[part]
-                colour = colours.mixed(colours.EDGE, colours.KINDS["position"], share)
-            if part == self._under:
-                colour = colours.mixed(colour, "#ffffff", 0.18)
-            painter.setPen(QColor(colour))
-            painter.setBrush(QColor(colour))
-            radius = min(shape.width(), shape.height()) / 2 if part == BodyPart.HEAD else 4
-            painter.drawRoundedRect(shape, radius, radius)
-        if self._point is not None:
-            painter.setPen(QColor(colours.WINDOW))
-            painter.setBrush(QColor(colours.SELECTED_HANDLE))
-            painter.drawEllipse(self._point, 3.5, 3.5)
-        painter.setPen(QColor(colours.TEXT_THIRD))
-        font = painter.font()
-        font.setPixelSize(12)
-        painter.setFont(font)
-        painter.drawText(QPointF(8, 24), "L")
-        painter.drawText(QPointF(WIDTH - 14, 24), "R")
-        painter.end()
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.scale(SCALE, SCALE)
+            for part, shape in SHAPES.items():
+                colour = colours.EDGE
+                if self._weights.get(part, 0.0) > 0.0:
+                    share = 0.35 + 0.65 * self._weights[part]
+                    colour = colours.mixed(colours.EDGE, colours.KINDS["position"], share)
+                if part == self._under:
+                    colour = colours.mixed(colour, "#ffffff", 0.18)
+                painter.setPen(QColor(colour))
+                painter.setBrush(QColor(colour))
+                radius = min(shape.width(), shape.height()) / 2 if part == BodyPart.HEAD else 4
+                painter.drawRoundedRect(shape, radius, radius)
+            if self._point is not None:
+                painter.setPen(QColor(colours.WINDOW))
+                painter.setBrush(QColor(colours.SELECTED_HANDLE))
+                painter.drawEllipse(self._point, 3.5, 3.5)
+            painter.setPen(QColor(colours.TEXT_THIRD))
+            font = painter.font()
+            font.setPixelSize(12)
+            painter.setFont(font)
+            painter.drawText(QPointF(8, 24), "L")
+            painter.drawText(QPointF(WIDTH - 14, 24), "R")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QWidget
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import LINKS, Constraint
 from studio.panels.constraint_editors.body_figure import BodyFigure
 from studio.panels.constraint_editors.segment_weights import SegmentWeights, weight_field

@@ -5,10 +5,10 @@ from functools import partial
 
 from PySide6.QtWidgets import QCheckBox, QLineEdit
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.target import is_moving
-from studio.core.scope import Scope
+from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.engine.point_names import POINTS, point_words

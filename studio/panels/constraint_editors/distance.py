@@ -1,6 +1,6 @@
 """The form of a distance constraint: how far, and from what."""
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.engine.point_names import point_words
 from studio.panels.constraint_editors.common import ConstraintEditor, point_choices

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Vector
 from studio.engine.moments import Moment
 from studio.engine.performance import posed_performers
@@ -26,10 +27,19 @@ def place_now(editor: Editor, point: BodyPoint) -> Vector | None:
 
 def mass_now(editor: Editor) -> Vector | None:
     """Where the body's centre of mass is, as ``place_now``."""
-    from studio.core.metrics import centre_of_mass  # as above
+    from studio.core.quality.metrics import centre_of_mass  # as above
 
     moment = moment_now(editor)
     return None if moment is None else _vector(centre_of_mass(moment.pose.motion)[moment.pose.row])
+
+
+def turn_now(editor: Editor, part: BodyPart) -> np.ndarray | None:
+    """(3, 3) how a segment is turned, in the motion's space; None while nobody performs."""
+    moment = moment_now(editor)
+    if moment is None:
+        return None
+    motion = moment.pose.motion
+    return np.asarray(motion.rotations[moment.pose.row, motion.morphology.layout.segment(part)])
 
 
 def _vector(place: np.ndarray) -> Vector:

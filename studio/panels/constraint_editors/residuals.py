@@ -95,13 +95,12 @@ class ResidualTable(QWidget):
         self.updateGeometry()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        columns = self.columns
-        width = (self.width() - BETWEEN) // COLUMNS if columns == COLUMNS else self.width()
-        for place, residual in enumerate(self.residuals):
-            self._paint(painter, place // columns * ROW, place % columns * (width + BETWEEN), width, residual)
-        painter.end()
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            columns = self.columns
+            width = (self.width() - BETWEEN) // COLUMNS if columns == COLUMNS else self.width()
+            for place, residual in enumerate(self.residuals):
+                self._paint(painter, place // columns * ROW, place % columns * (width + BETWEEN), width, residual)
 
     def _paint(self, painter: QPainter, top: int, left: int, width: int, residual: BodyResidual) -> None:
         baseline, metrics = top + 13, painter.fontMetrics()

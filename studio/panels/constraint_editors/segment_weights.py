@@ -7,7 +7,7 @@ from functools import partial
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
-from studio.core.canonical import BodyPart
+from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BONES, SINGLE, THIGHS, UPPER_ARMS, BodyPoint, Chain, Constraint, limb_bones
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, labelled, press_button

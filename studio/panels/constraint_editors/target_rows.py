@@ -1,4 +1,4 @@
-"""What a target is: fixed, keyed over time, or following something; and its keys."""
+"""What a target is: fixed, keyed over time, moving by a rule, or following something; and its keys."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,8 +6,8 @@ from typing import Any
 
 from PySide6.QtWidgets import QCheckBox
 
-from studio.core.canonical import BodyPart
-from studio.core.capture import Capture
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.capture import Capture
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
@@ -16,6 +16,7 @@ from studio.engine.moments import Moment
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINTS, point_words
 from studio.panels.constraint_editors.present import moment_now
+from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section, labelled, press_button
 
@@ -25,6 +26,7 @@ KINDS = (
     (OWN, "Each at its own place"),
     (FIXED, "One place for all"),
     (KEYED, "Keyed over time"),
+    *RULES,
     (FollowBody.kind, "Follows the own body"),
     (FollowPerformer.kind, "Follows a performer"),
     (FollowProp.kind, "Follows a prop"),
@@ -39,6 +41,8 @@ SPOTS = (
     ((0.0, 0.0, 1.0), "Top"),
     ((0.0, 0.0, -1.0), "Bottom"),
 )
+ONLY_PLACES = (KINDS[0], *RULES)
+"""What no turn can be."""
 NARROW = 30
 """Pixels of a button with one sign."""
 WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
@@ -49,7 +53,7 @@ class TargetRows:
 
     def __init__(self, editor: Editor, section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
-        self._kind = Choice("Target is", [kind for kind in KINDS if kind[0] != OWN or not turns])
+        self._kind = Choice("Target is", [kind for kind in KINDS if not turns or kind not in ONLY_PLACES])
         self._kind.chosen.connect(self._choose)
         self._kind_caption = section.add_row("Target is", self._kind)
         self._thing = Choice("Follows", ())
@@ -62,10 +66,15 @@ class TargetRows:
         self._spot.setToolTip("Where on the prop, whatever its size; the offset counts from there.")
         self._spot.chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Its place", self._spot)
+        self._awaits = QCheckBox("goes to where it will be")
+        self._awaits.setToolTip("As the constraint comes it goes to meet what it follows, and does not chase it.")
+        self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Meet what it follows"))
+        self._awaits_caption = section.add_row("Meets it", self._awaits)
         self._apart = QCheckBox()
         self._apart.setToolTip("Its handle then moves for this character alone.")
         self._apart.clicked.connect(self._set_apart)
         self._apart_caption = section.add_row("Offset", self._apart)
+        self._rule = ProceduralRows(editor, section, field)
         self._keys = KeyRow(editor, section, field)
 
     @property
@@ -82,7 +91,9 @@ class TargetRows:
         return getattr(fixed, self._field, None)
 
     def put(self, numbers: Any, text: str) -> None:
-        """Have these numbers now: fixed, as a key at the playhead, or as another offset from what is followed."""
+        """Have these numbers now: fixed, as a key at the playhead, as another centre, or as another offset from what is
+        followed.
+        """
         editor, moment = self._editor, moment_now(self._editor)
         if isinstance(self.target, tuple) or moment is None:
             editor.change(text, **{self._field: numbers})
@@ -115,7 +126,11 @@ class TargetRows:
             row.setVisible(isinstance(target, FollowProp) and not self._turns)
         if isinstance(target, FollowProp):
             self._spot.show_value(target.share)
+        self._awaits.setVisible(isinstance(target, FollowPerformer))
+        self._awaits_caption.setVisible(isinstance(target, FollowPerformer))
+        self._awaits.setChecked(isinstance(target, FollowPerformer) and target.awaits)
         self._show_apart(target)
+        self._rule.refresh()
         self._keys.refresh(known)
 
     def _show_apart(self, target: Any) -> None:
@@ -187,6 +202,8 @@ class TargetRows:
             return now
         if kind == OWN:
             return self._own_place(now, moment)
+        if kind in dict(RULES):
+            return ruled(kind, _full(now))
         if moment is None:
             raise ValueError("Nobody performs yet, so there is no moment for a key.")
         return (KeyedTurn if self._turns else KeyedPlace)((moment.pose.seconds,), (_full(now),))

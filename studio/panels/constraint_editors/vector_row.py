@@ -13,7 +13,7 @@ FAR = 1000.0
 
 
 class VectorRow:
-    """A field for each of X, Y, Z in metres, to type or to drag; ``put`` takes all of them when one is changed."""
+    """A field for each of X, Y, Z, to type or to drag; ``put`` takes all of them when one is changed."""
 
     def __init__(
         self,
@@ -22,6 +22,7 @@ class VectorRow:
         label: str,
         put: Callable[[tuple[float, ...]], None],
         axes: str = "XYZ",
+        unit: str = "m",
     ) -> None:
         self._values: list[float] = [0.0] * len(axes)
         self._put = put
@@ -29,7 +30,7 @@ class VectorRow:
             editor.bind(NumberField(f"{label} {axis}", "", -FAR, FAR, 0.01, 3), partial(self._set, k))
             for k, axis in enumerate(axes)
         ]
-        self.caption: QLabel = section.add_row(f"{label}  m", *self.fields)
+        self.caption: QLabel = section.add_row(f"{label}  {unit}".rstrip(), *self.fields)
 
     def show_values(self, values: Sequence[float]) -> None:
         """Show what the document says."""

@@ -126,24 +126,23 @@ class MarkerCloud(QWidget):
         self.update()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        dots = self.dots()
-        for label, dot in dots.items():
-            used = label in self._used
-            painter.setPen(QPen(QColor(colours.WINDOW), 1.0))
-            painter.setBrush(QColor(colours.KINDS["position"] if used else colours.TEXT_SECOND))
-            painter.drawEllipse(dot, DOT, DOT)
-        for label in dict.fromkeys((*self._marked, self._under)):
-            if label in dots:
-                painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 1.5))
-                painter.setBrush(Qt.BrushStyle.NoBrush)
-                painter.drawEllipse(dots[label], DOT + 4, DOT + 4)
-                painter.drawText(dots[label] + QPointF(DOT + 8, 4), label)
-        painter.setPen(QColor(colours.TEXT_THIRD))
-        words = "As recorded. Drag to turn." if dots else "No marker is seen in this frame."
-        painter.drawText(QPointF(8, self.height() - 8), words)
-        painter.end()
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            dots = self.dots()
+            for label, dot in dots.items():
+                used = label in self._used
+                painter.setPen(QPen(QColor(colours.WINDOW), 1.0))
+                painter.setBrush(QColor(colours.KINDS["position"] if used else colours.TEXT_SECOND))
+                painter.drawEllipse(dot, DOT, DOT)
+            for label in dict.fromkeys((*self._marked, self._under)):
+                if label in dots:
+                    painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 1.5))
+                    painter.setBrush(Qt.BrushStyle.NoBrush)
+                    painter.drawEllipse(dots[label], DOT + 4, DOT + 4)
+                    painter.drawText(dots[label] + QPointF(DOT + 8, 4), label)
+            painter.setPen(QColor(colours.TEXT_THIRD))
+            words = "As recorded. Drag to turn." if dots else "No marker is seen in this frame."
+            painter.drawText(QPointF(8, self.height() - 8), words)
 
     def _at(self, frame: int) -> FloatArray:
         """(n, 3) metres, world axes."""

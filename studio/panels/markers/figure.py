@@ -88,15 +88,14 @@ class MarkerFigure(QWidget):
         return bool(super().event(event))
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        self._paint_body(painter)
-        for role in ROLES:
-            self._paint_dot(painter, role.id)
-        painter.setPen(QColor(colours.TEXT_THIRD))
-        painter.drawText(QPointF(MARGIN - 10, MARGIN + 4), "L")
-        painter.drawText(QPointF(WIDTH - MARGIN, MARGIN + 4), "R")
-        painter.end()
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            self._paint_body(painter)
+            for role in ROLES:
+                self._paint_dot(painter, role.id)
+            painter.setPen(QColor(colours.TEXT_THIRD))
+            painter.drawText(QPointF(MARGIN - 10, MARGIN + 4), "L")
+            painter.drawText(QPointF(WIDTH - MARGIN, MARGIN + 4), "R")
 
     def _paint_body(self, painter: QPainter) -> None:
         painter.setPen(Qt.PenStyle.NoPen)

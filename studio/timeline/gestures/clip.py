@@ -5,8 +5,9 @@ from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
-from studio.core.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
-from studio.core.project import Clip, Performer
+from studio.core.project import Performer
+from studio.core.stage.clip import Clip
+from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
 from studio.document.clips import name_of
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from PySide6.QtCore import QPointF
 
-from studio.core.contacts import ContactInterval, ContactPoint, Touch
-from studio.core.scope import EVERYONE
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
+from studio.core.stage.scope import EVERYONE
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import Part, Shown

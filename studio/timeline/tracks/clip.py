@@ -4,7 +4,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
 
 from studio.core.constraints.activation import EaseShape, ease
-from studio.core.project import Clip
+from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN, empty_words
 from studio.timeline.figures import rate
@@ -62,12 +62,12 @@ def paint_clips(painter: QPainter, row: QRect, shown: Shown, performer_id: str) 
     end = -1e9
     for place, (clip, bar) in enumerate(bars):
         fade = min(max(end - bar.left(), 0.0), bar.width())
-        _paint_bar(painter, shown, performer_id, clip, _outline(bar, fade))
+        paint_clip_bar(painter, shown, performer_id, clip, _outline(bar, fade))
         _paint_fade(painter, bar, fade)
         _paint_repeats(painter, clip, bar)
         nearest = min((other.left() for _, other in bars[place + 1 :]), default=bar.right())
         room = bar.adjusted(fade, 0, min(nearest - bar.right(), 0.0), 0)
-        _paint_text(painter, row_text(shown, clip), _seen(shown, room))
+        paint_clip_text(painter, row_text(shown, clip), seen_part(shown, room))
         end = max(end, bar.right())
 
 
@@ -79,7 +79,7 @@ def _paint_failure(painter: QPainter, row: QRect, shown: Shown, bars: list[tuple
         painter.setPen(hairline(colours.NOT_REACHED))
         painter.drawRoundedRect(bar, 3, 3)
     room = QRectF(shown.axis.left, row.top(), shown.axis.width, row.height())
-    _paint_text(painter, failure, room, colours.TEXT)
+    paint_clip_text(painter, failure, room, colours.TEXT)
 
 
 def _outline(bar: QRectF, fade: float) -> QPainterPath:
@@ -101,7 +101,8 @@ def _rise(bar: QRectF, fade: float) -> list[QPointF]:
     ]
 
 
-def _paint_bar(painter: QPainter, shown: Shown, performer_id: str, clip: Clip, path: QPainterPath) -> None:
+def paint_clip_bar(painter: QPainter, shown: Shown, performer_id: str, clip: Clip, path: QPainterPath) -> None:
+    """A bar in the colour of its body, or of all bodies, stronger where it is selected."""
     project = shown.project
     colour = colours.KINDS["position"]
     if shown.apart:
@@ -131,11 +132,13 @@ def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
         painter.drawLine(QPointF(x, bar.bottom() - 5), QPointF(x, bar.bottom()))
 
 
-def _seen(shown: Shown, room: QRectF) -> QRectF:
+def seen_part(shown: Shown, room: QRectF) -> QRectF:
+    """What of a place is not beyond the ends of the axis."""
     return room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
 
 
-def _paint_text(painter: QPainter, words: str, room: QRectF, colour: str = colours.TEXT) -> None:
+def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = colours.TEXT) -> None:
+    """Words at the left of a bar, cut where it ends."""
     painter.setFont(font())
     painter.setPen(QColor(colour))
     area = room.adjusted(10, 0, -4, 0)
@@ -161,9 +164,9 @@ def folds(shown: Shown, performer_id: str) -> bool:
     return len(performers) > 1 and (not shown.apart or performer_id == performers[0])
 
 
-def clip_hit(shown: Shown, row: QRect, performer_id: str, point: QPointF) -> Hit:
-    """An end of a clip, its body, or the row's empty place."""
-    for clip, bar in reversed(bars_of(shown, row, performer_id)):
+def clip_hit(bars: list[tuple[Clip, QRectF]], performer_id: str, point: QPointF) -> Hit:
+    """An end of a clip, its body, or the empty place between these ``bars``."""
+    for clip, bar in reversed(bars):
         reach = min(EDGE_REACH, bar.width() / 4)
         if not bar.adjusted(-reach / 2, 0, reach / 2, 0).contains(point):
             continue

@@ -4,7 +4,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QColor, QPainter
 
-from studio.core.contacts import ContactInterval, ContactPoint, Touch
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
 from studio.timeline.shown import EDGES, Hit, Part, Shown, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, translucent

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from PySide6.QtCore import QPointF, QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPolygonF
 
-from studio.core.remarks import Remark
+from studio.core.captures.remarks import Remark
 from studio.document import colours
 from studio.timeline.shown import LABEL_WIDTH, Shown
 

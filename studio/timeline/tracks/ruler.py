@@ -28,9 +28,17 @@ def major_frames(axis: TimeAxis) -> range:
     return _multiples(axis, major_step(axis))
 
 
-def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhead) -> None:
-    """Numbers stand right over their ticks; outside the range that plays the ruler is dim."""
-    painter.fillRect(area, QColor(colours.BAR))
+def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhead, live: bool = False) -> None:
+    """Numbers stand right over their ticks; outside the range that plays the ruler is dim.
+
+    While the stage plays ``live`` it says so: the playhead waits.
+    """
+    painter.fillRect(area, QColor(colours.mixed(colours.BAR, colours.LIVE, 0.22) if live else colours.BAR))
+    if live:
+        painter.setFont(font(11))
+        painter.setPen(QColor(colours.LIVE))
+        label = QRect(area.left(), area.top(), LABEL_WIDTH, area.height())
+        painter.drawText(label, Qt.AlignmentFlag.AlignCenter, "LIVE: the playhead waits")
     painter.save()
     painter.setClipRect(area.adjusted(LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
     _paint_overview(painter, area, axis)

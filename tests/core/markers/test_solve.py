@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from studio.core.canonical import BodyPart
-from studio.core.kinematics import joint_world
+from studio.core.body.canonical import BodyPart
+from studio.core.body.kinematics import joint_world
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import MarkerTake, follow
 from studio.core.rotations import angle_between, multiply

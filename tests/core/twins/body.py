@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
 
 
 def carried_by(layout: BodyLayout, segment: int) -> set[int]:

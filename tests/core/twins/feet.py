@@ -9,6 +9,8 @@ from tests.core.twins.rotation import from_vector, level, to_vector
 
 HEEL, TOE, FLAT = 1, 2, 3
 REACH = 5.5
+ASIDE = 0.35
+SOLE_DOWN = 0.5
 
 
 @dataclass
@@ -89,7 +91,14 @@ def level_toes(feet: np.ndarray, toes: np.ndarray, states: np.ndarray) -> np.nda
         turn = to_vector(
             feet[frame].T @ from_vector(np.array([0.0, 0.0, np.arctan2(heads[1], heads[0])])) @ toes[frame].T
         )
-        corrections[frame] = lies**3 * (lies * (6.0 * lies - 15.0) + 10.0) * turn
+        rolled = np.clip(np.abs(feet[frame, 2, 1]) / ASIDE - 1.0, 0.0, 1.0)
+        tipped = np.clip((SOLE_DOWN - feet[frame, 2, 2]) / ASIDE, 0.0, 1.0)
+        lies, rolled, tipped = (each**3 * (each * (6.0 * each - 15.0) + 10.0) for each in (lies, rolled, tipped))
+        aside = rolled * tipped
+        turned = from_vector(lies * (1.0 - aside) * turn)
+        toe = (feet[frame] @ turned @ toes[frame])[:, 0]
+        down = np.arcsin(toe[2]) * np.array([-toe[1], toe[0], 0.0]) / np.linalg.norm(toe[:2]) @ feet[frame]
+        corrections[frame] = to_vector(from_vector((lies + aside - lies * aside) * down) @ turned)
     turns = np.array([from_vector(each) for each in ease_gaps(corrections, standing, REACH)])
     return feet @ turns @ toes
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout
 from tests.core.twins.body import turn_part
 from tests.core.twins.rotation import from_vector
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at
-from studio.core.morphology import Morphology
-from studio.core.normalized.normalize import FORWARD, heading
+from studio.core.normalized.encode import FORWARD
+from studio.core.normalized.normalize import heading
 from studio.core.rotations import frame_along, from_matrix, normalized, shortest_arc, sign_continuous
 
 FloatArray = np.ndarray

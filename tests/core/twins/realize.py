@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at
-from studio.core.morphology import Morphology
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import frame_along
 from tests.core.twins.limb import place_limb

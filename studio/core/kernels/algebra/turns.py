@@ -8,6 +8,7 @@ import math
 from studio.core.kernels.compiling import kernel, small_kernel
 
 NO_TURN = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
+"""The turn that leaves all as it is."""
 
 
 @small_kernel

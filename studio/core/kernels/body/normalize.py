@@ -1,6 +1,7 @@
 """From a posed capture to channels: the other way round than ``kernels.body.realize``, and in its order (METHOD 2)."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,13 +9,40 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.algebra import turns
 from studio.core.kernels.algebra.rotation import multiply, multiply_by_transposed
 from studio.core.kernels.compiling import allocating_kernel, kernel
+from studio.core.kernels.records import Array, Pose
 
 TINY = 1e-12
+"""Length below which what is left of a hinge across its limb has no direction."""
+
+
+class ActorSizes(NamedTuple):
+    """Of the actor of a capture, what a motion without a body leaves out."""
+
+    rests: Array
+    """(3, 3, 3) the rest of neck and clavicles in the thorax."""
+    hips: Array
+    """(2, 3) metres in the pelvis."""
+    limbs: Array
+    """(4,) metres, lengths of arms and legs."""
+    ankle_height: float
+    leg: float
+    neck: float
+    """Metres."""
+
+
+class EncodeScratch(NamedTuple):
+    """Scratch: rotations (3, 3)."""
+
+    carriers: Array
+    """(2, 3, 3) the thorax carried along by each clavicle, in which arms lie."""
+    limb_frame: Array
+    turn: Array
+    local: Array
 
 
 @kernel
 def align_segments(joint_rotations, joints, alignments, out_rotations):
-    """R_canonical = R_joint A (METHOD 0): ``joint_rotations`` (F, J, 3, 3), ``joints`` (S,) that move the segments,
+    """R_canonical = R_joint A (METHOD 2): ``joint_rotations`` (F, J, 3, 3), ``joints`` (S,) that move the segments,
     ``alignments`` (S, 3, 3), out (F, S, 3, 3).
     """
     for frame in range(out_rotations.shape[0]):
@@ -24,19 +52,19 @@ def align_segments(joint_rotations, joints, alignments, out_rotations):
 
 
 @allocating_kernel
-def encode_frames(points, rotations, yaw, rests, hips, sizes, totals, out_channels):
+def encode_frames(points, rotations, yaw, actor, out_channels):
     """Channels (F, 93 + 4 (K - 1)) of a body in motion (METHOD 2), each frame by itself: ``continue_turns`` follows.
 
     ``points`` (F, K + 23, 3) and ``rotations`` (F, K + 18, 3, 3) canonical, in the motion's space; ``yaw`` (F,) the
-    low-passed heading. Of the actor: ``rests`` (3, 3, 3) the rest of neck and clavicles in the thorax, ``hips`` (2, 3)
-    in the pelvis, ``sizes`` (3,) the ankles' height and the lengths of leg and neck, ``totals`` (4,) lengths of limbs.
+    low-passed heading; ``actor`` what they leave out.
     """
-    work = np.empty((5, 3, 3))
+    scratch = EncodeScratch(np.empty((2, 3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)))
     for frame in range(out_channels.shape[0]):
-        point, turns = points[frame], rotations[frame]
-        encode_trunk(point, turns, yaw[frame], rests, hips, sizes, work, out_channels[frame])
+        pose, channels = Pose(points[frame], rotations[frame]), out_channels[frame]
+        channels[at.YAW] = yaw[frame]
+        encode_trunk(pose, actor, scratch, channels)
         for limb in range(4):
-            encode_limb(limb, point, turns, totals[limb], work, out_channels[frame])
+            encode_limb(limb, pose, actor.limbs[limb], scratch, channels)
 
 
 @kernel
@@ -60,17 +88,16 @@ def continue_turns(turn_columns, channels):
 
 
 @kernel
-def encode_trunk(points, rotations, yaw, rests, hips, sizes, work, out):
-    """Root, spine, neck, head, clavicles and what strays of one frame (METHOD 3.1 to 3.3, backwards).
-
-    ``work[1:3]`` become the thorax carried along by each clavicle, in which arms lie.
+def encode_trunk(pose, actor, scratch, out):
+    """Root, spine, neck, head, clavicles and what strays of one frame (METHOD 3.1 to 3.3, backwards), whose heading is
+    known; the carriers of both arms into ``scratch``.
     """
+    points, rotations = pose
     spine_count = rotations.shape[0] - 18
     pelvis, thorax, neck = rotations[0], rotations[spine_count - 1], spine_count
-    place_hips(points[0], pelvis, hips, sizes, out)
-    out[at.YAW] = yaw
-    turn, local = work[3], work[4]
-    c, s = math.cos(yaw), math.sin(yaw)
+    place_hips(points[0], pelvis, actor, out)
+    turn, local = scratch.turn, scratch.local
+    c, s = math.cos(out[at.YAW]), math.sin(out[at.YAW])
     for column in range(3):
         turn[0, column] = c * pelvis[0, column] + s * pelvis[1, column]
         turn[1, column] = c * pelvis[1, column] - s * pelvis[0, column]
@@ -78,47 +105,51 @@ def encode_trunk(points, rotations, yaw, rests, hips, sizes, work, out):
     put_turn(out, at.PELVIS, turn)
     for segment in range(1, spine_count):
         put_between(out, at.SPINE + 4 * (segment - 1), pelvis, rotations[segment], local)
-    multiply_by_transposed(rotations[neck], rests[0], turn)
+    multiply_by_transposed(rotations[neck], actor.rests[0], turn)
     put_between(out, at.NECK, thorax, turn, local)
     put_between(out, at.HEAD, turn, rotations[neck + 1], local)
     for side in range(2):
-        carrier = work[1 + side]
-        multiply_by_transposed(rotations[spine_count + 2 + 4 * side], rests[1 + side], carrier)
+        carrier = scratch.carriers[side]
+        multiply_by_transposed(rotations[spine_count + 2 + 4 * side], actor.rests[1 + side], carrier)
         put_between(out, at.CLAVICLE + 4 * side, thorax, carrier, local)
         for axis in range(3):
             hip = along(points[0], points[spine_count + 13 + 5 * side], pelvis, axis)
-            out[at.HIP_PLAY + 3 * side + axis] = (hip - hips[side, axis]) / sizes[1]
+            out[at.HIP_PLAY + 3 * side + axis] = (hip - actor.hips[side, axis]) / actor.leg
     for axis in range(3):
         head = along(points[neck], points[neck + 1], rotations[neck], axis)
-        out[at.HEAD_PLAY + axis] = head / sizes[2] - (1.0 if axis == 2 else 0.0)
+        out[at.HEAD_PLAY + axis] = head / actor.neck - (1.0 if axis == 2 else 0.0)
 
 
 @kernel
-def place_hips(root, pelvis, hips, sizes, out_channel):
+def place_hips(root, pelvis, actor, out_channel):
     """The middle of the hips above the ankles' plane, in parts of the leg's length."""
     for axis in range(3):
-        place = root[axis] - (sizes[0] if axis == 2 else 0.0)
+        place = root[axis] - (actor.ankle_height if axis == 2 else 0.0)
         for column in range(3):
-            place += pelvis[axis, column] * 0.5 * (hips[0, column] + hips[1, column])
-        out_channel[at.HIPS + axis] = place / sizes[1]
+            place += pelvis[axis, column] * 0.5 * (actor.hips[0, column] + actor.hips[1, column])
+        out_channel[at.HIPS + axis] = place / actor.leg
 
 
 @kernel
-def encode_limb(limb, points, rotations, total, work, out):
-    """Frame, slack, bend, twists and extremity of one arm (limb 0, 1) or leg (2, 3) (METHOD 2, "limb encoding")."""
+def encode_limb(limb, pose, length, scratch, out):
+    """Frame, slack, bend, twists and extremity of one arm (limb 0, 1) or leg (2, 3), ``length`` metres long (METHOD 2,
+    "limb encoding").
+    """
+    points, rotations = pose
     spine_count = rotations.shape[0] - 18
     side, is_leg = limb % 2, limb >= 2
     root = spine_count + (13 if is_leg else 4) + 5 * side
     upper = spine_count + (10 if is_leg else 3) + 4 * side
-    carrier, limb_frame, arc, local = rotations[0] if is_leg else work[1 + side], work[0], work[3], work[4]
+    carrier = rotations[0] if is_leg else scratch.carriers[side]
+    limb_frame, arc, local = scratch.limb_frame, scratch.turn, scratch.local
     ux, uy, uz, _ = unit_between(points[root], points[root + 1])
     fx, fy, fz, _ = unit_between(points[root + 1], points[root + 2])
     zx, zy, zz, reach = unit_between(points[root], points[root + 2])
     turns.put_turn(turns.shortest(ux, uy, uz, zx, zy, zz), arc)
     frame_of_hinge(arc, rotations[upper], zx, zy, zz, limb_frame)
     put_between(out, at.LIMB_FRAME + 4 * limb, carrier, limb_frame, local)
-    out[at.LIMB_SLACK + limb] = 1.0 - reach / total
-    out[at.LIMB_OFF_PLANE + limb] = along(points[root], points[root + 1], limb_frame, 0) / total
+    out[at.LIMB_SLACK + limb] = 1.0 - reach / length
+    out[at.LIMB_OFF_PLANE + limb] = along(points[root], points[root + 1], limb_frame, 0) / length
     out[at.LIMB_BEND + limb] = -1.0 if along(points[root], points[root + 1], limb_frame, 1) < 0.0 else 1.0
     for bone in range(2):
         dx, dy, dz = (ux, uy, uz) if bone == 0 else (fx, fy, fz)

@@ -8,6 +8,7 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.algebra.turns import along, product, put_beside, put_turn, sine_and_cosine, turn_of
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.limbs.limb import place_limb
+from studio.core.kernels.records import Limb, Pose
 
 
 @allocating_kernel
@@ -27,8 +28,8 @@ def realize_each(channels, measures, girdles, spine_from, spine_share, play, out
     """``realize_frames`` with its spine sampled."""
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
-        girdle, positions, rotations = girdles[frame % girdles.shape[0]], out_positions[frame], out_rotations[frame]
-        realize_frame(channels[frame], row, girdle, spine_from, spine_share, play, positions, rotations)
+        pose = Pose(out_positions[frame], out_rotations[frame])
+        realize_frame(channels[frame], row, girdles[frame % girdles.shape[0]], spine_from, spine_share, play, pose)
 
 
 @allocating_kernel
@@ -55,17 +56,17 @@ def sample_spine(places, measures):
 
 
 @kernel
-def realize_frame(channels, measures, girdle, spine_from, spine_share, play, positions, rotations):
+def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pose):
     """One frame of ``realize_frames``."""
-    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, spine_from, spine_share, positions, rotations)
-    realize_head(channels, measures, play, neck_base, thorax, positions, rotations)
+    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, spine_from, spine_share, pose)
+    realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
-        realize_arm(channels, measures, girdle, side, neck_base, thorax, positions, rotations)
-        realize_leg(channels, measures, side, play, root, pelvis, positions, rotations)
+        realize_arm(channels, measures, girdle, side, neck_base, thorax, pose)
+        realize_leg(channels, measures, side, play, root, pelvis, pose)
 
 
 @small_kernel
-def realize_trunk(channels, measures, spine_from, spine_share, positions, rotations):
+def realize_trunk(channels, measures, spine_from, spine_share, pose):
     """Pelvis and spine (METHOD 3.1, 3.2); place and turn of the pelvis and, at the neck base, of the thorax."""
     pelvis = pelvis_turn(channels)
     leg, m = mean_leg(measures), at.M_HIP_OFFSET
@@ -80,15 +81,15 @@ def realize_trunk(channels, measures, spine_from, spine_share, positions, rotati
         -0.5 * (measures[m] + measures[m + 3]),
         -0.5 * (measures[m + 1] + measures[m + 4]),
         -0.5 * (measures[m + 2] + measures[m + 5]),
-        positions[0],
+        pose.positions[0],
     )
     place, turn = root, pelvis
     for k in range(spine_from.shape[0]):
         if k > 0:
             turn = product(pelvis, spine_turn(channels, spine_from[k], spine_share[k]))
-        put_turn(turn, rotations[k])
+        put_turn(turn, pose.rotations[k])
         m = at.M_SPINE + 3 * k
-        place = put_beside(place, turn, measures[m], measures[m + 1], measures[m + 2], positions[k + 1])
+        place = put_beside(place, turn, measures[m], measures[m + 1], measures[m + 2], pose.positions[k + 1])
     return root, pelvis, place, turn
 
 
@@ -133,21 +134,21 @@ def spine_turn(channels, index, share):
 
 
 @small_kernel
-def realize_head(channels, measures, play, neck_base, thorax, positions, rotations):
+def realize_head(channels, measures, play, neck_base, thorax, pose):
     """Neck and head (METHOD 3.3). The neck turns away from its own rest in the thorax, because bodies (and captures)
     draw it along other lines: what a motion carries over is the turn, not the line. So do clavicles.
     """
     neck, m = (measures.shape[0] - at.M_SPINE) // 3, at.M_NECK_REST
     carrier = product(thorax, turn_of(channels, at.NECK))
     turn = product(carrier, along(measures[m], measures[m + 1], measures[m + 2]))
-    put_turn(turn, rotations[neck])
+    put_turn(turn, pose.rotations[neck])
     length = measures[at.M_NECK]
     stray, c = play * length, at.HEAD_PLAY
     x, y, z = stray * channels[c], stray * channels[c + 1], stray * channels[c + 2]
-    joint = put_beside(neck_base, turn, x, y, length + z, positions[neck + 1])
+    joint = put_beside(neck_base, turn, x, y, length + z, pose.positions[neck + 1])
     turn = product(carrier, turn_of(channels, at.HEAD))
-    put_turn(turn, rotations[neck + 1])
-    put_beside(joint, turn, 0.0, 0.0, measures[at.M_HEAD], positions[neck + 2])
+    put_turn(turn, pose.rotations[neck + 1])
+    put_beside(joint, turn, 0.0, 0.0, measures[at.M_HEAD], pose.positions[neck + 2])
 
 
 @small_kernel
@@ -161,7 +162,7 @@ def part_of_turn(channels, column, share):
 
 
 @small_kernel
-def realize_arm(channels, measures, girdle, side, neck_base, thorax, positions, rotations):
+def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
     """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the actor's clavicle.
 
     The body's own takes the part ``girdle`` of that turn.
@@ -170,52 +171,48 @@ def realize_arm(channels, measures, girdle, side, neck_base, thorax, positions, 
     point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
     carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
     m = at.M_COLLAR_BASE + 3 * side
-    collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], positions[point])
+    collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
     m = at.M_CLAVICLE_REST + 3 * side
     carried = carrier if girdle == 1.0 else product(thorax, part_of_turn(channels, at.CLAVICLE + 4 * side, girdle))
     turn = product(carried, along(measures[m], measures[m + 1], measures[m + 2]))
-    put_turn(turn, rotations[segment])
-    shoulder = put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], positions[point + 1])
+    put_turn(turn, pose.rotations[segment])
+    put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], pose.positions[point + 1])
     m = at.M_ARM + 2 * side
-    wrist, forearm = realize_limb(
-        channels, measures, m, side, carrier, shoulder, point + 1, segment + 1, positions, rotations
-    )
+    bones = measures[m], measures[m + 1]
+    wrist, forearm = realize_limb(side, channels, bones, carrier, point + 1, segment + 1, pose)
     hand = product(forearm, turn_of(channels, at.HAND + 4 * side))
-    put_turn(hand, rotations[segment + 3])
+    put_turn(hand, pose.rotations[segment + 3])
     m = at.M_HAND + 3 * side
-    put_beside(wrist, hand, measures[m], measures[m + 1], measures[m + 2], positions[point + 4])
+    put_beside(wrist, hand, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 4])
 
 
 @small_kernel
-def realize_leg(channels, measures, side, play, root, pelvis, positions, rotations):
+def realize_leg(channels, measures, side, play, root, pelvis, pose):
     """Leg, foot and toe (METHOD 3.4, 3.5); the foot lies in the pelvis."""
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
-    hip = put_hip(channels, measures, side, play, root, pelvis, positions[point])
-    m = at.M_LEG + 2 * side
-    ankle, _ = realize_limb(channels, measures, m, 2 + side, pelvis, hip, point, segment, positions, rotations)
+    put_hip(channels, measures, side, play, root, pelvis, pose.positions[point])
+    bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    ankle, _ = realize_limb(2 + side, channels, bones, pelvis, point, segment, pose)
     foot = product(pelvis, turn_of(channels, at.FOOT + 4 * side))
     toe = product(foot, turn_of(channels, at.TOE + 4 * side))
-    put_foot(measures, side, ankle, foot, toe, point + 3, segment + 2, positions, rotations)
+    put_foot(side, measures, ankle, foot, toe, pose)
 
 
 @small_kernel
-def realize_limb(channels, measures, m, limb, carrier, root, point, segment, positions, rotations):
-    """Both bones of arm (limb 0, 1) or leg (2, 3), their lengths at measure ``m``; place and turn at their end."""
-    length = measures[m] + measures[m + 1]
-    return place_limb(
-        root,
-        product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)),
+def realize_limb(limb, channels, bones, carrier, point, segment, pose):
+    """Both bones of arm (limb 0, 1) or leg (2, 3) from its root ``point`` on, of lengths ``bones``; place and turn at
+    their end.
+    """
+    length, twist = bones[0] + bones[1], at.LIMB_TWIST + 2 * limb
+    shape = Limb(
+        bones,
         (1.0 - channels[at.LIMB_SLACK + limb]) * length,
-        (measures[m], measures[m + 1]),
         channels[at.LIMB_OFF_PLANE + limb] * length,
         channels[at.LIMB_BEND + limb],
-        (channels[at.LIMB_TWIST + 2 * limb], channels[at.LIMB_TWIST + 2 * limb + 1]),
-        positions[point + 1],
-        positions[point + 2],
-        rotations[segment],
-        rotations[segment + 1],
+        (channels[twist], channels[twist + 1]),
     )
+    return place_limb(point, segment, product(carrier, turn_of(channels, at.LIMB_FRAME + 4 * limb)), shape, pose)
 
 
 @small_kernel
@@ -233,11 +230,13 @@ def put_hip(channels, measures, side, play, root, pelvis, out_hip):
 
 
 @small_kernel
-def put_foot(measures, side, ankle, foot, toe, point, segment, positions, rotations):
-    """Foot and toe by their turns from the ankle on, as ``segment`` and the next, ``point`` and the next."""
-    put_turn(foot, rotations[segment])
-    put_turn(toe, rotations[segment + 1])
+def put_foot(side, measures, ankle, foot, toe, pose):
+    """Foot and toe by their turns, from where the ankle is on."""
+    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    point, segment = spine_count + 16 + 5 * side, spine_count + 12 + 4 * side
+    put_turn(foot, pose.rotations[segment])
+    put_turn(toe, pose.rotations[segment + 1])
     m = at.M_FOOT + 3 * side
-    joint = put_beside(ankle, foot, measures[m], measures[m + 1], measures[m + 2], positions[point])
+    joint = put_beside(ankle, foot, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
     m = at.M_TOE + 3 * side
-    put_beside(joint, toe, measures[m], measures[m + 1], measures[m + 2], positions[point + 1])
+    put_beside(joint, toe, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 1])

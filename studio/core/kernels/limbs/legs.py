@@ -9,6 +9,7 @@ from studio.core.kernels.algebra.turns import aimed, product, put_beside, turn_i
 from studio.core.kernels.body.realize import put_foot, put_hip
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.limbs.limb import middle_of, place_limb, soft_reach
+from studio.core.kernels.records import Limb
 from studio.core.kernels.support.feet import smoothstep
 
 KNEE_GUARD = 0.0004
@@ -62,53 +63,41 @@ def lower_smoothly(drops, window, out_peaks, out_drops):
 
 
 @kernel
-def place_leg(channels, measures, side, comfort, ankle, foot, toe, positions, rotations):
+def place_leg(side, measures, legs, pose):
     """One leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 6, limb_to).
 
     The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
     leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
-    ``ankle`` (3,), ``foot``, ``toe`` (3, 3) world; writes into the frame's arrays. An ``ankle`` of 7 numbers goes on
-    with a place that the knee faces, and 1 where it does.
+    ``legs`` and ``pose`` of one frame as in ``kernels.records``. An ankle of 7 numbers goes on with a place that the
+    knee faces, and 1 where it does.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
-    point, segment = spine_count + 13 + 5 * side, spine_count + 10 + 4 * side
-    hip, frame, reach, bones, off_plane = aim_leg(channels, measures, side, comfort, ankle, positions, rotations)
-    t = at.LIMB_TWIST + 2 * (2 + side)
-    end, _ = place_limb(
-        hip,
-        frame,
-        reach,
-        bones,
-        off_plane,
-        1.0,
-        (channels[t], channels[t + 1]),
-        positions[point + 1],
-        positions[point + 2],
-        rotations[segment],
-        rotations[segment + 1],
-    )
-    put_foot(measures, side, end, turn_in(foot), turn_in(toe), point + 3, segment + 2, positions, rotations)
+    _, frame, limb = aim_leg(side, measures, legs, pose)
+    end, _ = place_limb(spine_count + 13 + 5 * side, spine_count + 10 + 4 * side, frame, limb, pose)
+    put_foot(side, measures, end, turn_in(legs.feet[side]), turn_in(legs.toes[side]), pose)
 
 
 @small_kernel
-def aim_leg(channels, measures, side, comfort, ankle, positions, rotations):
-    """Put the hip on the pelvis; its place, the leg's frame and length to its ankle, its bones' and off its plane."""
+def aim_leg(side, measures, legs, pose):
+    """Put the hip on the pelvis; its place, the leg's frame, and how the leg lies in that."""
+    channels, ankle = legs.channels, legs.ankles[side]
     point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
-    pelvis = turn_in(rotations[0])
-    hip = put_hip(channels, measures, side, 0.0, positions[0], pelvis, positions[point])
-    frame, reach, off_plane = leg_line(channels, measures, side, comfort, ankle, hip, pelvis)
+    pelvis = turn_in(pose.rotations[0])
+    hip = put_hip(channels, measures, side, 0.0, pose.positions[0], pelvis, pose.positions[point])
+    frame, reach, off_plane = leg_line(channels, measures, side, legs.comforts[side], ankle, hip, pelvis)
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     if ankle.shape[0] > 3 and ankle[6] > 0.0:
         frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
-    return hip, frame, reach, (upper, lower), off_plane
+    t = at.LIMB_TWIST + 2 * (2 + side)
+    return hip, frame, Limb((upper, lower), reach, off_plane, 1.0, (channels[t], channels[t + 1]))
 
 
 @kernel
-def place_leg_points(channels, measures, side, comfort, ankle, before, positions, rotations):
+def place_leg_points(side, measures, legs, before, pose):
     """The points alone of ``place_leg``; ``before`` (P, 3) has the foot beside its ankle as it is to be."""
-    point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
-    hip, frame, reach, bones, off_plane = aim_leg(channels, measures, side, comfort, ankle, positions, rotations)
-    x, y, z, distance = middle_of(reach, bones, off_plane, 1.0)
+    positions, point = pose.positions, (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
+    hip, frame, limb = aim_leg(side, measures, legs, pose)
+    x, y, z, distance = middle_of(limb)
     put_beside(hip, frame, x, y, z, positions[point + 1])
     put_beside(hip, frame, 0.0, 0.0, distance, positions[point + 2])
     for bone in range(3, 5):
@@ -182,20 +171,21 @@ def natural_knee(upper, lower, distance, off_plane):
 
 
 @kernel
-def is_placed(channels, measures, side, comfort, ankle, foot, toe, positions, rotations):
+def is_placed(side, measures, legs, pose):
     """Whether a leg as realised is already where ``place_leg`` would put it."""
+    channels, ankle = legs.channels, legs.ankles[side]
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 15 + 5 * side, spine_count + 12 + 4 * side
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
-    if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > comfort:
+    if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.comforts[side]:
         return False
     if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (ankle.shape[0] > 3 and ankle[6] > 0.0):
         return False
     return (
-        same_point(ankle, positions[point])
-        and same_turn(foot, rotations[segment])
-        and same_turn(toe, rotations[segment + 1])
+        same_point(ankle, pose.positions[point])
+        and same_turn(legs.feet[side], pose.rotations[segment])
+        and same_turn(legs.toes[side], pose.rotations[segment + 1])
     )
 
 

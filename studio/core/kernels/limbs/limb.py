@@ -7,31 +7,32 @@ from studio.core.kernels.compiling import kernel, small_kernel
 
 
 @small_kernel
-def place_limb(root, frame, distance, bones, off_plane, bend, twists, out_middle, out_end, out_upper, out_lower):
-    """Middle joint and both segments of a limb from its frame and its length (K05 section 8; METHOD 3.4, (5)).
+def place_limb(point, segment, frame, limb, pose):
+    """Write both segments of a limb, from ``segment`` on, and where they end, from its root ``point`` and its ``frame``
+    (K05 section 8; METHOD 3.4, (5)).
 
-    ``root`` the place of its root; ``frame`` the turn (``kernels.algebra.turns``) whose z axis points to the extremity;
-    lengths of both ``bones``, ``off_plane`` metres; ``twists`` of both, radians. ``out_middle``, ``out_end`` (3,):
-    middle joint and extremity; ``out_upper``, ``out_lower`` (3, 3) rotations. Returns the extremity's place and the
-    lower bone's turn.
+    ``frame`` the turn (``kernels.algebra.turns``) whose z axis points to the extremity; ``limb`` and ``pose`` as in
+    ``kernels.records``. Returns the extremity's place and the lower bone's turn.
     """
-    x, y, z, d = middle_of(distance, bones, off_plane, bend)
-    put_beside(root, frame, x, y, z, out_middle)
-    put_turn(bone_turn(frame, x, y, z, twists[0]), out_upper)
-    last = bone_turn(frame, -x, -y, d - z, twists[1])
-    put_turn(last, out_lower)
-    return put_beside(root, frame, 0.0, 0.0, d, out_end), last
+    x, y, z, d = middle_of(limb)
+    place = pose.positions[point]
+    root = place[0], place[1], place[2]
+    put_beside(root, frame, x, y, z, pose.positions[point + 1])
+    put_turn(bone_turn(frame, x, y, z, limb.twists[0]), pose.rotations[segment])
+    last = bone_turn(frame, -x, -y, d - z, limb.twists[1])
+    put_turn(last, pose.rotations[segment + 1])
+    return put_beside(root, frame, 0.0, 0.0, d, pose.positions[point + 2]), last
 
 
 @small_kernel
-def middle_of(distance, bones, off_plane, bend):
+def middle_of(limb):
     """Place (x, y, z) of the middle joint in the limb's frame, and the distance of its extremity, which is not 0."""
-    upper, lower = bones
-    d = max(distance, 1e-6)
+    upper, lower = limb.bones
+    d = max(limb.reach, 1e-6)
     z = (upper * upper - lower * lower + d * d) / (2.0 * d)
     radius = math.sqrt(max(0.0, upper * upper - z * z))
-    x = min(max(off_plane, -radius), radius)
-    return x, bend * math.sqrt(max(0.0, radius * radius - x * x)), z, d
+    x = min(max(limb.off_plane, -radius), radius)
+    return x, limb.bend * math.sqrt(max(0.0, radius * radius - x * x)), z, d
 
 
 @small_kernel

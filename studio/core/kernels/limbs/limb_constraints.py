@@ -16,16 +16,15 @@ from studio.core.kernels.limits.joint_limits import (
     bend_of,
     braked_swivel,
     is_well_within,
+    keep_joint,
     keep_middle,
-    keep_root,
-    keep_tip,
     lift_end,
     limb_parts,
     put_end,
     soft,
 )
 from studio.core.kernels.limits.within_limits import NEAR, step_within
-from studio.core.kernels.tasks.goals import AREA, ORIENTATION, POSITION, end_place
+from studio.core.kernels.tasks.goals import AREA, POSITION, end_place, turns_segment
 from studio.core.kernels.tasks.task import ACTIVE
 
 CLOSE_ENOUGH = 5e-5
@@ -61,7 +60,7 @@ def note_ends(level, tasks, spine_count, out_ends):
         grip, end = -1, limb_indices(limb, spine_count)[1] + 2
         for c in range(tasks.shape[0]):
             row = tasks[c]
-            holds = row.kind == ORIENTATION and row.status == ACTIVE and row.rank <= level and row.segments[0] == end
+            holds = turns_segment(row) and row.status == ACTIVE and row.rank <= level and row.segments[0] == end
             if holds and grip < 0:
                 grip = c
         changed |= (grip != out_ends[limb]) << limb
@@ -121,77 +120,89 @@ def solve_limb(limb, level, problem):
     One that ``kernels.time.activation_blend`` keeps has come within them already, and only bends and aims from where
     it is.
     """
-    tasks, search, pose = problem.tasks, problem.search, problem.pose
-    positions, rotations = pose.positions, pose.rotations
-    limits, ends, turns, points = problem.body.limits, search.ends, search.turns, search.points
-    bound = limits.shape[0] > 0 and search.hung[limb] != HUNG
-    spine_count = positions.shape[0] - 23
-    root, upper = limb_indices(limb, spine_count)
-    turning = ends[limb] >= 0 and tasks[ends[limb]].status == ACTIVE
-    if limits.shape[0] > 0:
-        limits[limb].acts, limits[limb].tip_turns = 0, 1 if limb >= 2 or turning else 0
-    if turning:
-        turn_segment(tasks[ends[limb]].turn, upper + 2, root + 2, pose)
-    first, point, holds_end = points[2], points[3], limb >= 2 or turning
-    solved, held_upper, swivels, turns_lower, reached, ending = 0, False, False, False, 0, 0
+    tasks, limits, state = problem.tasks, problem.body.limits, problem.search.limbs[limb]
+    begin_limb(limb, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if row.status != ACTIVE or row.rank > level or (row.kind == AREA and not row.engaged):
             continue
-        if row.kind == ORIENTATION:
-            segment = row.segments[0]
-            if row.limbs[0] == limb and segment < upper + 2:
-                turn_limb(row, limb, bound and solved == 0, limits, pose)
-                solved += 2
-                swivels, turns_lower = False, turns_lower or (segment == upper + 1 and solved > 2)
+        if turns_segment(row):
+            if row.limbs[0] == limb:
+                turn_limb(row, limb, limits, state, problem.pose)
             continue
         for end in range(2):
-            if row.limbs[end] != limb:
-                continue
-            segment, free, target = row.segments[end], row.freedoms[end, 0] > 0.0, row.places[end]
-            if not free and row.freedoms[end, 1] == 0.0:
-                continue
-            end_place(row, end, pose, point)
-            if row.stiff:
-                copy_matrix(rotations[upper + 1 if held_upper else upper], turns[5])
-            if free and solved == 0:
-                held_upper, swivels = segment == upper, segment != upper and not row.stiff
-                reached, ending = c, end
-                kept = search.hung[limb] == HUNG and row.kind == POSITION
-                reach_with_limb(row, end, holds_end, kept, problem)
-            elif free and solved == 1:
-                before = tasks[reached]
-                if bound:
-                    helped = before.helped == 1
-                    keep_within(limb, swivels, helped, False, holds_end, before, ending, problem)
-                    end_place(before, ending, pose, first)
-                swivel_with_limb(row, end, bound, held_upper, holds_end, problem)
-                turns_lower = turns_lower or (bound and held_upper)
-            end_place(row, end, pose, point)
-            if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not turning:
-                aim_end(row.freedoms[end, 1], target, point, root + 2, upper + 2, points[4], pose)
-                if limits.shape[0] > 0:
-                    limits[limb].tip_turns = 1
-            if solved == 0:
-                end_place(row, end, pose, first)
-            solved += 1
-    if bound:
-        helped = (swivels or held_upper) and tasks[reached].helped == 1
-        keep_within(limb, swivels, helped, turns_lower, holds_end, tasks[reached], ending, problem)
-        limits[limb].acts *= (reached + 1) * (swivels or held_upper)
+            if row.limbs[end] == limb and (row.freedoms[end, 0] > 0.0 or row.freedoms[end, 1] != 0.0):
+                grant_wish(c, end, problem)
+    if state.bound:
+        keep_within(limb, problem)
+        limits[limb].acts *= (state.first + 1) * (state.swivels or state.aims_upper)
         limits[limb].fresh = 0
 
 
 @kernel
-def turn_limb(row, limb, first, limits, pose):
-    """Turn upper or lower segment of a limb as wanted; a lower one by both, within limits, where it comes ``first``."""
+def begin_limb(limb, problem):
+    """Before any of its constraints: hand or foot as one asks, and nothing reached."""
+    tasks, search, limits, state = problem.tasks, problem.search, problem.body.limits, problem.search.limbs[limb]
+    root, upper = limb_indices(limb, problem.pose.positions.shape[0] - 23)
+    turns_end = search.ends[limb] >= 0 and tasks[search.ends[limb]].status == ACTIVE
+    state.bound = limits.shape[0] > 0 and search.hung[limb] != HUNG
+    state.turns_end, state.holds_end = turns_end, limb >= 2 or turns_end
+    state.wishes, state.first, state.end = 0, 0, 0
+    state.aims_upper, state.swivels, state.turns_lower = 0, 0, 0
+    if limits.shape[0] > 0:
+        limits[limb].acts, limits[limb].tip_turns = 0, state.holds_end
+    if turns_end:
+        turn_segment(tasks[search.ends[limb]].turn, upper + 2, root + 2, problem.pose)
+
+
+@kernel
+def grant_wish(c, end, problem):
+    """Bring one end of a constraint where it is to be: the first by all of its limb, the second by what swivel that
+    leaves, and a hand or foot by its own joint.
+    """
+    tasks, search, pose, limits = problem.tasks, problem.search, problem.pose, problem.body.limits
+    row, first, point = tasks[c], search.points[2], search.points[3]
+    limb, segment, free = row.limbs[end], row.segments[end], row.freedoms[end, 0] > 0.0
+    state = search.limbs[limb]
+    root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
+    end_place(row, end, pose, point)
+    if row.stiff:
+        copy_matrix(pose.rotations[upper + 1 if state.aims_upper else upper], search.turns[5])
+    if free and state.wishes == 0:
+        state.aims_upper, state.swivels = segment == upper, segment != upper and not row.stiff
+        state.first, state.end = c, end
+        reach_with_limb(row, end, problem)
+    elif free and state.wishes == 1:
+        if state.bound:
+            keep_within(limb, problem)
+            end_place(tasks[state.first], state.end, pose, first)
+        swivel_with_limb(row, end, problem)
+        state.turns_lower = state.turns_lower or (state.bound and state.aims_upper)
+    end_place(row, end, pose, point)
+    if row.freedoms[end, 1] > 0.0 and segment > upper + 1 and not state.turns_end:
+        aim_end(row.freedoms[end, 1], row.places[end], point, root + 2, upper + 2, search.points[4], pose)
+        if limits.shape[0] > 0:
+            limits[limb].tip_turns = 1
+    if state.wishes == 0:
+        end_place(row, end, pose, first)
+    state.wishes += 1
+
+
+@kernel
+def turn_limb(row, limb, limits, state, pose):
+    """Turn upper or lower segment of a limb as wanted; a lower one by both, within limits, where it comes first."""
     root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
     segment = row.segments[0]
+    if segment >= upper + 2:
+        return
     turn_segment(row.turn, segment, root + segment - upper, pose)
-    if first and segment == upper + 1:
+    if state.bound and state.wishes == 0 and segment == upper + 1:
         keep_middle(limb, limits, pose)
         turn = product(turn_in(row.turn), inverse(turn_in(pose.rotations[segment])))
         turn_part(turn, upper, pose.positions.shape[0] - 23, pose.positions[root], pose.positions, pose.rotations)
+    state.wishes += 2
+    state.swivels = 0
+    state.turns_lower = state.turns_lower or (segment == upper + 1 and state.wishes > 2)
 
 
 @kernel
@@ -202,42 +213,42 @@ def turn_segment(wanted, segment, pivot, pose):
 
 
 @kernel
-def swivel_with_limb(row, end, bound, held_upper, holds_end, problem):
+def swivel_with_limb(row, end, problem):
     """A limb's second wish, by what its first, whose point is ``points[2]``, leaves: a swivel about that, within limits
-    where it is ``bound``, and the lower segment where the first holds but the upper one.
+    where these bound it, and the lower segment where the first holds but the upper one.
 
     What keeps its orientation in the world keeps it here as well.
     """
     pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
     positions, rotations = pose
-    limb, segment = row.limbs[end], row.segments[end]
+    limb, segment, state = row.limbs[end], row.segments[end], problem.search.limbs[row.limbs[end]]
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
     tip, first, point, goal = root + 2, points[2], points[3], points[4]
-    by_tip = holds_end and segment >= upper + 2
+    by_tip = state.holds_end and segment >= upper + 2
     end_place(row, end, pose, point)
     copy_point(row.places[end], goal)
     if by_tip:
         for axis in range(3):
             goal[axis] -= point[axis] - positions[tip, axis]
         copy_point(positions[tip], point)
-    if holds_end:
+    if state.holds_end:
         lift_end(limb, tip, upper + 2, turns, points, pose)
-    if bound:
+    if state.bound:
         swivel_within_to(limb, goal, point, first, limits, pose)
-    elif not held_upper:
+    elif not state.aims_upper:
         swivel_to(goal, point, first, upper, spine_count, positions[root], positions, rotations)
-    if held_upper:
+    if state.aims_upper:
         if by_tip:
             copy_point(positions[tip], point)
         else:
             end_place(row, end, pose, point)
         aim_at(goal, point, upper + 1, spine_count, positions[root + 1], positions, rotations)
     if row.stiff:
-        joint = 1 if held_upper else 0
+        joint = 1 if state.aims_upper else 0
         part = row.parts[end, joint]
         turn_back(part, math.inf, upper + joint, root + joint, turns[5], turns[0], points[0], pose)
-    if holds_end:
+    if state.holds_end:
         put_end(limb, tip, upper + 2, turns, points, pose)
 
 
@@ -254,32 +265,39 @@ def swivel_within_to(limb, target, point, held, limits, pose):
 
 
 @kernel
-def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, problem):
+def keep_within(limb, problem):
     """Bring a limb back within its limits where its constraints have put it beyond (METHOD 6, (28)).
 
-    Where it ``swivels`` (its first wish is the place of one ``end`` of ``row``), it goes on from there along its limits
-    to where that is missed least. ``helped``: by joints beside it, which find the limits where the unsolved pose met
-    them. ``turns_lower``: its forearm or shank was turned for itself. ``holds_end``: hand or foot keeps its orientation
-    as far as wrist or ankle allow.
+    Where its first wish leaves it a swivel, it goes on from there along its limits to where that is missed least.
+    Helped by joints beside it, it goes by the limits that the first placing found.
     """
-    pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
-    rotations, limit = pose.rotations, limits[limb]
+    state, limits = problem.search.limbs[limb], problem.body.limits
+    rotations, limit = problem.pose.rotations, limits[limb]
     tip_stays = not limit.tip_turns or is_well_within(limb, 1, limits, rotations)
-    if not turns_lower and tip_stays and is_well_within(limb, 0, limits, rotations):
+    if not state.turns_lower and tip_stays and is_well_within(limb, 0, limits, rotations):
         return
-    parts = limb_parts(limb, pose.positions.shape[0] - 23)
-    upper, root, limit.sure = parts[1], parts[2], 1.0
+    limit.sure = 1.0
     for joint in range(2):
         copy_point(limit.agreed[joint], limit.caps[joint])
-    drawn = draw_back(limb, True, limit.fresh or not helped, turns_lower, holds_end, problem)
+    helped = (state.swivels or state.aims_upper) and problem.tasks[state.first].helped
+    drawn = draw_back(limb, True, limit.fresh or not helped, problem)
     if helped and limit.fresh:  # whatever comes after goes by them, and so does the next placing
         for joint in range(2):
             copy_point(limit.caps[joint], limit.agreed[joint])
         limit.fresh = 0
-    if not drawn or not swivels:
-        return
+    if drawn and state.swivels:
+        go_along_limits(limb, problem)
+
+
+@kernel
+def go_along_limits(limb, problem):
+    """Steps of a limb that lies at its limits, within them, to where its first wish is missed least (METHOD (28))."""
+    pose, points, turns, state = problem.pose, problem.search.points, problem.search.turns, problem.search.limbs[limb]
+    limit, row, end = problem.body.limits[limb], problem.tasks[state.first], state.end
+    parts = limb_parts(limb, pose.positions.shape[0] - 23)
+    upper, root = parts[1], parts[2]
     point, goal, tip = points[3], row.places[end], pose.positions[root + 2]
-    by_tip = holds_end and row.segments[end] >= upper + 2
+    by_tip = state.holds_end and row.segments[end] >= upper + 2
     end_place(row, end, pose, point)
     wish = (
         point[0] + limit.sure * (goal[0] - point[0]),
@@ -299,47 +317,49 @@ def keep_within(limb, swivels, helped, turns_lower, holds_end, row, end, problem
         far = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
         now = distance(point, shoulder)
         spans = min(row.easings[end], now), max(comfortable(row, end, far), now)
-        if holds_end:
+        if state.holds_end:
             lift_end(limb, root + 2, upper + 2, turns, points, pose)
         size = step_within(part, limit, parts, point, (x, y, z), spans, pose)
-        if holds_end:
+        if state.holds_end:
             put_end(limb, root + 2, upper + 2, turns, points, pose)
-        draw_back(limb, False, False, False, holds_end, problem)
+        draw_back(limb, False, False, problem)
         if size < STILL_WITHIN:
             return
         end_place(row, end, pose, point)
 
 
 @kernel
-def draw_back(limb, anew, noting, turns_lower, holds_end, problem):
-    """Draw all joints of a limb back within their limits (``keep_root``); whether any was."""
+def draw_back(limb, anew, noting, problem):
+    """Draw all joints of a limb back within their limits (``keep_joint``); whether any was."""
     pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
+    state = problem.search.limbs[limb]
     root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
     drawn = False
     if anew or not is_well_within(limb, 0, limits, pose.rotations):
-        if holds_end:
+        if state.holds_end:
             lift_end(limb, root + 2, upper + 2, turns, points, pose)
-        drawn = keep_root(limb, anew, noting, limits, pose)
-        if turns_lower:
+        drawn = keep_joint(limb, 0, anew, noting, limits, pose)
+        if anew and state.turns_lower:
             drawn = keep_middle(limb, limits, pose) or drawn
-        if holds_end:
+        if state.holds_end:
             put_end(limb, root + 2, upper + 2, turns, points, pose)
     if limits[limb].tip_turns and (anew or not is_well_within(limb, 1, limits, pose.rotations)):
-        drawn = keep_tip(limb, anew, noting, limits, pose) or drawn
+        drawn = keep_joint(limb, 1, anew, noting, limits, pose) or drawn
     return drawn
 
 
 @kernel
-def reach_with_limb(row, end, holds_end, kept, problem):
-    """Bend and aim one limb so that its point meets the target, or comes as near as it can.
+def reach_with_limb(row, end, problem):
+    """Bend and aim one limb so that its point meets the target, or comes as near as it can, or as far as
+    ``kernels.time.activation_blend`` lets it stretch.
 
-    ``kept``: as far as ``kernels.time.activation_blend`` lets it stretch. A foot, or a hand whose orientation is held,
-    keeps its orientation in the world; else it goes with the limb.
+    A foot, or a hand whose orientation is held, keeps its orientation in the world; else it goes with the limb.
     ``points[3]`` is the point as it was.
     """
     pose, points, turns, limits = problem.pose, problem.search.points, problem.search.turns, problem.body.limits
     positions, rotations = pose
-    limb, segment = row.limbs[end], row.segments[end]
+    limb, segment, holds_end = row.limbs[end], row.segments[end], problem.search.limbs[row.limbs[end]].holds_end
+    kept = problem.search.hung[limb] == HUNG and row.kind == POSITION
     spine_count = positions.shape[0] - 23
     root, upper = limb_indices(limb, spine_count)
     tip, point, goal = root + 2, points[3], points[4]

@@ -8,7 +8,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limits.clearance import PROBES, TOUCH, clear_arm, copy_arm, measure_arm, place_capsules
 from studio.core.kernels.records import Clearing, Pose
 from studio.core.kernels.search.placing import follow, miss_of
-from studio.core.kernels.tasks.goals import ORIENTATION, counts
+from studio.core.kernels.tasks.goals import counts, turns_segment
 from studio.core.kernels.tasks.task import INACTIVE
 
 HIGHER, STANDS = 2, 3
@@ -150,8 +150,8 @@ def hold_arm(side, tasks, above, spine_count, out_held):
                 continue
             segment, offset = row.segments[end], row.offsets[end]
             at_wrist = row.points[end] == wrist and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0
-            if segment == upper + 2 and row.kind == ORIENTATION:
+            if segment == upper + 2 and turns_segment(row):
                 continue
             out_held[0] = max(out_held[0], row.share)
-            if segment < upper + 2 and (row.kind == ORIENTATION or not at_wrist):
+            if segment < upper + 2 and (turns_segment(row) or not at_wrist):
                 out_held[1] = max(out_held[1], row.share)

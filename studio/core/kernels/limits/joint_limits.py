@@ -350,36 +350,19 @@ def turned_about(a, angle, v):
 
 
 @kernel
-def keep_root(limb, anew, noting, limits, pose):
-    """Draw shoulder or hip back within its limits; whether that was needed.
+def keep_joint(limb, joint, anew, noting, limits, pose):
+    """Draw shoulder or hip (``joint`` 0), or wrist or ankle (1) as far as its end does not stand, back within its
+    limits; whether that was needed.
 
     ``anew``: from where a wish has put it; ``noting`` how far it goes for that.
     """
-    carrier, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
-    return keep_joint(limits[limb], 0, carrier, upper, pose.positions[root], 1.0, anew, noting, pose)
-
-
-@kernel
-def keep_tip(limb, anew, noting, limits, pose):
-    """The same of wrist or ankle, as far as its end does not stand."""
-    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
-    lets_go = limits[limb].lets_go
-    if lets_go == 0.0:
-        return False
-    return keep_joint(limits[limb], 1, upper + 1, upper + 2, pose.positions[root + 2], lets_go, anew, noting, pose)
-
-
-@kernel
-def keep_middle(limb, limits, pose):
-    """Draw a forearm or shank that was turned for itself back to what elbow or knee can do."""
-    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
-    return keep_bend(limits[limb], upper, pose.positions[root + 1], pose)
-
-
-@kernel
-def keep_joint(row, joint, carrier, segment, pivot, part, anew, noting, pose):
-    """Draw one joint back within its limits, by ``part`` of what it is beyond; whether that was needed."""
     positions, rotations = pose
+    row, part = limits[limb], 1.0
+    carrier, segment, root = limb_parts(limb, positions.shape[0] - 23)
+    if joint == 1:
+        carrier, segment, root, part = segment + 1, segment + 2, root + 2, row.lets_go
+        if part == 0.0:
+            return False
     swing = swing_of(row, joint, rotations[carrier], rotations[segment])
     wish = twisted_back(row, joint, swing) if anew else swing
     if noting:
@@ -390,9 +373,16 @@ def keep_joint(row, joint, carrier, segment, pivot, part, anew, noting, pose):
         return False
     axes = product(turn_in(rotations[carrier]), turn_in(row.axes[joint]))
     wanted = product(axes, product(turn_by(x, y, 0.0), turn_by(0.0, 0.0, twist)))
-    turn_to(segment, pivot, wanted, part, positions, rotations)
+    turn_to(segment, positions[root], wanted, part, positions, rotations)
     row.acts = 1
     return True
+
+
+@kernel
+def keep_middle(limb, limits, pose):
+    """Draw a forearm or shank that was turned for itself back to what elbow or knee can do."""
+    _, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    return keep_bend(limits[limb], upper, pose.positions[root + 1], pose)
 
 
 @kernel

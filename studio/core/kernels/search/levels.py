@@ -32,7 +32,7 @@ from studio.core.kernels.search.means import is_alone, means_of, note_means, sof
 from studio.core.kernels.search.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
 from studio.core.kernels.search.recruiting import frees_limbs, note_balances
 from studio.core.kernels.search.step import KEPT, MET, step
-from studio.core.kernels.tasks.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION, counts, end_place
+from studio.core.kernels.tasks.goals import BALANCE, POSITION, brings_point, counts, end_place, turns_segment
 from studio.core.kernels.tasks.limb_rows import aim_limb
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP, INACTIVE
 
@@ -226,7 +226,7 @@ def yields(level, problem):
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.kind != ORIENTATION or row.limbs[0] < 0 or row.status != ACTIVE or row.rank >= level:
+        if not turns_segment(row) or row.limbs[0] < 0 or row.status != ACTIVE or row.rank >= level:
             continue
         limb = row.limbs[0]
         if miss_of(c, problem) - row.kept_miss < KEPT:
@@ -340,7 +340,7 @@ def note_kept(first, level, problem):
         miss = miss_of(c, problem)
         if row.rank >= first:
             row.kept_miss = miss
-        if row.kind == ORIENTATION or row.kind == LOOK_AT:
+        if turns_segment(row):
             copy_matrix(pose.rotations[row.segments[0]], row.kept_turn)
         elif row.kind == BALANCE:
             copy_point(search.points[0], row.kept_places[0])  # where its miss was measured
@@ -357,57 +357,57 @@ def note_kept(first, level, problem):
 def note_reaches(level, changed, problem):
     """How far each limb can stretch for each end and how far it shall, and how near it can fold, in metres.
 
-    Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
-    in time and the trunk does the rest without error (METHOD 6, "reach sharing"). Levels above have noted theirs, but
-    for limbs whose end is held by another task now, the ``changed`` (bits).
+    Levels above have noted theirs, but for limbs whose end is held by another task now, the ``changed`` (bits).
     """
-    tasks, chain, body, start = problem.tasks, problem.chain, problem.body, problem.start
-    pose, points, ends = problem.pose, problem.search.points, problem.search.ends
-    spine_count = pose.positions.shape[0] - 23
-    point = points[0]
+    tasks = problem.tasks
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if (
-            row.status != ACTIVE
-            or row.rank > level
-            or row.kind == ORIENTATION
-            or row.kind == BALANCE
-            or row.kind == LOOK_AT
-        ):
+        if row.status != ACTIVE or row.rank > level or not brings_point(row):
             continue
         for end in range(2):
             limb = row.limbs[end]
             if row.rank < level and not (limb >= 0 and changed >> limb & 1):
                 continue
             if end == 0 and row.kind == POSITION and (limb < 0 or row.freedoms[end, 0] == 0.0):
-                end_place(row, end, start, row.begin)
+                end_place(row, end, problem.start, row.begin)
                 note_means(c, row, problem)
-            if limb < 0:
-                continue
-            holds_end = limb >= 2 or ends[limb] >= 0
-            end_place(row, end, start, point)
-            root, upper = limb_indices(limb, spine_count)
-            origin = row.origins[end]
-            if row.rank == level:
-                copy_point(pose.positions[root], origin)
-            fold, reach, own = range_of(limb, row.segments[end], holds_end, point, body.limits, start)
-            row.folds[end], row.longest[end], row.reaches[end] = fold, reach, reach
-            row.easings[end] = min(fold + FOLDING * (reach - fold), own)
-            row.comforts[end], row.slack[end] = 1.0, 0.0
-            if reach <= 0.0 or row.segments[end] == upper:
-                continue
-            shoulder = start.positions[root]
-            comfort = COMFORT if row.helped else LIMB_COMFORT
-            row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
-            if row.kind == POSITION and row.helped:
-                x, y, z = aim_limb(row, end, False, holds_end, points, start)
-                row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
-                x, y, z = x - origin[0], y - origin[1], z - origin[2]
-                span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
-                taken = span / reach if row.stiff else max(span / reach, row.comforts[end])
-                row.reaches[end] = reach * min(soft_reach(taken, row.comforts[end]), 0.9999)
-                way, carrier = span - min(max(span, fold), row.reaches[end]), 0 if limb >= 2 else upper - 1
-                if way < 0.0 or (way > 0.0 and is_alone(c, carrier, chain)):
-                    sign = math.copysign(1.0 / span, way)
-                    able = means_of(c, sign * x, sign * y, sign * z, shoulder, carrier, problem)
-                    row.slack[end] = way - math.copysign(soft_way(abs(way), able), way)
+            if limb >= 0:
+                note_reach(c, end, row.rank == level, problem)
+
+
+@kernel
+def note_reach(c, end, own, problem):
+    """``note_reaches`` of one end of a constraint, of a level's ``own`` from where its limb begins now.
+
+    Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
+    in time and the trunk does the rest without error (METHOD 6, "reach sharing").
+    """
+    body, start, points = problem.body, problem.start, problem.search.points
+    row, point = problem.tasks[c], points[0]
+    limb, origin = row.limbs[end], row.origins[end]
+    holds_end = limb >= 2 or problem.search.ends[limb] >= 0
+    end_place(row, end, start, point)
+    root, upper = limb_indices(limb, start.positions.shape[0] - 23)
+    if own:
+        copy_point(problem.pose.positions[root], origin)
+    fold, reach, now = range_of(limb, row.segments[end], holds_end, point, body.limits, start)
+    row.folds[end], row.longest[end], row.reaches[end] = fold, reach, reach
+    row.easings[end] = min(fold + FOLDING * (reach - fold), now)
+    row.comforts[end], row.slack[end] = 1.0, 0.0
+    if reach <= 0.0 or row.segments[end] == upper:
+        return
+    shoulder = start.positions[root]
+    comfort = COMFORT if row.helped else LIMB_COMFORT
+    row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
+    if row.kind == POSITION and row.helped:
+        x, y, z = aim_limb(row, end, False, holds_end, points, start)
+        row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
+        x, y, z = x - origin[0], y - origin[1], z - origin[2]
+        span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
+        taken = span / reach if row.stiff else max(span / reach, row.comforts[end])
+        row.reaches[end] = reach * min(soft_reach(taken, row.comforts[end]), 0.9999)
+        way, carrier = span - min(max(span, fold), row.reaches[end]), 0 if limb >= 2 else upper - 1
+        if way < 0.0 or (way > 0.0 and is_alone(c, carrier, problem.chain)):
+            sign = math.copysign(1.0 / span, way)
+            able = means_of(c, sign * x, sign * y, sign * z, shoulder, carrier, problem)
+            row.slack[end] = way - math.copysign(soft_way(abs(way), able), way)

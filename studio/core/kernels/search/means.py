@@ -58,7 +58,7 @@ def is_alone(c, carrier, chain):
 @kernel
 def travel_of(x, y, z, body, pose):
     """About how far, in metres, the root can go along the unit (x, y, z) before the leashes of its legs run out."""
-    ankles, total = body.legs[2], 0.0
+    ankles, total = body.legs.ankles, 0.0
     spine_count = pose.positions.shape[0] - 23
     for side in range(2):
         if body.leashes[side] == math.inf:

@@ -19,7 +19,7 @@ from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
 from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH, HUNG, solve_limb
 from studio.core.kernels.limbs.stiffness import carry_leg
-from studio.core.kernels.limits.joint_limits import is_well_within, keep_root, limb_parts
+from studio.core.kernels.limits.joint_limits import is_well_within, keep_joint, limb_parts
 from studio.core.kernels.records import Problem
 from studio.core.kernels.search.joints import carry_arm, carry_point, carry_trunk, hang_limb
 from studio.core.kernels.tasks.areas import nearest_allowed, put_area
@@ -31,14 +31,17 @@ from studio.core.kernels.tasks.goals import (
     LOOK_AT,
     ORIENTATION,
     POSITION,
+    UPRIGHT,
     counts,
     ease_goal,
     end_place,
     gaze_goal,
     part_to,
     second_place,
+    turns_segment,
 )
 from studio.core.kernels.tasks.task import ACTIVE, FREE, PINNED_TURN
+from studio.core.kernels.tasks.upright import follow_upright, miss_upright
 
 ENGAGED = 1e-6
 """Metres into a forbidden area from which on a point counts as in it."""
@@ -81,7 +84,6 @@ def put_back(limb, problem):
         keep_recruited(limb, turned, slots, body.limits, pose)
         return
     positions, rotations = pose
-    channels, comforts, ankles, feet, toes = body.legs
     side = limb - 2
     spine_count = positions.shape[0] - 23
     thigh = spine_count + 10 + 4 * side
@@ -89,7 +91,7 @@ def put_back(limb, problem):
     if slots[slots.shape[0] - 1] < 0 and slots[0] < 0 and joint < 0:
         copy_leg(side, start, pose)
         return
-    place_leg(channels, body.measures, side, comforts[side], ankles[side], feet[side], toes[side], positions, rotations)
+    place_leg(side, body.measures, body.legs, pose)
     if joint < 0:
         return
     x, y, z = turned[joint, 0], turned[joint, 1], turned[joint, 2]
@@ -109,11 +111,7 @@ def put_outline(limb, problem):
         for bone in range(1, 4):
             carry_point(shoulder + bone, shoulder, turn, start, pose.positions)
         return
-    side = limb - 2
-    channels, comforts, ankles, _, _ = body.legs
-    place_leg_points(
-        channels, body.measures, side, comforts[side], ankles[side], start.positions, pose.positions, pose.rotations
-    )
+    place_leg_points(limb - 2, body.measures, body.legs, start.positions, pose)
 
 
 @kernel
@@ -141,7 +139,7 @@ def keep_recruited(limb, turned, slots, limits, pose):
         return
     moves = turned[joint, 0] != 0.0 or turned[joint, 1] != 0.0 or turned[joint, 2] != 0.0
     if moves and not is_well_within(limb, 0, limits, pose.rotations):
-        keep_root(limb, True, True, limits, pose)
+        keep_joint(limb, 0, True, True, limits, pose)
 
 
 @kernel
@@ -168,7 +166,7 @@ def place_limbs(level, problem):
         row = tasks[c]
         if counts(row) and row.rank <= level:
             follows = row.kind != DISTANCE and row.points[1] >= 0
-            moving = moving or follows or row.kind == DISTANCE or row.kind == AREA or row.kind == LOOK_AT
+            moving = moving or follows or (row.kind > ORIENTATION and row.kind != BALANCE)
             row.engaged = 0
             for end in range(2):
                 if row.limbs[end] >= 0 and row.status == ACTIVE:
@@ -222,6 +220,8 @@ def follow(level, solved, problem):
             x, y, z = points[1, 0], points[1, 1], points[1, 2]
             turn = shortest(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z)
             put_turn(product(turn, turn_in(rotation)), row.turn)
+        elif row.kind == UPRIGHT:
+            follow_upright(row, pose)
         elif row.kind == AREA and row.status == ACTIVE and not row.engaged and not solved:
             engage_one(c, problem)
 
@@ -240,9 +240,7 @@ def follow_body(row, area, pose, problem):
         ease_goal(point, place, row.share, row.places[0])
     elif row.kind == ORIENTATION:
         multiply(axes, row.relative, search.turns[1])
-        turn_error(search.turns[1], start.rotations[row.segments[0]], turn, vector)
-        rotation_vector_to_matrix(row.share * vector[0], row.share * vector[1], row.share * vector[2], turn)
-        multiply(turn, start.rotations[row.segments[0]], row.turn)
+        ease_turn(start.rotations[row.segments[0]], search.turns[1], row.share, turn, vector, row.turn)
     elif row.kind == LOOK_AT:
         copy_point(place, row.places[0])
     elif row.kind == BALANCE:
@@ -305,7 +303,9 @@ def miss_of(c, problem):
     """
     tasks, areas, body, search, pose = problem.tasks, problem.areas, problem.body, problem.search, problem.pose
     row, point, other = tasks[c], search.points[0], search.points[1]
-    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+    if row.kind == UPRIGHT:
+        return miss_upright(row, pose)
+    if turns_segment(row):
         turn_error(row.turn, pose.rotations[row.segments[0]], search.turns[0], point)
         return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
     if row.kind == BALANCE:
@@ -321,6 +321,14 @@ def miss_of(c, problem):
     if row.kind == AREA:
         return row.distance * nearest_allowed(areas[c], point, other)
     return distance(point, row.places[0])
+
+
+@kernel
+def ease_turn(begin, wanted, share, turn, vector, out_turn):
+    """A rotation (3, 3) a ``share`` of the shortest way from one to another; ``turn`` and ``vector`` are scratch."""
+    turn_error(wanted, begin, turn, vector)
+    rotation_vector_to_matrix(share * vector[0], share * vector[1], share * vector[2], turn)
+    multiply(turn, begin, out_turn)
 
 
 @kernel

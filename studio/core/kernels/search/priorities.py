@@ -6,7 +6,7 @@ held come first: y_h = M_hh^-1 e_h keeps them. A row that asks moves joints alon
 take back, so that to the first order nothing that is held moves. Among those ways Newton's step on half the sum of
 squared errors is taken: (A^T A + H) y = A^T e with A_qr = J_q . x_r and H_qr = sum_c e_c . d2(x_q, x_r), the second
 derivatives of what is pulled (``pulls.bend``). Gauss' step, without H, swings where nothing gets nearer; and one
-damping for all ways is too much for some of them and too little for others (METHOD 9).
+damping for all ways is too much for some of them and too little for others (METHOD (23)).
 
 Some held rows are bounds, as what planted feet allow the root: they let go as long as the step keeps them. The one
 that it would break most holds first, then what the step breaks now; what pushes the wrong way lets go again.
@@ -291,8 +291,7 @@ def add_curvature(held, count, kept, rows, joints, equations, positions):
     METHOD (23).
     """
     errors, roles, pulls = rows.errors, rows.roles, rows.pulls
-    system, normal, active = equations.held, equations.normal, equations.active
-    steps, scratch = equations.steps, equations.levers
+    system, active = equations.held, equations.active
     place = 0
     for q in range(count):
         push = 1.0
@@ -306,7 +305,7 @@ def add_curvature(held, count, kept, rows, joints, equations, positions):
             for j in range(held, count):
                 push -= system[place - 1, kept + 1 + j - held] * min(max(errors[j], -LONGEST_ERROR), LONGEST_ERROR)
         if push > 0.0 and pulls[q].carrier >= 0.0:
-            bend(push, pulls[q], held, count, steps, joints, normal, scratch, positions)
+            bend(push, pulls[q], held, count, joints, equations, positions)
 
 
 @kernel

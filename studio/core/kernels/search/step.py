@@ -46,7 +46,7 @@ def step(level, mending, whole, is_late, stays, damping, problem):
 
     How far it moves, in metres. ``stays``: the root does, so that feet need no holding; ``damping`` the part of it.
     """
-    tasks, chain, search, positions = problem.tasks, problem.chain, problem.search, problem.pose.positions
+    tasks, chain, search = problem.tasks, problem.chain, problem.search
     rows, past = search.rows, search.last[0]
     if is_late:  # before all that is held is looked at
         count = add_own_rows(level, 0, problem)
@@ -69,7 +69,7 @@ def step(level, mending, whole, is_late, stays, damping, problem):
     past.missed = missed
     if worst < (STILL if mending else CLOSE_ENOUGH) and missed < MET:
         return 0.0
-    steps, part = search.equations.steps, 1.0
+    part = 1.0
     again = (
         past.held == own
         and past.moved < NEAR
@@ -78,21 +78,33 @@ def step(level, mending, whole, is_late, stays, damping, problem):
     if not (
         again and is_kept(own, rows, search.equations) and step_again(own, count, rows, chain, search.equations) < NEAR
     ):
-        eased = damping if damping == 1.0 else damping ** (1.0 / (1.0 + (missed / WITHIN) ** 2))
-        slope = find_step(own, count, eased, rows, chain, search.equations, positions)
-        if whole:
-            slope = refine_step(count, rows, chain, search.carried, search.state, steps[-1], search.damped, positions)
-        squared = 0.0
-        for row in range(own, count):
-            squared += rows.errors[row] ** 2
-        promised = slope / (2.0 * math.sqrt(squared) + 1e-9)
+        promised, part = find_anew(own, count, whole, damping, missed, problem)
         worth = 1.0 if mending else min(max(promised / HARDLY - 1.0, 0.0), 1.0)
-        part = worth * part_of_step(own, count, slope, rows.roles, rows.pulls, steps[-1], chain.joints, positions)
+        part = worth * part
         past.suffices = past.suffices or (worth == 0.0 and worst < KEPT)
         past.held, past.moved, past.rows = own, 0.0, count
     moved = go_on(0.0 if mending else STILL, ease, part, problem)
     past.moved += moved
     return moved
+
+
+@kernel
+def find_anew(own, count, whole, damping, missed, problem):
+    """A step from rows of which the first ``own`` are held; the metres that it promises, and the part of it to go.
+
+    ``whole``: every joint is looked at; ``missed`` metres, near which it is damped in full.
+    """
+    chain, search, positions = problem.chain, problem.search, problem.pose.positions
+    rows, steps = search.rows, search.equations.steps
+    eased = damping if damping == 1.0 else damping ** (1.0 / (1.0 + (missed / WITHIN) ** 2))
+    slope = find_step(own, count, eased, rows, chain, search.equations, positions)
+    if whole:
+        slope = refine_step(count, rows, chain, search.carried, search.state, steps[-1], search.damped, positions)
+    squared = 0.0
+    for row in range(own, count):
+        squared += rows.errors[row] ** 2
+    promised = slope / (2.0 * math.sqrt(squared) + 1e-9)
+    return promised, part_of_step(own, count, slope, rows.roles, rows.pulls, steps[-1], chain.joints, positions)
 
 
 @kernel

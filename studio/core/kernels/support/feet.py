@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.algebra.rotation import matrix_to_rotation_vector, multiply, rotation_vector_to_matrix
-from studio.core.kernels.algebra.turns import product, put_turn, turn_by, turn_in
+from studio.core.kernels.algebra.turns import NO_TURN, product, put_turn, turn_by, turn_in
 from studio.core.kernels.algebra.vectors import copy_matrix
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 
@@ -18,6 +18,10 @@ TOE = 2
 FLAT = 3
 STEEP = -0.7
 """Vertical part of a foot's forward axis below which it stands on tucked toes."""
+ASIDE = 0.35
+"""Vertical part of a foot's left axis from which it lies on its side, wholly at twice that."""
+SOLE_DOWN = 0.5
+"""Vertical part of its upward axis from which it stands on its sole."""
 SMALLEST = 1.02
 """Parts of its least size through a contact up to which a growing body's places count: those it reaches always."""
 
@@ -185,6 +189,13 @@ def set_heading(matrix, along, across):
     matrix[2, 0], matrix[2, 1], matrix[2, 2] = 0.0, 0.0, 1.0
 
 
+@kernel
+def lying_aside(rotation):
+    """0 where a foot or toe (3, 3) stands, its sole down however it rolls, 1 where it lies on its side."""
+    rolled = smoothstep(min(max(abs(rotation[2, 1]) / ASIDE - 1.0, 0.0), 1.0))
+    return rolled * smoothstep(min(max((SOLE_DOWN - rotation[2, 2]) / ASIDE, 0.0), 1.0))
+
+
 @small_kernel
 def toe_heading(foot):
     """(along, across) the ground, of any length: where a standing toe looks, over a steep foot as its instep does."""
@@ -209,7 +220,8 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
 
     ``pitches`` (F,) in radians by which they point down, on their tips.
 
-    A foot that stands steeply on its tucked toes heads where its instep looks; one that lies on its instep keeps them.
+    A foot that stands steeply on its tucked toes heads where its instep looks; one that lies on its instep keeps them,
+    and one that lies on its side but has their tip come down.
     ``feet`` (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; out in the world.
     """
     count = states.shape[0]
@@ -222,7 +234,8 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
             foot = feet[frame]
             set_heading(level, *toe_heading(foot))
             share = smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
-            lies[frame] = share == 1.0
+            aside = lying_aside(foot)
+            lies[frame] = share == 1.0 and aside == 0.0
             point_down(level, pitches[frame])
             if lies[frame]:
                 copy_matrix(level, out_toes[frame])
@@ -230,12 +243,36 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
                 multiply(foot.T, level, local)
                 multiply(local, toes[frame].T, turn)
                 matrix_to_rotation_vector(turn, corrections[frame])
-                corrections[frame] *= share
+                corrections[frame] *= share * (1.0 - aside)
+                if share < 1.0 or aside > 0.0:
+                    lay_tip(foot, toes[frame], pitches[frame], share + aside - share * aside, corrections[frame])
     ease_gaps(corrections, known, reach)
     for frame in range(count):
         if not lies[frame]:
             local_toe = corrected(corrections[frame], turn_in(toes[frame]))
             put_turn(product(turn_in(feet[frame]), local_toe), out_toes[frame])
+
+
+@allocating_kernel
+def lay_tip(foot, toe, pitch, share, correction):
+    """Turn a ``toe`` (3, 3) relative to its foot by a ``share`` of the shortest way to pointing down by ``pitch``.
+
+    ``correction`` (3,) the turn that it is to make, a rotation vector in the foot's axes, turned on in place.
+    """
+    turned = corrected(correction, turn_in(toe))
+    x, y, z = 0.0, 0.0, 0.0
+    for axis in range(3):
+        x += foot[0, axis] * turned[3 * axis]
+        y += foot[1, axis] * turned[3 * axis]
+        z += foot[2, axis] * turned[3 * axis]
+    level = max(math.sqrt(x * x + y * y), 1e-9)
+    way = share * (math.atan2(z, level) + pitch) / level
+    across = np.empty(3)
+    for axis in range(3):
+        across[axis] = way * (x * foot[1, axis] - y * foot[0, axis])
+    turn = np.empty((3, 3))
+    put_turn(corrected(across, corrected(correction, NO_TURN)), turn)
+    matrix_to_rotation_vector(turn, correction)
 
 
 @small_kernel
@@ -270,7 +307,7 @@ def plant_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankles
         end = begin
         while end < count and known[end]:
             end += 1
-        plant_episode(ankles, feet, states, soles, ground, pitches, begin, end, out_ankles)
+        plant_episode((begin, end), ankles, feet, states, soles, ground, pitches, out_ankles)
         for frame in range(begin, end):
             for axis in range(3):
                 shift[frame, axis] = out_ankles[frame, axis] - ankles[frame, axis]
@@ -282,11 +319,12 @@ def plant_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankles
 
 
 @allocating_kernel
-def plant_episode(ankles, feet, states, soles, ground, pitches, begin, end, out_ankles):
-    """Ankle targets of one unbroken contact, frames begin to end (excluded), spread from its seed both ways.
+def plant_episode(span, ankles, feet, states, soles, ground, pitches, out_ankles):
+    """Ankle targets of one unbroken contact, a ``span`` of frames (begin, end excluded), from its seed both ways.
 
     METHOD (6).
     """
+    begin, end = span
     first, last = longest_stretch(states, HEEL, begin, end)
     heel = last > first
     if not heel:

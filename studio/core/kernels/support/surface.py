@@ -1,18 +1,35 @@
 """Triangles seen from above: the highest one over a place, by a grid of cells (METHOD 4)."""
 
 import math
+from typing import NamedTuple
 
 from studio.core.kernels.compiling import kernel
+from studio.core.kernels.records import Array
+
+
+class TriangleGrid(NamedTuple):
+    """T triangles by the cells of a grid that they lie over."""
+
+    corners: Array
+    """(T, 3, 3) metres."""
+    starts: Array
+    """Over cell c = i * columns + j lie ``members[starts[c] : starts[c + 1]]``."""
+    members: Array
+    origin: Array
+    """(2,) metres."""
+    size: float
+    """Metres of a cell."""
+    rows: int
+    columns: int
 
 
 @kernel
-def highest_triangles(xy, corners, starts, members, origin, cell, out_heights, out_slopes, out_found):
+def highest_triangles(xy, grid, out_heights, out_slopes, out_found):
     """Height (N,) and slope (N, 2) of the highest triangle over each place (N, 2), by a vertical ray.
 
-    ``corners`` (T, 3, 3) metres; over cell c = i * columns + j lie ``members[starts[c] : starts[c + 1]]``;
-    ``origin`` (2,) of the grid, ``cell`` the tuple (size, rows, columns). What is not found is left as it is.
+    What is not found is left as it is.
     """
-    size, rows, columns = cell
+    corners, starts, members, origin, size, rows, columns = grid
     for n in range(xy.shape[0]):
         out_found[n] = False
         i, j = math.floor((xy[n, 0] - origin[0]) / size), math.floor((xy[n, 1] - origin[1]) / size)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.support.feet import TOE, smoothstep
+from studio.core.kernels.support.feet import TOE, lying_aside, smoothstep
 
 ROOM = 0.2
 """Part of the ankle's height within which of the floor a foot in the air begins to be raised; 3/16 of it is kept."""
@@ -83,7 +83,10 @@ def lack(height, room):
 
 @kernel
 def bend_up(joint, length, thickness, room, upright, toe):
-    """Turn a ``toe`` (3, 3), in place, about its left axis until its tip is clear; ``joint`` above the floor."""
+    """Turn a ``toe`` (3, 3), in place, about its left axis until its tip is clear; ``joint`` above the floor.
+
+    One that lies on its side would not come up so.
+    """
     along, over = toe[2, 0] * length - toe[2, 2] * thickness, toe[2, 2] * length + toe[2, 0] * thickness
     raised = lack(joint + along, room)
     if raised == 0.0:
@@ -94,6 +97,7 @@ def bend_up(joint, length, thickness, room, upright, toe):
         angle += 2.0 * math.pi
     angle = (
         upright
+        * (1.0 - lying_aside(toe))
         * smoothstep(min(max(over / (BENDING * span), 0.0), 1.0))
         * max(angle, 0.0)
         / (1.0 + (angle / MOST_BENT) ** 4) ** 0.25

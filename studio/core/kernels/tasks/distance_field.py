@@ -14,6 +14,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 HEAD = 7
 """Numbers before the coefficients."""
 STEPS = 12
+"""Newton's steps down the slope of a field to its surface, at most."""
 
 
 @kernel

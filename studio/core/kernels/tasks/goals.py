@@ -13,13 +13,28 @@ DISTANCE = 2
 BALANCE = 3
 LOOK_AT = 4
 AREA = 5
+UPRIGHT = 6
 """Kinds as the solver knows them."""
+TURN_ARM = 0.3
+"""Metres that count as one radian where both are weighed together."""
 
 
 @small_kernel
 def counts(row):
     """Whether a constraint acts at this frame: what it has is its own, also where it was given up."""
     return row.status == ACTIVE or row.status == GIVEN_UP
+
+
+@small_kernel
+def brings_point(row):
+    """Whether a constraint brings a point of the body somewhere: neither a turn, nor the centre of mass."""
+    return row.kind == POSITION or row.kind == DISTANCE or row.kind == AREA
+
+
+@small_kernel
+def turns_segment(row):
+    """Whether a constraint turns a segment, and its miss is an angle."""
+    return row.kind == ORIENTATION or row.kind == LOOK_AT or row.kind == UPRIGHT
 
 
 @small_kernel

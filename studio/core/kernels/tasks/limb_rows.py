@@ -4,6 +4,7 @@ Records are those of ``kernels.records``.
 """
 
 import math
+from typing import NamedTuple
 
 from studio.core.kernels.algebra.vectors import copy_point, distance
 from studio.core.kernels.compiling import kernel
@@ -27,6 +28,22 @@ LIMITED_ROUND, ASIDE = 0.3, 0.03
 """Radius of the edge of what a limb at its limits reaches, in parts of its length, and the squared sine of the angle
 between limb and miss at which it is half way there from that of a free one.
 """
+
+
+class Link(NamedTuple):
+    """A limb as a link of variable length from its root to where it reaches."""
+
+    root: int
+    """The point of its root."""
+    carrier: int
+    """The segment that carries it."""
+    way: tuple[float, float, float]
+    """Unit, from the root to the goal."""
+    span: float
+    """Metres from the root to the goal."""
+    fold: float
+    reach: float
+    """Metres to which it folds and stretches."""
 
 
 @kernel
@@ -67,23 +84,19 @@ def add_reach_rows(c, row, end, owner, is_held, count, problem):
     that its ``limits`` keep from its goal is carried there, as it lies, along what it misses (29); a thigh that stands
     on its knee has to be as far from there as it is long as well.
     """
-    chain, pose, points = problem.chain, problem.pose, problem.search.points
-    task_rows, limits, ends = problem.search.rows, problem.body.limits, problem.search.ends
-    positions = pose.positions
+    pose, limits, ends = problem.pose, problem.body.limits, problem.search.ends
     limb = row.limbs[end]
-    root, upper = limb_indices(limb, positions.shape[0] - 23)
-    carrier = 0 if limb >= 2 else upper - 1
-    shoulder = positions[root]
-    ax, ay, az = aim_limb(row, end, is_held, limb >= 2 or ends[limb] >= 0, points, pose)
-    x, y, z = ax - shoulder[0], ay - shoulder[1], az - shoulder[2]
+    root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
+    shoulder = pose.positions[root]
+    goal = aim_limb(row, end, is_held, limb >= 2 or ends[limb] >= 0, problem.search.points, pose)
+    x, y, z = goal[0] - shoulder[0], goal[1] - shoulder[1], goal[2] - shoulder[2]
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     per = 1.0 / span
-    x, y, z = per * x, per * y, per * z
     reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
     second = row.second and row.kept_miss <= HARDLY_MISSED
     if limits.shape[0] > 0 and (limits[limb].acts == c + 1 or (second and limits[limb].acts > 0)):
         before = count
-        count = add_limited_row(row, end, owner, is_held, count, (ax, ay, az), problem)
+        count = add_limited_row(row, end, owner, is_held, count, goal, problem)
         if not is_held:
             return count
         if count > before and row.kept_miss <= CLOSE_ENOUGH and reach - fold > CLOSE_ENOUGH:
@@ -91,36 +104,60 @@ def add_reach_rows(c, row, end, owner, is_held, count, problem):
     if row.stiff:
         fold = max(fold, row.own[end] - row.most[end, 1])
         reach = max(min(reach, row.own[end] + row.most[end, 1]), fold)
+    link = Link(root, 0 if limb >= 2 else upper - 1, (per * x, per * y, per * z), span, fold, reach)
     if not is_held:
-        slack = row.slack[end]
-        error = span - min(max(span, fold + min(slack, 0.0)), reach + max(slack, 0.0))
-        if error == 0.0:
-            return count
-        begin_row(task_rows, count, owner, error)
-        add_point_row(shoulder, x, y, z, carrier, chain.joints, positions, task_rows.jacobian[count])
-        pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
-        along = math.copysign(span, error)
-        note_pull(task_rows.pulls[count], pull * x, pull * y, pull * z, along, shoulder, carrier)
-        return count + 1
+        return add_link_row(link, row.slack[end], owner, count, problem)
     if row.kept_miss > HARDLY_MISSED:
-        if holds_already(shoulder, carrier, count, task_rows):
-            return count
-        held = min(row.kept_miss / MISSED, 1.0)
-        kept, first = row.kept_roots[end], count
-        x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
-        count = add_point_rows(shoulder, carrier, x, y, z, owner, count, problem)
-        note_pull(task_rows.pulls[first], x, y, z, 0.0, shoulder, carrier)
-        for other in range(first, count):
-            task_rows.errors[other] *= held
-            for joint in range(task_rows.jacobian.shape[1]):
-                for axis in range(3):
-                    task_rows.jacobian[other, joint, axis] *= held
+        return hold_root(link, row, end, owner, count, problem)
+    return bound_link(link, owner, count, problem)
+
+
+@kernel
+def add_link_row(link, slack, owner, count, problem):
+    """Ask the root of a limb for what that is too far from its goal, or too near, but for a ``slack``."""
+    chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
+    error = link.span - min(max(link.span, link.fold + min(slack, 0.0)), link.reach + max(slack, 0.0))
+    if error == 0.0:
         return count
-    side = 1.0 if reach - span < span - fold else -1.0
+    x, y, z = link.way
+    shoulder = positions[link.root]
+    begin_row(task_rows, count, owner, error)
+    add_point_row(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
+    pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
+    along = math.copysign(link.span, error)
+    note_pull(task_rows.pulls[count], pull * x, pull * y, pull * z, along, shoulder, link.carrier)
+    return count + 1
+
+
+@kernel
+def hold_root(link, row, end, owner, count, problem):
+    """Hold the root of a limb that falls short where it was, the more the more is missed."""
+    task_rows, shoulder, first = problem.search.rows, problem.pose.positions[link.root], count
+    if holds_already(shoulder, link.carrier, count, task_rows):
+        return count
+    held, kept = min(row.kept_miss / MISSED, 1.0), row.kept_roots[end]
+    x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
+    count = add_point_rows(shoulder, link.carrier, x, y, z, owner, count, problem)
+    note_pull(task_rows.pulls[first], x, y, z, 0.0, shoulder, link.carrier)
+    for other in range(first, count):
+        task_rows.errors[other] *= held
+        for joint in range(task_rows.jacobian.shape[1]):
+            for axis in range(3):
+                task_rows.jacobian[other, joint, axis] *= held
+    return count
+
+
+@kernel
+def bound_link(link, owner, count, problem):
+    """Let the root of a limb that meets its goal go wherever the limb still reaches."""
+    chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
+    span, fold, reach, (x, y, z) = link.span, link.fold, link.reach, link.way
+    shoulder, side = positions[link.root], 1.0 if reach - span < span - fold else -1.0
+    x, y, z = side * x, side * y, side * z
     begin_row(task_rows, count, owner, span - reach if side > 0.0 else fold - span)
     task_rows.roles[count] = BOUND if reach - fold > CLOSE_ENOUGH else HOLD
-    note_pull(task_rows.pulls[count], side * x, side * y, side * z, side * span, shoulder, carrier)
-    add_point_row(shoulder, side * x, side * y, side * z, carrier, chain.joints, positions, task_rows.jacobian[count])
+    note_pull(task_rows.pulls[count], x, y, z, side * span, shoulder, link.carrier)
+    add_point_row(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
     return count + 1
 
 

@@ -13,7 +13,17 @@ from studio.core.kernels.search.joints import add_point_row, add_turn_row, may_t
 from studio.core.kernels.search.means import within_means
 from studio.core.kernels.search.placing import turn_error
 from studio.core.kernels.tasks.balance import let_arm_reach, set_balance_rows, sum_masses
-from studio.core.kernels.tasks.goals import AREA, BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place
+from studio.core.kernels.tasks.goals import (
+    AREA,
+    BALANCE,
+    DISTANCE,
+    LOOK_AT,
+    POSITION,
+    TURN_ARM,
+    UPRIGHT,
+    end_place,
+    turns_segment,
+)
 from studio.core.kernels.tasks.limb_rows import (
     HARDLY_MISSED,
     add_apart_row,
@@ -25,9 +35,8 @@ from studio.core.kernels.tasks.limb_rows import (
 )
 from studio.core.kernels.tasks.second_order import BOUND, HOLD, begin_row, note_pull, note_row
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP
+from studio.core.kernels.tasks.upright import add_upright_rows
 
-TURN_ARM = 0.3
-"""Metres that count as one radian where both are weighed together."""
 AWAY = 1.0
 """Radians of miss from which on a look that is held keeps its turn: what it misses has no clear direction there."""
 
@@ -66,7 +75,9 @@ def add_rows(c, level, owner, is_held, count, problem):
         return count
     if row.second and not is_held:
         return add_second_row(c, owner, count, problem)
-    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+    if row.kind == UPRIGHT and row.limbs[0] < 0:
+        count = add_upright_rows(row, owner, is_held, count, problem)
+    elif turns_segment(row):
         count = add_turn_rows(row, owner, is_held, count, problem)
     elif row.kind == BALANCE:
         count = add_balance_rows(row, level, owner, is_held, count, problem)

@@ -63,9 +63,9 @@ def bent_away(pull, rates, joints, positions):
 
 
 @kernel
-def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
-    """Add ``push`` times the second derivatives e . H(x_i, x_j) of one pull to ``newton`` (n, n + 1), for every pair of
-    the ways ``held`` to ``count`` of (R, N, 3), in one pass over the joints; ``scratch`` (R, R + 12) is written over.
+def bend(push, pull, held, count, joints, equations, positions):
+    """Add ``push`` times the second derivatives e . H(x_i, x_j) of one pull to the normal ``equations``, for every pair
+    of their steps ``held`` to ``count``, in one pass over the joints.
 
     The link d from a joint to the next turns at W, the sum of what they and all before turn: e . H gains
     (e . d) W_i . W_j - (e . W_i)(d . W_j), the positive part of it, so that the equations stay positive and no step
@@ -73,10 +73,11 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
 
     METHOD (23).
     """
-    own, carrier, weight = count - held, pull.carrier, push * pull.weight
-    ux, uy, uz, span = pull.error[0], pull.error[1], pull.error[2], pull.span
+    ways, scratch = equations.steps, equations.levers
+    own, carrier = count - held, pull.carrier
+    ux, uy, uz = pull.error[0], pull.error[1], pull.error[2]
     size = max(math.sqrt(ux * ux + uy * uy + uz * uz), 1e-12)
-    ux, uy, uz = ux / size, uy / size, uz / size
+    unit = ux / size, uy / size, uz / size
     for i in range(own):
         for column in range(OWN + own):
             scratch[i, column] = 0.0
@@ -89,21 +90,30 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
         elif joints[k].first <= carrier < joints[k].past and moves(k, held, count, ways):
             origin = joints[k].pivot
             if before >= 0:
-                dx, dy, dz = (
-                    positions[origin, 0] - positions[before, 0],
-                    positions[origin, 1] - positions[before, 1],
-                    positions[origin, 2] - positions[before, 2],
-                )
-                bend_link(size, ux, uy, uz, dx, dy, dz, own, scratch)
+                bend_link(size, unit, between(positions[before], positions[origin]), own, scratch)
             for i in range(own):
                 for axis in range(3):
                     scratch[i, 3 + axis] += ways[held + i, k, axis]
             before = origin
     if before >= 0:
-        place, last = pull.point, positions[before]
-        dx, dy, dz = place[0] - last[0], place[1] - last[1], place[2] - last[2]
-        bend_link(size, ux, uy, uz, dx, dy, dz, own, scratch)
-    stretch = weight * size / span if span > 0.0 else 0.0
+        bend_link(size, unit, between(positions[before], pull.point), own, scratch)
+    weight = push * pull.weight
+    stretch = weight * size / pull.span if pull.span > 0.0 else 0.0
+    add_bends(weight, stretch, unit, own, scratch, equations.normal)
+
+
+@small_kernel
+def between(start, end):
+    """From one point (3,) to another."""
+    return end[0] - start[0], end[1] - start[1], end[2] - start[2]
+
+
+@kernel
+def add_bends(weight, stretch, unit, own, scratch, normal):
+    """Add what ``bend`` found in ``scratch`` to the ``normal`` equations (n, n + 1), and by how much a limb that is too
+    short bends across its line, the ``unit``: ``stretch`` times the velocities' product.
+    """
+    ux, uy, uz = unit
     for i in range(own):
         for j in range(i if own > FEW else 0, i + 1):
             bent = weight * scratch[i, OWN + j]
@@ -112,9 +122,9 @@ def bend(push, pull, held, count, ways, joints, newton, scratch, positions):
                 wx, wy, wz = scratch[j, 0], scratch[j, 1], scratch[j, 2]
                 along = (ux * vx + uy * vy + uz * vz) * (ux * wx + uy * wy + uz * wz)
                 bent += stretch * (vx * wx + vy * wy + vz * wz - along)
-            newton[i, j] += bent
+            normal[i, j] += bent
             if j < i:
-                newton[j, i] += bent
+                normal[j, i] += bent
 
 
 @small_kernel
@@ -127,11 +137,12 @@ def moves(joint, held, count, ways):
 
 
 @kernel
-def bend_link(error, ux, uy, uz, dx, dy, dz, own, scratch):
-    """One link (dx, dy, dz) of ``bend``, pulled by ``error`` metres along the unit (ux, uy, uz): its far end joins the
+def bend_link(error, unit, link, own, scratch):
+    """One ``link`` (x, y, z) of ``bend``, pulled by ``error`` metres along the ``unit``: its far end joins the
     velocities, and what bends.
     """
-    size, both, side, sx, sy, sz, tx, ty, tz = positive_bend(error, ux, uy, uz, dx, dy, dz)
+    dx, dy, dz = link
+    size, both, side, (sx, sy, sz), (tx, ty, tz) = positive_bend(error, unit, link)
     for i in range(own):
         way = scratch[i]
         x, y, z = way[3], way[4], way[5]
@@ -144,13 +155,14 @@ def bend_link(error, ux, uy, uz, dx, dy, dz, own, scratch):
 
 
 @small_kernel
-def positive_bend(error, ux, uy, uz, dx, dy, dz):
+def positive_bend(error, unit, link):
     """The positive part of (e . d) 1 - (d e^T + e d^T) / 2, as (k, b, a, s, t) of k 1 - b s s^T + a t t^T, for an
-    ``error`` e along the unit (ux, uy, uz).
+    ``error`` e along the ``unit`` and d the ``link``.
 
     At an angle of cosine c it has the values c across both, (c + 1) / 2 along t = d/|d| - e/|e| and (c - 1) / 2 along
     s = d/|d| + e/|e|, times |d||e|. METHOD (23).
     """
+    (ux, uy, uz), (dx, dy, dz) = unit, link
     d = max(math.sqrt(dx * dx + dy * dy + dz * dz), 1e-12)
     size, per = error * d, 1.0 / d
     dx, dy, dz = per * dx, per * dy, per * dz
@@ -161,7 +173,7 @@ def positive_bend(error, ux, uy, uz, dx, dy, dz):
         both = less / (2.0 + 2.0 * cosine)
     else:
         side *= (1.0 + cosine) / (1.0 - cosine)
-    return less, both, side, dx + ux, dy + uy, dz + uz, dx - ux, dy - uy, dz - uz
+    return less, both, side, (dx + ux, dy + uy, dz + uz), (dx - ux, dy - uy, dz - uz)
 
 
 @kernel

@@ -2,10 +2,9 @@
 
 import math
 
-from studio.core.kernels.algebra.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, distance
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.search.placing import follow_body, turn_error
+from studio.core.kernels.search.placing import ease_turn, follow_body
 from studio.core.kernels.tasks.areas import put_area
 from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import (
@@ -14,11 +13,13 @@ from studio.core.kernels.tasks.goals import (
     DISTANCE,
     LOOK_AT,
     ORIENTATION,
+    UPRIGHT,
     ease_goal,
     end_place,
     second_place,
 )
 from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE
+from studio.core.kernels.tasks.upright import begin_upright
 
 
 @kernel
@@ -35,17 +36,14 @@ def set_goals(least, frame, activations, targets, problem):
         row, share = tasks[c], activations[c, frame]
         if share < 1.0 and row.blends:
             share = 1.0 if share >= least else 0.0
-        row.share = share
-        row.status, row.pinned = ACTIVE if share > 0.0 else INACTIVE, FREE
+        row.share, row.status, row.pinned = share, ACTIVE if share > 0.0 else INACTIVE, FREE
         if share <= 0.0:
             continue
         acts = True
         wish = places[c, frame if places.shape[1] > 1 else 0]
         if row.kind == ORIENTATION:
-            begin = pose.rotations[row.segments[0]]
-            turn_error(turns[c, frame if turns.shape[1] > 1 else 0], begin, turn, point)
-            rotation_vector_to_matrix(share * point[0], share * point[1], share * point[2], turn)
-            multiply(turn, begin, row.turn)
+            wanted = turns[c, frame if turns.shape[1] > 1 else 0]
+            ease_turn(pose.rotations[row.segments[0]], wanted, share, turn, point, row.turn)
         elif row.kind == BALANCE:
             centre_of_mass(body.shares, pose.positions, point)
             copy_point(point, row.begin)
@@ -57,6 +55,8 @@ def set_goals(least, frame, activations, targets, problem):
             for axis in range(3):
                 row.places[1, axis] = pose.rotations[row.segments[0], axis, 0]
             row.distance = share
+        elif row.kind == UPRIGHT:
+            begin_upright(row, wish, distances[c, frame if distances.shape[1] > 1 else 0], pose)
         elif row.kind == AREA:
             row.distance = share
             copy_matrix(turns[c, frame if turns.shape[1] > 1 else 0], row.turn)

@@ -19,9 +19,8 @@ from studio.core.kernels.limits.joint_limits import limb_parts
 from studio.core.kernels.search.levels import disturbance, mend, note_kept
 from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs, turn_error
 from studio.core.kernels.search.step import KEPT
-from studio.core.kernels.tasks.goals import BALANCE, LOOK_AT, ORIENTATION, POSITION
+from studio.core.kernels.tasks.goals import BALANCE, POSITION, TURN_ARM, turns_segment
 from studio.core.kernels.tasks.limb_rows import MISSED, aim_limb
-from studio.core.kernels.tasks.rows import TURN_ARM
 from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE
 
 LOST = 2e-4
@@ -169,7 +168,7 @@ def pose_kept(frame, activations, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         on_edge = row.status == INACTIVE and 0.0 < activations[c, frame] < 1.0
-        turns = row.kind == ORIENTATION or row.kind == LOOK_AT
+        turns = turns_segment(row)
         if on_edge or (
             row.status == ACTIVE and row.pinned == FREE and row.blended * (TURN_ARM if turns else 1.0) > MISSED
         ):
@@ -211,10 +210,10 @@ def note_held(row, problem):
     """What both poses have keeps what it asks, or as much of it as they brought."""
     search, pose = problem.search, problem.pose
     turn, vector, hung = search.turns[0], search.points[7], search.hung
-    missed = row.blended * (TURN_ARM if row.kind == ORIENTATION or row.kind == LOOK_AT else 1.0)
+    missed = row.blended * (TURN_ARM if turns_segment(row) else 1.0)
     part = min(max(1.1 * (1.0 - missed / MISSED), 0.0), 1.0)
     row.kept_miss = row.blended
-    if row.kind == ORIENTATION or row.kind == LOOK_AT:
+    if turns_segment(row):
         turn_error(row.turn, pose.rotations[row.segments[0]], turn, vector)
         rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
         multiply(turn, pose.rotations[row.segments[0]], row.kept_turn)

@@ -12,10 +12,20 @@ from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.records import Pose
 from studio.core.kernels.search.placing import carry_body, follow, miss_of, posed
 from studio.core.kernels.tasks.balance import centre_of_mass
-from studio.core.kernels.tasks.goals import BALANCE, DISTANCE, LOOK_AT, ORIENTATION, POSITION, end_place, second_place
+from studio.core.kernels.tasks.goals import (
+    BALANCE,
+    DISTANCE,
+    LOOK_AT,
+    ORIENTATION,
+    POSITION,
+    UPRIGHT,
+    end_place,
+    second_place,
+)
 from studio.core.kernels.tasks.rows import AWAY
 from studio.core.kernels.tasks.targets import set_goals
 from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, PINNED_TURN
+from studio.core.kernels.tasks.upright import pin_upright
 from studio.core.kernels.time.activation_blend import blend_kept, next_edge, note_misses, note_turns, pose_kept
 
 ANY = 1e-9
@@ -169,6 +179,8 @@ def pin(c, stands, above):
         note_spot(row, search, pose, row.relative[0] if row.points[1] >= 0 else row.places[0])
     elif row.kind == ORIENTATION and row.points[1] < 0:
         copy_matrix(pose.rotations[row.segments[0]], row.turn)
+    elif row.kind == UPRIGHT:
+        pin_upright(row, pose)
     elif row.kind == BALANCE and row.points[1] < 0:
         centre_of_mass(above.body.shares, pose.positions, row.places[0])
         copy_point(row.places[0], row.places[1])

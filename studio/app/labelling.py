@@ -1,0 +1,57 @@
+"""Labels of the library's clips in the window: one is opened, corrected on its small timeline, and kept."""
+
+from typing import TYPE_CHECKING, Any
+
+from studio.library.clips import ClipLabel
+from studio.panels.clip_form import ClipForm
+
+if TYPE_CHECKING:
+    from studio.app.striking import Striking
+    from studio.library.labelling import OpenedClip
+    from studio.library.library import Library, LibraryClip
+
+
+class Labelling:
+    """Stands between the form of a clip and the catalogue."""
+
+    def __init__(self, striking: "Striking") -> None:
+        self._striking = striking
+        self.form = ClipForm()
+        self._number = -1
+        self.form.left.connect(lambda: striking.pages.setCurrentIndex(0))
+        self.form.confirmed.connect(self.keep)
+
+    def open(self, clip: "LibraryClip") -> None:
+        """Show a clip in the form; its take is posed beside the window."""
+
+        def work(_: Any) -> "OpenedClip":
+            from studio.library.labelling import OpenedClip
+
+            return OpenedClip.of(clip)
+
+        def done(opened: "OpenedClip") -> None:
+            self._number = clip.number
+            self.form.open(opened)
+            self._striking.pages.setCurrentWidget(self.form)
+
+        self._striking.bench.runner.run(f"Opening {clip.name}", work, done)
+
+    def keep(self, label: ClipLabel) -> None:
+        """Write a label into the catalogue, and search again with it."""
+        number, folder = self._number, self._striking.folder
+
+        def work(_: Any) -> "Library":
+            from studio.library.catalogue import Catalogue
+            from studio.library.indexing import corrected
+            from studio.library.library import Library
+
+            with Catalogue(folder) as catalogue:
+                corrected(catalogue, number, label)
+                return Library.of(catalogue)
+
+        def done(library: "Library") -> None:
+            self._striking.search_in(library)
+            if self._number == number:
+                self.form.tell_confirmed()
+
+        self._striking.bench.runner.run("Keeping the label", work, done)

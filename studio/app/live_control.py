@@ -1,0 +1,396 @@
+"""What comes in live and goes out, in the window: ports, recordings, whom and what they drive, and the stream.
+
+Sockets and files are read and written by threads; the window takes the newest values at each of its own ticks.
+"""
+
+import time
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QTimer
+
+from studio.app.file_dialogs import ask_file, ask_new_file
+from studio.app.workbench import Workbench
+from studio.core.constraints.follow import FollowProp
+from studio.core.constraints.target import follows_of
+from studio.core.errors import StudioError
+from studio.engine.performance import posed_performers
+from studio.live.recording import Recorder, Replay
+from studio.live.streamer import Broadcast, Shown
+from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
+from studio.panels.live import InputRow, LivePanel, SenderRow
+from studio.viewport.eyes import MIDDLE, Eye
+
+if TYPE_CHECKING:
+    from studio.engine.driven import PoseSource  # loads the solver
+
+FloatArray = NDArray[np.float64]
+
+OUT_PORT = PORT + 1
+TICK, TOLD = 16, 500
+"""Milliseconds from one look at what has come to the next, and from one telling of it to the next."""
+MOVED, RESTING = 0.001, 0.3
+"""Metres by which a tracked head has moved, and seconds after which it rests: then whole motions are solved."""
+RECORDINGS = "Recorded datagrams (*.osc)"
+
+
+@dataclass
+class Source:
+    """Something that fills an inbox, and what was told of it last."""
+
+    name: str
+    feeder: UdpInput | Replay
+    pose: "PoseSource | None" = None
+    """The body that comes in, once somebody is driven by it."""
+    told: dict[str, int] = field(default_factory=dict)
+    """Packets that had come at the last telling, of all (by an empty name) and of each sender."""
+
+    @property
+    def inbox(self) -> Inbox:
+        """The newest values."""
+        return self.feeder.inbox
+
+    def rate(self, sender: str, packets: int, seconds: float) -> float:
+        """Packets a second since the last telling."""
+        before, self.told[sender] = self.told.get(sender, packets), packets
+        return (packets - before) / max(seconds, 1e-3)
+
+
+@dataclass(frozen=True)
+class Tracked:
+    """A head that drives a prop: bones or trackers of a source."""
+
+    source: str
+    names: tuple[str, ...]
+    prop_id: str
+
+
+class LiveControl:
+    """Stands between the panel, the threads and the document."""
+
+    def __init__(self, bench: Workbench) -> None:
+        self.bench = bench
+        self.panel = LivePanel(PORT, LOOPBACK, OUT_PORT)
+        self.sources: dict[str, Source] = {}
+        self.drivers: dict[str, str] = {}
+        """Sources by the performers that they drive."""
+        self.tracked: Tracked | None = None
+        self.head_from: FloatArray | None = None
+        """Where the head was when the camera began to go with it; None while the camera does not."""
+        self.recorder: Recorder | None = None
+        self.broadcast: Broadcast | None = None
+        self._out_port, self._seen, self._told_at = OUT_PORT, 0, time.monotonic()
+        self._gesture, self._moved_at = 0, 0.0
+        self._tick = QTimer(bench, interval=TICK)
+        self._tick.timeout.connect(self.look)
+        self._telling = QTimer(bench, interval=TOLD)
+        self._telling.timeout.connect(self.tell)
+        panel = self.panel
+        panel.listen_wanted.connect(self.listen)
+        panel.replay_wanted.connect(lambda: ask_file(bench, "Replay recorded datagrams", RECORDINGS, self.replay))
+        panel.record_wanted.connect(self._ask_recording)
+        panel.close_wanted.connect(self.close_source)
+        panel.sender_switched.connect(self.switch)
+        panel.body_driven.connect(self.drive)
+        panel.head_tracked.connect(self.track)
+        panel.performer_looked_at.connect(lambda key: panel.show_driver(self.drivers.get(key)))
+        panel.streaming_wanted.connect(self.stream)
+        for signal in (bench.document.entity_changed, bench.document.project_opened):
+            signal.connect(lambda *_: self._offer())
+        self._offer()
+
+    # What the user asks for
+
+    def listen(self, port: int, address: str = LOOPBACK) -> None:
+        """Listen at a port; a sentence when that cannot be."""
+        try:
+            feeder = UdpInput(Inbox(), port, address)
+        except StudioError as error:
+            self.bench.said.emit(str(error))
+            return
+        feeder.kept = self.recorder.keep if self.recorder else None
+        self._add(Source(f"Port {feeder.port}", feeder))
+
+    def replay(self, path: Path) -> None:
+        """Play a recording of datagrams, again and again; a sentence when it is none."""
+        try:
+            self._add(Source(path.name, Replay(path, Inbox())))
+        except StudioError as error:
+            self.bench.said.emit(str(error))
+
+    def record(self, path: Path) -> None:
+        """Write all that is listened to into a file until it is asked to stop."""
+        try:
+            self.recorder = Recorder(path)
+        except StudioError as error:
+            self.bench.said.emit(str(error))
+            return
+        self._keep_by(self.recorder)
+        self.tell()
+
+    def stop_recording(self) -> None:
+        """The file is whole."""
+        recorder, self.recorder = self.recorder, None
+        if recorder is not None:
+            self._keep_by(None)
+            recorder.close()
+            self.bench.said.emit(recorder.problem or f"{recorder.path.name} holds {recorder.count} packets.")
+        self.tell()
+
+    def close_source(self, key: str) -> None:
+        """Listen no more; who was driven plays its own clips again."""
+        source = self.sources.pop(key, None)
+        if source is None:
+            return
+        source.feeder.close()
+        for performer_id in [each for each, by in self.drivers.items() if by == key]:
+            self.drive(performer_id, "")
+        if self.tracked is not None and self.tracked.source == key:
+            self._rest()
+            self.tracked = None
+        self._run()
+        self.tell()
+
+    def switch(self, key: str, sender: str, on: bool) -> None:
+        """Listen to a sender, or do not."""
+        feeder = self.sources[key].feeder if key in self.sources else None
+        if isinstance(feeder, UdpInput) and sender in feeder.senders:
+            feeder.senders[sender].on = on
+
+    def drive(self, performer_id: str, key: str) -> None:
+        """Let the body that comes in by a source play on a performer; with none its own clips do."""
+        from studio.live.driving import ReceivedPose  # loads the solver
+
+        self.drivers.pop(performer_id, None)
+        source = self.sources.get(key)
+        if source is not None:
+            self.drivers[performer_id] = key
+            source.pose = source.pose or ReceivedPose(source.inbox)
+        self.bench.live.driven.drive(performer_id, source.pose if source else None)
+        self._repaint()
+        self.tell()
+
+    def track(self, key: str, names: str, prop_id: str) -> None:
+        """Let a tracked head move a prop; without a source or a prop it stays where it is."""
+        wanted = names_in(names)
+        self._rest()
+        self.tracked = Tracked(key, wanted, prop_id) if key in self.sources and wanted and prop_id else None
+        self._gesture = self.bench.document.new_gesture()
+        self.tell()
+
+    def stream(self, on: bool, address: str = LOOPBACK, port: int = OUT_PORT) -> None:
+        """Send the bodies that are shown as VMC, the first to ``port``, the next to the one after it."""
+        if self.broadcast is not None:
+            self.broadcast.close()
+        self.broadcast, self._out_port = Broadcast(address or LOOPBACK) if on else None, port
+        self._run()
+        self.tell()
+
+    def close(self) -> None:
+        """End all threads."""
+        self._tick.stop()
+        self._telling.stop()
+        for source in self.sources.values():
+            source.feeder.close()
+        for part in (self.broadcast, self.recorder):
+            if part is not None:
+                part.close()
+
+    # At every tick
+
+    def look(self) -> None:
+        """Take what has come since the last look, and send what is shown."""
+        taken = sum(source.inbox.counts.taken for source in self.sources.values())
+        if taken != self._seen:
+            self._seen = taken
+            self._move_target()
+            self._move_eye()
+            if self.drivers:
+                self._repaint()
+        elif self._moved_at and time.monotonic() - self._moved_at > RESTING:
+            self._rest()
+        if self.broadcast is not None:
+            self.broadcast.show([body for _, body in self.outgoing()], time.monotonic())
+
+    def outgoing(self) -> list[tuple[str, Shown]]:
+        """The bodies that are shown, with their names, as they stand on the stage."""
+        document = self.bench.document
+        posed = posed_performers(document.project, self.bench.live.shown, document.playhead.time)
+        bodies = []
+        for place, pose in enumerate(posed.values()):
+            turned = pose.placement.rotation @ pose.motion.rotations[pose.row]
+            body = Shown(self._out_port + place, pose.points, turned, pose.motion.morphology_at(pose.row))
+            bodies.append((pose.performer.name, body))
+        return bodies
+
+    def _move_target(self) -> None:
+        tracked, document = self.tracked, self.bench.document
+        prop = document.project.props.get(tracked.prop_id) if tracked else None
+        if tracked is None or prop is None or tracked.source not in self.sources:
+            return
+        place = self.sources[tracked.source].inbox.place(tracked.names)
+        if place is None:
+            return
+        x, y, z = place.tolist()
+        before = prop.position if isinstance(prop.position, tuple) else (0.0, 0.0, -1e9)
+        if max(abs(new - old) for new, old in zip((x, y, z), before, strict=True)) < MOVED:
+            return
+        followed = any(
+            follow.prop_id == tracked.prop_id
+            for constraint in document.project.constraints.values()
+            for follow in follows_of(constraint)
+            if isinstance(follow, FollowProp)
+        )
+        self.bench.live.interactive = followed
+        self._moved_at = time.monotonic()
+        moved = replace(prop, position=(x, y, z), held=None)
+        document.replace("props", tracked.prop_id, moved, f"Track {prop.name}", self._gesture)
+
+    def track_camera(self, on: bool) -> None:
+        """Let the head that is followed look at the stage through the screen, as from the camera where it is now."""
+        place = self._head()
+        if on and place is None:
+            self.bench.said.emit("No head is heard. In the Live panel, listen to a port and choose its head to follow.")
+            return
+        self.head_from = place if on else None
+        if not on:
+            self._look_from(MIDDLE)
+
+    def _head(self) -> FloatArray | None:
+        """(3,) where the tracked head is; of the source and the names in the panel where no prop is moved."""
+        source = self.sources.get(self.tracked.source if self.tracked else str(self.panel.head.value))
+        names = self.tracked.names if self.tracked else names_in(self.panel.names.text())
+        return None if source is None else source.inbox.place(names)
+
+    def _move_eye(self) -> None:
+        place = None if self.head_from is None else self._head()
+        if place is not None and self.head_from is not None:
+            ahead, left, up = (place - self.head_from).tolist()
+            self._look_from(Eye(-left, up, -ahead))
+
+    def _look_from(self, head: Eye) -> None:
+        viewport = self.bench.viewport
+        if viewport is not None:
+            viewport.set_sight(replace(viewport.sight, head=head))
+
+    def _rest(self) -> None:
+        if self._moved_at:
+            self._moved_at = 0.0
+            self.bench.live.interactive = False
+
+    # What is told
+
+    def tell(self) -> None:
+        """Show what has come by now."""
+        now = time.monotonic()
+        seconds, self._told_at = now - self._told_at, now
+        rows, counts = [], [0, 0, 0]
+        for key, source in self.sources.items():
+            number = source.inbox.counts
+            counts = [old + new for old, new in zip(counts, (number.taken, number.bad, number.strangers), strict=True)]
+            drives = self._drives(key)
+            name = f"{source.name}, drives {drives}" if drives else source.name
+            rate = source.rate("", number.taken, seconds)
+            rows.append(InputRow(key, source.name, name, rate, _senders(source, now, seconds)))
+        words = f"{counts[0]:,} packets taken, {counts[1]:,} bad, {counts[2]:,} of senders that are off."
+        problems = list(self.bench.live.driven.problems.values())
+        self.panel.show_inputs(rows, " ".join([words, *problems]))
+        self.panel.show_driver(self.drivers.get(str(self.panel.performer.value)) if self.drivers else None)
+        self.panel.show_recording(f"{self.recorder.count:,} packets so far" if self.recorder else "")
+        self._tell_streaming()
+
+    def _tell_streaming(self) -> None:
+        words = ""
+        if self.broadcast is not None:
+            ports = [f"{name} to {body.port}" for name, body in self.outgoing()]
+            words = self.broadcast.problem or (", ".join(ports) + "." if ports else "Nobody is shown.")
+        self.panel.show_streaming(self.broadcast is not None, words)
+
+    def _drives(self, key: str) -> str:
+        performers = self.bench.document.project.performers
+        driven = [performers[each].name for each, by in self.drivers.items() if by == key and each in performers]
+        prop = self.bench.document.project.props.get(self.tracked.prop_id) if self.tracked else None
+        if prop is not None and self.tracked is not None and self.tracked.source == key:
+            driven.append(prop.name)
+        return ", ".join(driven)
+
+    # Parts
+
+    def _add(self, source: Source) -> None:
+        number = 1 + max((int(key) for key in self.sources), default=0)
+        self.sources[str(number)] = source
+        self._run()
+        self.tell()
+
+    def _run(self) -> None:
+        if self.sources or self.broadcast is not None:
+            self._tick.start()
+            self._telling.start()
+        else:
+            self._tick.stop()
+            self._telling.stop()
+
+    def _keep_by(self, recorder: Recorder | None) -> None:
+        for source in self.sources.values():
+            if isinstance(source.feeder, UdpInput):
+                source.feeder.kept = recorder.keep if recorder else None
+
+    def _ask_recording(self) -> None:
+        if self.recorder is not None:
+            self.stop_recording()
+        else:
+            ask_new_file(self.bench, "Record datagrams", RECORDINGS, "session.osc", self.record, "osc")
+
+    def _offer(self) -> None:
+        project = self.bench.document.project
+        performers = [(key, each.name) for key, each in project.performers.items()]
+        self.panel.offer(performers, [(key, each.name) for key, each in project.props.items()])
+
+    def _repaint(self) -> None:
+        if self.bench.viewport is not None:
+            self.bench.viewport.show_soon()
+
+
+def names_in(words: str) -> tuple[str, ...]:
+    """Bones or trackers, with commas between them."""
+    return tuple(name.strip() for name in words.split(",") if name.strip())
+
+
+def _senders(source: Source, now: float, seconds: float) -> tuple[SenderRow, ...]:
+    feeder = source.feeder
+    if not isinstance(feeder, UdpInput):
+        return ()
+    return tuple(
+        SenderRow(name, each.on, source.rate(name, each.packets, seconds), now - each.heard if each.packets else None)
+        for name, each in list(feeder.senders.items())
+    )
+
+
+def show_live(bench: Workbench) -> None:
+    """Open the panel."""
+    bench.window.show_dock("Live")
+
+
+def toggle_head_tracking(bench: Workbench) -> None:
+    """Look at the stage from where the tracked head is, or from the camera alone again."""
+    bench.window.live_control.track_camera(not is_head_tracked(bench))
+
+
+def is_head_tracked(bench: Workbench) -> bool:
+    """Whether the camera goes with a head."""
+    control: LiveControl | None = getattr(bench.window, "live_control", None)  # actions are made before panels
+    return control is not None and control.head_from is not None
+
+
+def toggle_streaming(bench: Workbench) -> None:
+    """Stream what is shown to where the panel says, or stop."""
+    bench.window.live_control.panel.stream.toggle()
+
+
+def is_streaming(bench: Workbench) -> bool:
+    """Whether bodies go out."""
+    control: LiveControl | None = getattr(bench.window, "live_control", None)  # actions are made before panels
+    return control is not None and control.broadcast is not None

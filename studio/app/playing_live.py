@@ -1,0 +1,158 @@
+"""Play live: keys while the stage plays, clips that are clicked, and takes that become edits."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from PySide6.QtCore import QEvent, QObject, Qt
+from PySide6.QtGui import QKeyEvent, QKeySequence
+from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEdit, QPlainTextEdit, QTextEdit
+
+from studio.app.workbench import Workbench
+from studio.core.project import Performer, Project, new_id
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import KeyCondition
+from studio.live.take import Take, edits_of
+
+TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
+KEYS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
+
+
+class LivePlaying(QObject):
+    """Joins the stage that plays live with the window: it hears keys and clicks while it runs, and keeps takes."""
+
+    def __init__(self, bench: Workbench, parent: QObject) -> None:
+        super().__init__(parent)
+        self._bench, self._play = bench, bench.live.play
+        self._clips = bench.document.selection.of("clips")
+        self._play.running_changed.connect(self._listen)
+        self._play.recorded.connect(partial(put_take, bench))
+        bench.document.selection.changed.connect(self._start_chosen)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """While the stage plays live its keys come before all shortcuts, but not before a field that is typed in."""
+        if (
+            event.type() not in KEYS
+            or not isinstance(event, QKeyEvent)
+            or isinstance(QApplication.focusWidget(), TYPING)
+        ):
+            return False
+        if event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
+            return False
+        means = self._meaning(event)
+        if means is None:
+            return False
+        event.accept()
+        if event.type() == QEvent.Type.KeyPress and not event.isAutoRepeat():
+            means()
+        return True
+
+    def _meaning(self, event: QKeyEvent) -> Callable[[], object] | None:
+        """What a key does now; None where it does what it does always."""
+        dragging = self._bench.viewport is not None and self._bench.viewport.gesture is not None
+        if event.key() == Qt.Key.Key_Escape:
+            return None if dragging else self._play.end
+        if event.key() == Qt.Key.Key_R:
+            return self._play.record
+        name, project = QKeySequence(event.key()).toString(), self._bench.document.project
+        number = event.key() - Qt.Key.Key_1
+        started = [
+            (key, clips[number])
+            for key in self._chosen()
+            if 0 <= number < len(clips := clips_of(project, key)) and number < 9
+        ]
+        if not started and name not in keys_of(project):
+            return None
+
+        def run() -> None:
+            self._play.press(name)
+            for key, clip in started:
+                self._play.start(key, clip)
+
+        return run
+
+    def _chosen(self) -> tuple[str, ...]:
+        document = self._bench.document
+        active = document.active_performer_id
+        return tuple(document.selection.of("performers")) or ((active,) if active else ())
+
+    def _listen(self, running: bool) -> None:
+        application = QApplication.instance()
+        if application is not None:
+            (application.installEventFilter if running else application.removeEventFilter)(self)
+
+    def _start_chosen(self) -> None:
+        """A clip that is clicked while the stage plays live begins, for the active performer."""
+        before, self._clips = self._clips, self._bench.document.selection.of("clips")
+        if not self._play.running or self._clips == before or not self._clips:
+            return
+        key = self._bench.document.active_performer_id or ""
+        performer = self._bench.document.project.performers.get(key)
+        for clip in performer.clips if performer else ():
+            if clip.id == self._clips[-1]:
+                self._play.start(key, afresh(clip))
+
+
+def toggle(bench: Workbench) -> None:
+    """Play live, or end it."""
+    if bench.live.play.running:
+        bench.live.play.end()
+        return
+    bench.live.play.begin()
+    active = bench.document.active_performer_id or ""
+    names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
+    offered = ", ".join(f"{number} {name}" for number, name in enumerate(names[:9], 1))
+    bench.said.emit(f"The stage plays live. Press {offered} for the selected body, R to record, Esc to end.")
+
+
+def record(bench: Workbench) -> None:
+    """Record what is played live, or end that."""
+    bench.live.play.record()
+
+
+def put_take(bench: Workbench, take: Take) -> None:
+    """What was recorded becomes the rows of who played it, and the range that plays: one undo step."""
+    document = bench.document
+    project = document.project
+    made = edits_of(take, project, bench.live.motion, iter(new_id, ""))
+    rows = [entity for _, _, entity in made if isinstance(entity, Performer)]
+    with document.group("Record a take"):
+        for collection, key, entity in made:
+            if key in getattr(document.project, collection):
+                document.replace(collection, key, entity, "Record a take")
+            else:
+                document.put_all(collection, {key: entity}, "Record a take")
+    rate = document.playhead.frame_rate
+    document.playhead.set_range(round(take.begin * rate), round(take.end * rate))
+    clips = sum(len(each.clips) for each in rows)
+    bench.said.emit(
+        f"Recorded {take.end - take.begin:.1f} s: {clips} clips of {len(rows)} performers are their rows now."
+        " Undo gives back what was there."
+    )
+
+
+def clips_of(project: Project, performer_id: str) -> list[Clip]:
+    """The clips that a performer is let play by the keys 1 to 9: those of its row, each once."""
+    performer = project.performers.get(performer_id)
+    clips = performer.clips if performer else ()
+    return list({(clip.motion_id, clip.first, clip.last): afresh(clip) for clip in reversed(clips)}.values())[::-1]
+
+
+def afresh(clip: Clip) -> Clip:
+    """A clip of a row as it begins anywhere else."""
+    return replace(clip, joined=True, turn=0.0, offset=(0.0, 0.0))
+
+
+def keys_of(project: Project) -> set[str]:
+    """The keys that behaviours listen to."""
+    conditions = (
+        condition
+        for behaviour in project.behaviours.values()
+        for transition in behaviour.transitions
+        for condition in transition.conditions
+    )
+    return {condition.key for condition in conditions if isinstance(condition, KeyCondition)}
+
+
+def _name(project: Project, clip: Clip) -> str:
+    return project.motions[clip.motion_id].name

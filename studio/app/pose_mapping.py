@@ -1,0 +1,85 @@
+"""The map of the library in the window: made beside it, and what is pointed at or chosen on it shown elsewhere."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studio.app.workbench import Workbench
+from studio.panels.pose_map import PoseGroup, PoseMapView
+
+if TYPE_CHECKING:
+    from studio.app.striking import Striking
+    from studio.library.clusters import PoseMap
+    from studio.library.library import Library, LibraryClip
+
+GROUPS = 24
+HIPS, KNEE = (12, 16), 1
+
+
+class PoseMapping:
+    """Stands between the map, the library and the list of strikes."""
+
+    def __init__(self, striking: "Striking") -> None:
+        self._striking = striking
+        self.view = PoseMapView()
+        self._map: PoseMap | None = None
+        self._library: Library | None = None
+        self.view.opened.connect(striking.search)
+        self.view.looked_at.connect(self.look_at)
+        self.view.chosen.connect(self.choose)
+
+    def show(self, library: "Library") -> None:
+        """Group the poses of a library, and draw them."""
+        if library is self._library:
+            return
+
+        def work(_: Any) -> "tuple[PoseMap, list[PoseGroup]]":
+            from studio.library.clusters import map_of
+
+            made = map_of(library.table, GROUPS)
+            return made, groups_of(made, library)
+
+        def done(made: "tuple[PoseMap, list[PoseGroup]]") -> None:
+            from studio.core.retrieval import ROW_STICKS
+
+            self._library, self._map = library, made[0]
+            self.view.show_groups(made[1], ROW_STICKS)
+
+        self._striking.bench.runner.run("Drawing the map of the library", work, done)
+
+    def look_at(self, group: int) -> None:
+        """Show the clip of a group's most usual pose as a ghost, from there on; none when ``group`` is below 0."""
+        if group < 0 or self._map is None or self._library is None:
+            self._striking.show_ghost(None, 0)
+            return
+        clip, frame = self._library.place_of(int(self._map.representatives[group]))
+        self._striking.show_ghost(clip, frame)
+
+    def choose(self, group: int) -> None:
+        """List the clips that have poses in a group, the one with most of them first."""
+        if self._map is None or self._library is None:
+            return
+        numbers = self._map.clips_of(group, self._library.table)
+        self._striking.bench.window.show_dock("Strikes")
+        self._striking.list_clips([self._library.clips[number] for number in numbers])
+
+
+def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
+    """What the map draws of each group."""
+    from studio.core.retrieval import row_points
+
+    points, places = row_points(library.table.rows[made.representatives]), made.places(library.table.rows)
+    counts = np.bincount(made.clusters, minlength=len(points))
+    groups = []
+    for number, pose in enumerate(points):
+        across = pose[HIPS[0], :2] - pose[HIPS[1], :2]  # from the right to the left hip
+        clips: list[LibraryClip] = [library.clips[each] for each in made.clips_of(number, library.table)]
+        words = f"{counts[number]} poses, {len(clips)} clip{'' if len(clips) == 1 else 's'}"
+        forward = np.array([across[1], -across[0]]) / max(float(np.linalg.norm(across)), 1e-9)
+        groups.append(PoseGroup(pose, forward, places[number], tuple(made.links[number].tolist()), words))
+    return groups
+
+
+def show_map(bench: Workbench) -> None:
+    """Open the map."""
+    bench.window.show_dock("Pose map")

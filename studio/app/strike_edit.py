@@ -1,0 +1,132 @@
+"""A strike that was found becomes clips and a constraint of a performer: one undo step."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.app.importing import ReadMotion, add_motion
+from studio.app.strike_target import StrikeTarget
+from studio.app.workbench import Workbench
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.target import Place
+from studio.core.errors import StudioError
+from studio.core.project import Performer, Project, new_id
+from studio.core.stage.clip import Clip
+from studio.core.stage.placement import Placement
+from studio.core.stage.scope import Scope
+from studio.library.clips import hit_point
+
+# Here and below: what searches loads the solver, which takes longer than a window.
+if TYPE_CHECKING:
+    from studio.core.body.morphology import Morphology
+    from studio.core.normalized.motion import NormalizedMotion
+    from studio.library.searching import Result
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """Who is to play what was found, from when on (stage seconds), and what it is to hit.
+
+    ``frozen`` (3,) is where on the stage the target was when this was asked; None lets the blow follow it.
+    """
+
+    found: "Result"
+    performer_id: str
+    time: float
+    target: StrikeTarget
+    frozen: FloatArray | None
+
+
+def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
+    """Let the performer play it; ``source`` is its capture as read, or the id of one that the project has.
+
+    Raises StudioError where body or target are gone, and nothing has changed.
+    """
+    from studio.library.striking import EASED_IN
+
+    document, found, key = bench.document, wish.found, wish.performer_id
+    project = document.project
+    if key not in project.performers or project.get(wish.target.collection, wish.target.id) is None:
+        raise StudioError("The body or the target is gone meanwhile. Search again.")
+    motions = _motions_of(bench, key)
+    if wish.frozen is not None and not {clip.motion_id for clip in project.performers[key].clips} <= motions.keys():
+        raise StudioError(f"{project.performers[key].name} is still being solved. Try again in a moment.")
+    text = f"Strike {wish.target.name(project)}"
+    with document.group(text):
+        if isinstance(source, ReadMotion):
+            capture_id = add_motion(document, source, text)
+            bench.sources[capture_id] = Path(found.clip.take.path)
+        else:
+            capture_id = source
+        entries = document.project.motions.items()
+        motion_id = next(each for each, motion in entries if motion.capture_id == capture_id)
+        performer = document.project.performers[key]
+        ease = EASED_IN * found.seconds
+        clip = Clip(motion_id, found.start, found.clip.label.last, wish.time, id=new_id(), ease=ease)
+        rates = {each.motion_id: document.project.frame_rate_of(each) for each in performer.clips}
+        clips = (*clips_until(performer, wish.time, rates), clip)
+        document.replace("performers", key, replace(performer, clips=clips), text)
+        body = document.project.characters[performer.character_id].morphology
+        target: Place = wish.target.follow
+        if wish.frozen is not None:
+            space = space_of_last(document.project, key, {**motions, motion_id: found.clip.take.motion}, body)
+            x, y, z = space.to_motion(wish.frozen).tolist()
+            target = (x, y, z)
+        document.add("constraints", aimed(found, clip, target, body), text)
+    document.selection.set(("performers", key), ("clips", clip.id))
+
+
+def _motions_of(bench: Workbench, performer_id: str) -> dict[str, "NormalizedMotion"]:
+    """What a performer plays now, by the ids of its motions."""
+    adapted = bench.live.result(performer_id)
+    clips = bench.document.project.performers[performer_id].clips
+    played = adapted.composite.played if adapted is not None and adapted.composite is not None else ()
+    return {clips[each.piece.origin[0]].motion_id: each.piece.motion for each in played}
+
+
+def space_of_last(
+    project: Project, performer_id: str, motions: Mapping[str, "NormalizedMotion"], body: "Morphology"
+) -> Placement:
+    """Where on the stage the motion of a performer's last clip stands, once it is joined to what plays before."""
+    from studio.core.solver.performers.rows import composite_of
+
+    last = composite_of(project, performer_id, motions.__getitem__).played[-1].placement
+    x, y = last.offset
+    inner = Placement((body.leg_length * x, body.leg_length * y), last.turn)
+    return Placement.of(project.performers[performer_id]).around(inner)
+
+
+def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]) -> tuple[Clip, ...]:
+    """What a performer plays before ``time`` (seconds): clips that go on are cut there."""
+    kept = []
+    for clip in performer.clips:
+        if clip.start >= time:
+            continue
+        rate = frame_rates[clip.motion_id] * clip.speed
+        once = (clip.last - clip.first) / rate
+        whole = int((time - clip.start) / once) if once > 0.0 else clip.repeats
+        if whole >= clip.repeats or clip.repeats > 1:
+            kept.append(replace(clip, repeats=max(min(whole, clip.repeats), 1)))
+        else:
+            kept.append(replace(clip, last=clip.first + int((time - clip.start) * rate)))
+    return tuple(kept)
+
+
+def aimed(found: "Result", clip: Clip, target: Place, body: "Morphology") -> PositionConstraint:
+    """What drives a clip to a target: nothing at its start, all of it at the hit, in seconds of its motion."""
+    from studio.library.striking import CHAIN, HOLD
+
+    label, rate = found.clip.label, found.clip.take.motion.frame_rate
+    hit = found.hit / rate
+    end = max(min(hit + found.seconds, label.last / rate), hit + 2 * HOLD)
+    curve = ActivationCurve(found.start / rate, hit - HOLD, hit + HOLD, end)
+    point = hit_point(label.limb, label.segment, body)
+    name = f"{label.limb.words.capitalize()} {label.kind}"
+    return PositionConstraint(clip.motion_id, name, point, CHAIN, 0, curve, target=target, scope=Scope(clip_id=clip.id))

@@ -1,0 +1,57 @@
+"""What a strike is aimed at: a prop, or the face of another performer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
+from studio.core.project import Project
+from studio.engine.performance import Results, posed_performers
+from studio.engine.props import prop_at
+
+FloatArray = NDArray[np.float64]
+
+FACE = BodyPoint(BodyPart.HEAD, (0.1, 0.0, 0.05))
+
+
+@dataclass(frozen=True)
+class StrikeTarget:
+    """An entity of the project: of ``props`` or ``performers``."""
+
+    collection: str
+    id: str
+
+    def name(self, project: Project) -> str:
+        """What it is called."""
+        return str(project.get(self.collection, self.id).name)
+
+    @property
+    def follow(self) -> Follow:
+        """The target of a constraint that goes with it."""
+        return FollowProp(self.id) if self.collection == "props" else FollowPerformer(self.id, FACE)
+
+    def place(self, project: Project, result_of: Results, time: float) -> FloatArray | None:
+        """(3,) where it is on the stage then; None while it is not seen."""
+        posed = posed_performers(project, result_of, time)
+        if project.get(self.collection, self.id) is None:
+            return None
+        if self.collection == "props":
+            return prop_at(project, posed, self.id, time).place
+        if self.id not in posed:
+            return None
+        from studio.core.solver.asking.packing import point_indices  # not before it is needed: it loads kernels
+
+        pose = posed[self.id]
+        origin, segment = point_indices(FACE, pose.motion.morphology.layout)
+        turned = pose.motion.rotations[pose.row, segment] @ np.array(FACE.offset)
+        return pose.placement.to_stage(pose.motion.positions[pose.row, origin] + turned)
+
+
+def targets_of(project: Project) -> list[tuple[StrikeTarget, str]]:
+    """All that can be hit, with what each is called: props, then the faces of performers."""
+    props = [(StrikeTarget("props", key), prop.name) for key, prop in project.props.items()]
+    performers = {key: one for key, one in project.performers.items() if one.visible}
+    return props + [(StrikeTarget("performers", key), f"{one.name}, face") for key, one in performers.items()]

@@ -1,0 +1,160 @@
+"""Behaviours of the active body: the panel, and those that are ready made."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from studio.app.workbench import Workbench
+from studio.core.captures.reaching import farthest_frame
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.errors import StudioError
+from studio.core.project import Project, new_id
+from studio.core.stage import ready_made
+from studio.core.stage.behaviour import Behaviour
+from studio.core.stage.clip import Clip
+from studio.core.stage.manners import WHOLE
+from studio.document.behaviours import add_behaviour, edit_behaviour, let_play, state_key
+
+KEY = "X"
+EASE, HOLD = 0.15, 0.05
+"""Seconds in which a warding arm comes and goes, and to each side of a hit in which it meets the fist."""
+STRIKES = ("kick", "punch", "strike", "jab", "hook", "blow")
+WARDS = ("ward", "block", "parry", "guard")
+
+Ready = Callable[[Behaviour], Behaviour]
+
+
+def show(bench: Workbench) -> None:
+    """The diagram of how the active body behaves."""
+    bench.window.show_dock("Behaviour")
+
+
+def keep_distance(bench: Workbench) -> None:
+    """Keep at striking distance of the partner."""
+    _make(bench, "Keep at striking distance", ready_made.keeping_distance)
+
+
+def ward_off(bench: Workbench) -> None:
+    """Ward off when attacked, with a motion of the project."""
+    _with_motion(
+        bench, "Ward off with", WARDS,
+        lambda clip: _make(
+            bench, "Ward off when attacked", lambda old: ready_made.warding_off(old, clip, _when_hit(bench, clip))
+        ),
+    )  # fmt: skip
+
+
+def lean_away(bench: Workbench) -> None:
+    """Lean away from the partner's fist."""
+    _make(bench, "Lean away from the fist", ready_made.leaning_away)
+
+
+def strike(bench: Workbench) -> None:
+    """Strike when a key is pressed, with a motion of the project."""
+    _with_motion(
+        bench, "Strike with", STRIKES,
+        lambda clip: _make(bench, "Strike on a key", lambda old: ready_made.striking(old, clip, KEY)),
+    )  # fmt: skip
+
+
+READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
+    "keep_distance": (
+        "Keep at striking distance", "The body steps towards its partner and back, and faces it", keep_distance,
+    ),
+    "ward_off": (
+        "Ward off when attacked", "The forearm meets the fist of a partner that strikes", ward_off,
+    ),
+    "lean_away": (
+        "Lean away from the fist", "The trunk leans back while the partner's fist is near the head", lean_away,
+    ),
+    "strike_on_key": (
+        "Strike on a key", f"While the stage runs, {KEY} strikes, and tells the partner", strike,
+    ),
+}  # fmt: skip
+"""By their id: text, tooltip, and what makes it."""
+
+
+def _pair(bench: Workbench) -> tuple[str, str]:
+    """The active body and its partner: who that is already, else the visible body that stands nearest."""
+    project, performer_id = bench.document.project, bench.document.active_performer_id
+    if performer_id is None:
+        raise StudioError("Select a body first: a behaviour is about one.")
+    behaviour = project.behaviours.get(project.behaviour_of(performer_id) or "")
+    role = behaviour.role_of(performer_id) if behaviour else None
+    if role is not None and role.partner_id:
+        return performer_id, role.partner_id
+    x, y = project.performers[performer_id].position
+    away = {
+        key: (each.position[0] - x) ** 2 + (each.position[1] - y) ** 2
+        for key, each in project.performers.items()
+        if key != performer_id and each.visible
+    }
+    return performer_id, min(away, key=lambda key: away[key], default="")
+
+
+def _make(bench: Workbench, text: str, ready: Ready) -> None:
+    """Add to the active body's behaviour, or begin one with the clip that it plays first; one undo step."""
+    document = bench.document
+    performer_id, partner_id = _pair(bench)
+    behaviour_id = document.project.behaviour_of(performer_id)
+    with document.group(text):
+        if behaviour_id is None:
+            clips = document.project.performers[performer_id].clips
+            if not clips:
+                name = document.project.performers[performer_id].name
+                raise StudioError(f"{name} plays nothing yet. Give it a clip first: that is how it stands on guard.")
+            begun = ready_made.on_guard(replace(clips[0], start=0.0))
+            behaviour_id = add_behaviour(document, performer_id, begun, partner_id)
+        elif partner_id:
+            let_play(document, performer_id, behaviour_id, partner_id)
+        before = {each.name for each in document.project.behaviours[behaviour_id].states}
+        edit_behaviour(document, behaviour_id, ready, text)
+    behaviour = document.project.behaviours[behaviour_id]
+    made = next((each.name for each in behaviour.states if each.name not in before), behaviour.start)
+    show(bench)
+    document.selection.set(("performers", performer_id), ("states", state_key(behaviour_id, made)))
+    bench.window.behaviour.diagram.fit()
+
+
+def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Callable[[Clip], None]) -> None:
+    """Use the one motion of the project that is called so, or let the user choose."""
+    project = bench.document.project
+    _pair(bench)
+    usable = {
+        key: motion
+        for key, motion in project.motions.items()
+        if project.captures[motion.capture_id].body_map is not None
+    }
+    if not usable:
+        raise StudioError("There is no motion yet. Drop a capture on the window first.")
+    fitting = [key for key, motion in usable.items() if any(word in motion.name.lower() for word in names)]
+    if len(fitting) == 1:
+        make(_whole(project, fitting[0]))
+        return
+    ordered = sorted(usable, key=lambda key: key not in fitting)
+    bench.window.choose(
+        title, [((usable[key].name, ""), lambda key=key: make(_whole(project, key))) for key in ordered]
+    )
+
+
+def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
+    """When, in seconds of the motion of a clip that begins as the partner strikes, the blow hits; else all the time."""
+    project = bench.document.project
+    _, partner_id = _pair(bench)
+    behaviour = project.behaviours.get(project.behaviour_of(partner_id) or "")
+    blows = [each.clip for each in behaviour.states if each.event == ready_made.ATTACK] if behaviour else []
+    if not blows or blows[0] is None:
+        return WHOLE
+    blow = blows[0]
+    capture = project.captures[project.motions[blow.motion_id].capture_id]
+    frames = farthest_frame(capture, blow.first, blow.last) - blow.first
+    hit = clip.first / project.frame_rate_of(clip) + frames * clip.speed / (capture.frame_rate * blow.speed)
+    return ActivationCurve(hit - HOLD - EASE, hit - HOLD, hit + HOLD, hit + HOLD + EASE)
+
+
+def _whole(project: Project, motion_id: str) -> Clip:
+    """A motion as it is used already in a row, or all of it."""
+    for clip in project.clips.values():
+        if clip.motion_id == motion_id:
+            return replace(clip, start=0.0, repeats=1, id=new_id())
+    capture = project.captures[project.motions[motion_id].capture_id]
+    return Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=new_id())

@@ -1,0 +1,1 @@
+"""Bodies: joints, measures, characters, and how a strange skeleton is found to be one."""

@@ -1,0 +1,152 @@
+"""Finding the human body in a skeleton: names propose joints, then topology, bones and symmetry decide."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart
+from studio.core.body.skeleton import Skeleton
+
+FloatArray = NDArray[np.float64]
+Candidates = Mapping[BodyPart, Sequence[int]]
+
+MOST_VARIATION, LOOSE_VARIATION = 0.03, 0.2
+"""Standard deviation of a bone's length over its mean from which it is no bone; that of suits whose joints drift."""
+_MOST_ASYMMETRY = 0.25
+"""Logarithm of the ratio of left to right from which two bones are no pair."""
+_SHORTEST_BONE = 0.25
+"""Of a limb's longer bone: the shorter one has at least this share."""
+
+
+@dataclass(frozen=True)
+class _Limb:
+    joints: tuple[int, ...]
+    lengths: FloatArray
+    """(2,) of the two bones."""
+    cost: float
+
+
+@dataclass(frozen=True)
+class Match:
+    """The body found, or why there is none."""
+
+    body_map: BodyMap | None
+    missing: tuple[str, ...]
+    """What was looked for in vain: ``left arm``, ``spine``."""
+    parts: int
+    """How many parts were found."""
+
+
+class BodySearch:
+    """A skeleton with some of its world positions (F, J, 3) in any unit."""
+
+    def __init__(self, skeleton: Skeleton, positions: FloatArray, most_variation: float = MOST_VARIATION) -> None:
+        self.skeleton = skeleton
+        self.positions = positions
+        self.most_variation = most_variation
+
+    def match(self, candidates: Candidates) -> Match:
+        """The body whose joints are taken from ``candidates``, the likeliest first in each list."""
+        arms = self._pair(candidates, "left arm", "right arm")
+        legs = self._pair(candidates, "left leg", "right leg")
+        missing = [limb for limb in LIMBS if not (arms if "arm" in limb else legs)]
+        if not (arms and legs):
+            return Match(None, tuple(missing), 0)
+        parts = dict(zip(LIMBS["left arm"] + LIMBS["right arm"], arms, strict=True))
+        parts |= dict(zip(LIMBS["left leg"] + LIMBS["right leg"], legs, strict=True))
+        return self._whole(candidates, parts)
+
+    def around(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> Match:
+        """The body with these limbs, which somebody knows; however long their bones are, they need only hang together.
+
+        Trunk, head and toes are taken from ``candidates``.
+        """
+        broken = [
+            limb
+            for limb, parts in LIMBS.items()
+            if any(len(self.skeleton.path(limbs[a], limbs[b])) < 2 for a, b in pairwise(parts))
+        ]
+        return Match(None, tuple(broken), 0) if broken else self._whole(candidates, dict(limbs))
+
+    def _whole(self, candidates: Candidates, parts: dict[BodyPart, int]) -> Match:
+        """Limbs, ``parts``, with the rest of their body."""
+        spine = self._trunk(candidates, parts)
+        if len(spine) < 2:
+            return Match(None, ("spine",), 0)
+        self._toes(candidates, parts)
+        return Match(BodyMap(parts, spine), (), len(parts))
+
+    def _pair(self, candidates: Candidates, left: str, right: str) -> tuple[int, ...]:
+        """The joints of both limbs that resemble each other most; empty when none do."""
+        best: tuple[float, tuple[int, ...]] = (np.inf, ())
+        for one, other in product(self._limbs(candidates, left), self._limbs(candidates, right)):
+            asymmetry = float(np.abs(np.log(one.lengths / other.lengths)).max())
+            cost = one.cost + other.cost + asymmetry
+            if asymmetry < _MOST_ASYMMETRY and cost < best[0] and not set(one.joints) & set(other.joints):
+                best = (cost, one.joints + other.joints)
+        return best[1]
+
+    def _limbs(self, candidates: Candidates, limb: str) -> Iterator[_Limb]:
+        for joints in product(*(candidates.get(part, ())[:6] for part in LIMBS[limb])):
+            ways = [self.skeleton.path(a, b) for a, b in pairwise(joints)]
+            if any(len(way) < 2 for way in ways):
+                continue
+            bones = [self._bone(a, b) for a, b in pairwise(joints)]
+            lengths = np.array([length for length, _ in bones])
+            variation = max(share for _, share in bones)
+            if lengths.min() > _SHORTEST_BONE * lengths.max() and variation < self.most_variation:
+                detours = sum(len(way) - 2 for way in ways)
+                yield _Limb(joints, lengths, 5.0 * variation + 0.05 * detours)
+
+    def _bone(self, start: int, end: int) -> tuple[float, float]:
+        """Mean length, and its standard deviation as a share of it."""
+        lengths = np.linalg.norm(self.positions[:, end] - self.positions[:, start], axis=1)
+        mean = float(lengths.mean())
+        return mean, float(lengths.std() / mean) if mean > 0.0 else np.inf
+
+    def _trunk(self, candidates: Candidates, parts: dict[BodyPart, int]) -> tuple[int, ...]:
+        """The spine; adds pelvis, neck, head and clavicles to ``parts``."""
+        arms = parts[BodyPart.LEFT_UPPER_ARM], parts[BodyPart.RIGHT_UPPER_ARM]
+        chest = self.skeleton.common_ancestor(*arms)
+        heads = self._heads(candidates, arms)
+        if heads and not self.skeleton.path(chest, heads[0]):
+            chest = self.skeleton.common_ancestor(chest, heads[0])
+        pelvis = self.skeleton.common_ancestor(parts[BodyPart.LEFT_THIGH], parts[BodyPart.RIGHT_THIGH], chest)
+        named = [joint for joint in candidates.get(BodyPart.PELVIS, ())[:1] if self.skeleton.path(joint, pelvis)]
+        parts[BodyPart.PELVIS] = pelvis if not named or pelvis != chest else named[0]
+        clavicles = BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE
+        for arm, clavicle in zip(arms, clavicles, strict=True):
+            way = self.skeleton.path(chest, arm)
+            if len(way) > 2:
+                parts[clavicle] = way[1]
+        if heads:
+            parts[BodyPart.HEAD] = heads[0]
+            way = self.skeleton.path(chest, heads[0])
+            if len(way) > 2:
+                parts[BodyPart.NECK] = way[1]
+        return self.skeleton.path(parts[BodyPart.PELVIS], chest)
+
+    def _heads(self, candidates: Candidates, arms: tuple[int, int]) -> list[int]:
+        """The deepest joint called head that is no part of an arm."""
+        below_arms = {*arms, *self.skeleton.descendants(arms[0]), *self.skeleton.descendants(arms[1])}
+        heads = [joint for joint in candidates.get(BodyPart.HEAD, ()) if joint not in below_arms]
+        return sorted(heads, key=lambda joint: -self.skeleton.depths[joint])[:1]
+
+    def _toes(self, candidates: Candidates, parts: dict[BodyPart, int]) -> None:
+        for foot, toe in (
+            (BodyPart.LEFT_FOOT, BodyPart.LEFT_TOE),
+            (BodyPart.RIGHT_FOOT, BodyPart.RIGHT_TOE),
+        ):
+            for joint in candidates.get(toe, ()):
+                if len(self.skeleton.path(parts[foot], joint)) > 1 and self._is_toe(parts[foot], joint):
+                    parts[toe] = joint
+                    break
+
+    def _is_toe(self, foot: int, toe: int) -> bool:
+        """A toe is a bone away from the ankle; a joint in the heel that carries the whole foot is none."""
+        length, variation = self._bone(foot, toe)
+        ends = [self._bone(toe, end)[0] for end in self.skeleton.descendants(toe)]
+        return variation < self.most_variation and length > 0.5 * max(ends, default=0.0)

@@ -1,0 +1,113 @@
+"""Finding the human body in a skeleton without names: by the shape of a standing figure alone."""
+
+from itertools import combinations, pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.skeleton import Skeleton
+
+FloatArray = NDArray[np.float64]
+
+_ALIKE = 0.2
+"""Difference of two bones, as a share of the longer, up to which they may be a pair."""
+_MOST_LEAVES = 120
+_Pair = tuple[list[int], list[int]]
+
+
+def body_by_shape(skeleton: Skeleton, points: FloatArray) -> BodyMap | None:
+    """The body whose joints stand at ``points`` (J, 3), Z up: legs reach lowest, arms widest, the head highest.
+
+    Left is where it lies for one who looks the way the toes point, or along +X where there are none. None when
+    this is no human shape.
+    """
+    pairs = _mirrored_chains(skeleton, points)
+    if len(pairs) < 2:
+        return None
+    legs = min(pairs, key=lambda pair: sum(points[chain[-1], 2] for chain in pair))
+    used = {*legs[0], *legs[1]}
+    others = [pair for pair in pairs if not used & {*pair[0], *pair[1]} and _above(points, pair, legs)]
+    if not others:
+        return None
+    arms = max(others, key=lambda pair: float(np.linalg.norm(points[pair[0][-1]] - points[pair[1][-1]])))
+    parts: dict[BodyPart, int] = {}
+    if not _upright(points, arms, legs):
+        return None
+    legs, arms = (_sorted_by_side(points, pair, _forward(points, legs)) for pair in (legs, arms))
+    for side, leg, arm in zip(("LEFT", "RIGHT"), legs, arms, strict=True):
+        hip, shoulder = _longest(points, leg), _longest(points, arm)
+        parts |= _limb(side, ("THIGH", "SHANK", "FOOT", "TOE"), leg[hip:])
+        parts |= _limb(side, ("UPPER_ARM", "FOREARM", "HAND"), arm[shoulder:])
+        if shoulder:
+            parts[BodyPart[f"{side}_CLAVICLE"]] = arm[0]
+    return _with_trunk(skeleton, points, parts)
+
+
+def _mirrored_chains(skeleton: Skeleton, points: FloatArray) -> list[_Pair]:
+    """Pairs of chains of three joints at least, alike bone by bone, from their common ancestor outwards."""
+    leaves = [joint for joint in range(skeleton.joint_count) if not skeleton.children[joint]]
+    pairs = []
+    for one, other in combinations(leaves[:_MOST_LEAVES], 2):
+        root = skeleton.common_ancestor(one, other)
+        chains = list(skeleton.path(root, one))[1:], list(skeleton.path(root, other))[1:]
+        if len(chains[0]) != len(chains[1]) or len(chains[0]) < 3:
+            continue
+        lengths = [[float(np.linalg.norm(points[b] - points[a])) for a, b in pairwise([root, *c])] for c in chains]
+        if all(abs(a - b) <= _ALIKE * max(a, b) + 1e-9 for a, b in zip(*lengths, strict=True)):
+            pairs.append(chains)
+    return pairs
+
+
+def _above(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
+    return bool(min(points[chain[0], 2] for chain in arms) > max(points[chain[0], 2] for chain in legs))
+
+
+def _upright(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
+    """Whether shoulders stand over hips and not, as an animal's, before them."""
+    trunk = sum(points[chain[0]] for chain in arms) - sum(points[chain[0]] for chain in legs)
+    return bool(trunk[2] > np.linalg.norm(trunk[:2]))
+
+
+def _forward(points: FloatArray, legs: _Pair) -> FloatArray:
+    toes = sum((points[chain[-1]] - points[chain[_longest(points, chain) + 2]] for chain in legs), np.zeros(3))
+    toes[2] = 0.0
+    return toes if np.linalg.norm(toes) > 1e-6 else np.array([1.0, 0.0, 0.0])
+
+
+def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray) -> _Pair:
+    """Left first."""
+    left = np.array([-forward[1], forward[0], 0.0])
+    one, other = pair
+    return (one, other) if (points[one[-1]] - points[other[-1]]) @ left > 0 else (other, one)
+
+
+def _longest(points: FloatArray, chain: list[int]) -> int:
+    """Where in a chain its two longest bones in a row begin."""
+    bones = [float(np.linalg.norm(points[b] - points[a])) for a, b in pairwise(chain)]
+    return int(np.argmax([a + b for a, b in pairwise(bones)]))
+
+
+def _limb(side: str, names: tuple[str, ...], chain: list[int]) -> dict[BodyPart, int]:
+    return {BodyPart[f"{side}_{name}"]: joint for name, joint in zip(names, chain, strict=False)}
+
+
+def _with_trunk(skeleton: Skeleton, points: FloatArray, parts: dict[BodyPart, int]) -> BodyMap | None:
+    chest = skeleton.common_ancestor(parts[BodyPart.LEFT_UPPER_ARM], parts[BodyPart.RIGHT_UPPER_ARM])
+    pelvis = skeleton.common_ancestor(parts[BodyPart.LEFT_THIGH], parts[BodyPart.RIGHT_THIGH], chest)
+    spine = skeleton.path(pelvis, chest)
+    if len(spine) < 2:
+        return None
+    limbs = {*parts.values()}
+    for limb in list(limbs):
+        limbs |= set(skeleton.descendants(limb))
+    heads = [joint for joint in skeleton.descendants(chest) if joint not in limbs and not skeleton.children[joint]]
+    if heads:
+        crown = max(heads, key=lambda joint: points[joint, 2])
+        way = skeleton.path(chest, crown)[1:]
+        parts[BodyPart.HEAD] = way[min(1, len(way) - 1)]
+        if len(way) > 1:
+            parts[BodyPart.NECK] = way[0]
+    parts[BodyPart.PELVIS] = pelvis
+    return BodyMap(parts, spine)

@@ -1,0 +1,130 @@
+"""Joints of a capture that play no part of the body (fingers, eyes, twist bones, props), carried along by a character.
+
+What hangs from the capture's joint of a segment stands in that joint's axes R A^T, A its alignment. The character's
+joint of the same segment has the axes R T^T, T its T-pose. With C = T A^T a captured rotation L thus becomes C L C^T,
+the same turn about the same line of the body, and a translation t becomes s C t, s the ratio of lengths.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.character_skeleton import joint_segments, t_pose_rotations
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import joint_world
+from studio.core.body.morphology import Morphology
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.normalized.actor import Actor
+from studio.core.normalized.realize import trunk_places
+from studio.core.rotations import from_matrix, inverse, multiply, to_matrix
+from studio.core.solver.request import AdaptedMotion
+
+FloatArray = NDArray[np.float64]
+
+
+def carried_joints(skeleton: Skeleton, body: BodyMap) -> tuple[int, ...]:
+    """The joints of a capture that a character carries along, parents first: all that play no part of the body, but
+    for what the body itself hangs from and the ends of its own bones.
+    """
+    played = {*body.parts.values(), *body.spine, *skeleton.path(0, body.spine[0])}
+    carried: list[int] = []
+    for joint, parent in enumerate(skeleton.parents.tolist()):
+        if joint not in played and (not skeleton.end_sites[joint] or parent in carried):
+            carried.append(joint)
+    return tuple(carried)
+
+
+def with_carried_joints(
+    skeleton: Skeleton, poses: PoseSequence, adapted: AdaptedMotion, actor: Actor, carried: Sequence[int]
+) -> tuple[Skeleton, PoseSequence]:
+    """``character_skeleton`` and ``character_poses`` of ``adapted``, behind whose joints the ``carried_joints`` of the
+    capture are put.
+
+    Each hangs from the joint of the segment that carried it, turned as captured, as far away as the segment is longer
+    or shorter. What hung from nothing of the body stays where it was recorded.
+    """
+    source = actor.skeleton
+    frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
+    captured = PoseSequence(actor.pass_through.local_rotations[frames], actor.pass_through.local_translations[frames])
+    carriers, turns, scales = _carriers(adapted.morphology, actor)
+    names, parents = list(skeleton.names), skeleton.parents.tolist()
+    offsets, rotations, translations = [], [], []
+    place: dict[int, int] = {}
+    for joint in carried:
+        parent = int(source.parents[joint])
+        segment = _segment_above(actor, joint)
+        place[joint] = len(names)
+        names.append(_free(source.names[joint], names))
+        parents.append(place.get(parent, carriers[segment] if segment >= 0 else 0))
+        if segment < 0 and parent not in place:
+            turned, moved = _as_seen_from_the_root(actor, captured, joint, poses)
+            offsets.append(moved[0])
+        else:
+            turn, scale = (turns[segment], scales[segment]) if segment >= 0 else (np.eye(3), 1.0)
+            turned = captured.local_rotations[:, joint].copy()
+            turned[:, :3] = turned[:, :3] @ turn.T
+            moved = scale * captured.local_translations[:, joint] @ turn.T
+            offsets.append(scale * turn @ source.offsets[joint])
+        rotations.append(turned)
+        translations.append(moved)
+    whole = Skeleton(
+        tuple(names),
+        np.array(parents),
+        np.concatenate([skeleton.offsets, offsets]),
+        np.concatenate([skeleton.end_sites, source.end_sites[list(carried)]]),
+    )
+    return whole, PoseSequence(
+        np.concatenate([poses.local_rotations, np.stack(rotations, axis=1)], axis=1),
+        np.concatenate([poses.local_translations, np.stack(translations, axis=1)], axis=1),
+    )
+
+
+def _carriers(body: Morphology, actor: Actor) -> tuple[list[int], FloatArray, FloatArray]:
+    """For each segment of the actor: the character's joint that carries in its place, C (S, 3, 3), and s (S,)."""
+    theirs = body.layout
+    away = np.abs(trunk_places(actor.morphology.spine)[:, None] - trunk_places(body.spine))
+    after = range(theirs.spine_count, theirs.segment_count)
+    segments = [*np.argmin(away, axis=1).tolist(), *after]
+    joint_of = {segment: joint for joint, segment in enumerate(joint_segments(theirs)) if segment >= 0}
+    turns = t_pose_rotations(body)[segments] @ np.swapaxes(actor.alignments, 1, 2)
+    scales = _lengths(body)[segments] / _lengths(actor.morphology)
+    return [joint_of[segment] for segment in segments], turns, scales
+
+
+def _lengths(body: Morphology) -> FloatArray:
+    """(S,) the length by which what each segment carries is scaled.
+
+    Hands, feet and heads end where each capture likes (at the wrist, the knuckles, the finger tips): theirs is that of
+    the limb, and that of the trunk.
+    """
+    trunk = body.spine_length + body.neck
+    arms = [[trunk, upper, lower, upper + lower] for upper, lower in body.arm.tolist()]
+    legs = [[upper, lower, upper + lower, upper + lower] for upper, lower in body.leg.tolist()]
+    return np.concatenate([np.full(body.layout.spine_count + 2, trunk), *arms, *legs])
+
+
+def _segment_above(actor: Actor, joint: int) -> int:
+    """The segment of the nearest joint above that has one, -1 where there is none."""
+    segments = actor.segment_joints.tolist()
+    while joint >= 0 and joint not in segments:
+        joint = int(actor.skeleton.parents[joint])
+    return segments.index(joint) if joint >= 0 else -1
+
+
+def _as_seen_from_the_root(
+    actor: Actor, captured: PoseSequence, joint: int, poses: PoseSequence
+) -> tuple[FloatArray, FloatArray]:
+    """Rotations (F, 4) and translations (F, 3) below the character's root that leave a joint where it was recorded."""
+    positions, rotations = joint_world(actor.skeleton, captured)
+    root = poses.local_rotations[:, 0]
+    away = positions[:, joint] - actor.origin - poses.local_translations[:, 0]
+    turned = multiply(inverse(root), from_matrix(rotations[:, joint]))
+    return turned, np.einsum("fji,fj->fi", to_matrix(root), away)
+
+
+def _free(name: str, taken: list[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name

@@ -1,0 +1,64 @@
+"""A character: a build, the proportions put upon it, a colour and a skin."""
+
+import re
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from studio.core.body.growth import KeyedProportions, grown
+from studio.core.body.morphology import AnyMorphology, Morphology, Proportions
+from studio.core.mesh.skin import Blending, SkinnedMesh, fit_skin, gripping
+from studio.core.mesh.volume import BodyVolume, fitted_volume
+
+
+@dataclass(frozen=True)
+class Character:
+    """A body that can perform. ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``.
+
+    Raises ValueError when the skin does not fit the build, or the colour is none.
+    """
+
+    name: str
+    colour: str
+    build: Morphology
+    skin: SkinnedMesh
+    proportions: Proportions | KeyedProportions = field(default_factory=Proportions)
+    """What the build is multiplied by, always or over time."""
+    blending: Blending = Blending.LINEAR
+    grip: float = 0.0
+    """Hands from open (-1) over at ease (0) to fists (1)."""
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"#[0-9A-Fa-f]{6}", self.colour):
+            raise ValueError(f"colour: #RRGGBB expected, not '{self.colour[:40]}'.")
+        if not -1.0 <= self.grip <= 1.0:
+            raise ValueError(f"grip: a number from -1 to 1 expected, not {self.grip}.")
+        if not self.skin.fits(self.build.layout.segment_count):
+            raise ValueError("skin: it is bound to segments that the build has not.")
+
+    @cached_property
+    def morphology(self) -> Morphology:
+        """The measures in force: the build with its proportions, of one that grows those of its first key."""
+        keyed = self.proportions
+        first = keyed.values[0] if isinstance(keyed, KeyedProportions) else keyed
+        return first.applied_to(self.build)
+
+    def body_over(self, begin: float, frame_rate: float, count: int) -> AnyMorphology:
+        """The measures in ``count`` frames of which the first is at ``begin`` seconds of the stage."""
+        if isinstance(self.proportions, KeyedProportions):
+            return grown(self.build, self.proportions, begin, frame_rate, count)
+        return self.morphology
+
+    def proportions_at(self, time: float) -> Proportions:
+        """What the build is multiplied by at a time of the stage."""
+        keyed = self.proportions
+        return keyed.proportions_at(time) if isinstance(keyed, KeyedProportions) else keyed
+
+    @property
+    def shown_skin(self) -> SkinnedMesh:
+        """The skin with its hands as ``grip`` says."""
+        return gripping(self.skin, self.grip)
+
+    @cached_property
+    def volume(self) -> BodyVolume:
+        """The room that the skin takes up on these measures."""
+        return fitted_volume(fit_skin(self.skin, self.build, self.morphology), self.morphology)

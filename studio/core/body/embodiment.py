@@ -1,0 +1,128 @@
+"""From a standing skeleton and a mesh round it to a character: measures, stance, weights on canonical segments."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.kinematics import rest_poses
+from studio.core.body.morphology import Morphology
+from studio.core.body.skeleton import Skeleton
+from studio.core.body.standing import standing_points
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactPoint
+from studio.core.mesh.appearance import Appearance
+from studio.core.mesh.skin import INFLUENCES, SkinnedMesh
+from studio.core.normalized.alignment import find_alignments
+from studio.core.normalized.landmarks import find_landmarks
+from studio.core.normalized.measure import measure_actor
+from studio.core.rotations import IDENTITY
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_LEAST_WEIGHT = 0.004
+_SHORTEST_HAND = 0.02
+
+
+def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatArray]:
+    """The measures of a body that stands on z = 0 with all its joints at ``skeleton``'s zero pose, facing +X.
+
+    Also its stance: the rotations (S, 3, 3) of the canonical segments as it stands.
+    """
+    still = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    poses = rest_poses(skeleton, still)
+    standing = Capture("body", "", skeleton, poses, 1.0, body_map, still, 0.0, "m", "Z", 0, (), ())
+    marks = find_landmarks(standing, body_map)
+    stance = marks.aligned(find_alignments(marks))[0]
+    contacts = {point: [(0, 0)] for point in ContactPoint}
+    return measure_actor(marks, stance, stance[None], contacts, 0, 0.0), stance
+
+
+def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
+    """(J,) the canonical segment that each joint moves: its own, or that of the nearest joint above with one."""
+    layout = BodyLayout(len(body_map.spine))
+    own = {joint: place for place, joint in enumerate(body_map.spine)}
+    own |= {joint: layout.segment(part) for part, joint in body_map.parts.items() if joint not in own}
+    segments = np.zeros(skeleton.joint_count, dtype=np.int64)
+    for joint, parent in enumerate(skeleton.parents.tolist()):
+        segments[joint] = own.get(joint, segments[parent] if parent >= 0 else 0)
+    return segments
+
+
+def segment_weights(joints: IntArray, weights: FloatArray, segments: IntArray, count: int) -> FloatArray:
+    """(V, count) share of each segment in each vertex, out of joints (V, n) and their weights (V, n)."""
+    total = np.zeros((len(joints), count))
+    rows = np.arange(len(joints))
+    for column in range(joints.shape[1]):
+        np.add.at(total, (rows, segments[joints[:, column]]), weights[:, column])
+    return total
+
+
+def strongest(weights: FloatArray) -> tuple[IntArray, FloatArray]:
+    """(V, 4) segments and weights of the strongest influences, heaviest first, summing to 1."""
+    segments = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
+    chosen = np.take_along_axis(weights, segments, axis=1).astype(np.float64)
+    chosen[chosen < _LEAST_WEIGHT * chosen[:, :1]] = 0.0
+    return segments, chosen / chosen.sum(axis=1, keepdims=True)
+
+
+def bound_mesh(
+    body: Morphology,
+    stance: FloatArray,
+    root: FloatArray,
+    vertices: FloatArray,
+    normals: FloatArray,
+    triangles: IntArray,
+    weights: FloatArray,
+    appearance: Appearance | None,
+) -> SkinnedMesh:
+    """A mesh (V, 3) round a body in its stance; ``root`` (3,) is where the body's root stands among the vertices."""
+    shift = standing_points(body, stance)[0] - root
+    segments, chosen = strongest(weights)
+    moved = vertices + shift
+    return SkinnedMesh(
+        moved.astype(np.float32),
+        normals.astype(np.float32),
+        moved.astype(np.float32),
+        triangles.astype(np.int32),
+        segments.astype(np.int32),
+        chosen.astype(np.float32),
+        stance,
+        appearance,
+    )
+
+
+def measured_by_mesh(
+    body: Morphology, stance: FloatArray, points: FloatArray, vertices: FloatArray, weights: FloatArray
+) -> Morphology:
+    """The body with crown, finger tips, toe tips, heels and soles where its mesh (V, 3) has them.
+
+    ``points`` (P, 3) are the canonical points among the vertices; ``weights`` (V, S) say which vertex belongs where.
+    """
+    layout = body.layout
+    head = vertices[weights[:, layout.segment(BodyPart.HEAD)] > 0.5]
+    if len(head):
+        crown = float(head[:, 2].max() - points[layout.head_joint, 2])
+        body = replace(body, head=float(np.clip(crown, 0.5 * body.head, 1.5 * body.spine_length)))
+    hands, toes = body.hand.copy(), body.toe.copy()
+    ankle_height, toe_height, heel_length = body.ankle_height.copy(), body.toe_height.copy(), body.heel_length.copy()
+    for side in range(2):
+        hand, foot = layout.spine_count + 5 + 4 * side, layout.spine_count + 12 + 4 * side
+        fingers = (vertices[weights[:, hand] > 0.5] - points[layout.wrist(side)]) @ stance[hand]
+        if len(fingers) and fingers[:, 2].max() > _SHORTEST_HAND:
+            hands[side] = [0.0, 0.0, fingers[:, 2].max()]
+        sole = vertices[weights[:, foot] + weights[:, foot + 1] > 0.5]
+        if not len(sole):
+            continue
+        ankle, toe = points[layout.ankle(side)], points[layout.toe(side)]
+        ankle_height[side] = max(ankle[2] - sole[:, 2].min(), 0.005)
+        toe_height[side] = max(toe[2] - sole[:, 2].min(), 0.0)
+        heel_length[side] = max(-((sole - ankle) @ stance[foot])[:, 0].min(), 0.005)
+        reach = ((sole - toe) @ stance[foot + 1])[:, 0].max()
+        toes[side] = [max(reach, 0.01), 0.0, -0.5 * toe_height[side]]
+    return replace(
+        body, hand=hands, toe=toes, ankle_height=ankle_height, toe_height=toe_height, heel_length=heel_length
+    )

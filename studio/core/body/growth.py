@@ -1,0 +1,57 @@
+"""Bodies whose proportions change over time."""
+
+from dataclasses import astuple, dataclass, fields
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.body.morphology import AnimatedMorphology, Morphology, Proportions
+from studio.core.constraints.keyed import Line
+
+FloatArray = NDArray[np.float64]
+
+_FACTORS = tuple(field.name for field in fields(Proportions))
+
+
+@dataclass(frozen=True)
+class KeyedProportions(Line):
+    """Proportions at ``times`` in seconds of the stage, smooth between them and still before and after."""
+
+    size: ClassVar[int] = len(_FACTORS)
+    times: tuple[float, ...]
+    values: tuple[Proportions, ...]
+
+    def at(self, times: ArrayLike) -> FloatArray:
+        """(N, 11) factors at ``times`` (N,) seconds, none beyond those of the keys."""
+        factors = self.points
+        return np.asarray(np.clip(super().at(times), factors.min(axis=0), factors.max(axis=0)))
+
+    def proportions_at(self, time: float) -> Proportions:
+        """What holds at one time."""
+        return Proportions(*self.at([time])[0].tolist())
+
+    @property
+    def points(self) -> FloatArray:
+        """(K, 11) the factors of each key."""
+        return np.array([astuple(value) for value in self.values])
+
+    def _checked(self, value: Any) -> Proportions:
+        return value if isinstance(value, Proportions) else Proportions(*super()._checked(value))
+
+
+@lru_cache(maxsize=64)
+def grown(
+    build: Morphology, keyed: KeyedProportions, begin: float, frame_rate: float, count: int
+) -> AnimatedMorphology:
+    """``build`` in ``count`` frames from ``begin`` seconds on; what is asked for again is the same object."""
+    factors = keyed.at(begin + np.arange(count) / frame_rate)
+    return AnimatedMorphology(build.packed * np.exp(np.log(factors) @ _exponents(build)))
+
+
+@lru_cache(maxsize=64)
+def _exponents(build: Morphology) -> FloatArray:
+    """(11, 57 + 3 K) the power to which each factor stands in each measure: all are products of factors."""
+    doubled = np.array([Proportions(**{name: 2.0}).applied_to(build).packed for name in _FACTORS])
+    return np.log2(np.where(build.packed == 0.0, 1.0, doubled / np.where(build.packed == 0.0, 1.0, build.packed)))

@@ -1,0 +1,78 @@
+"""BodyMap: which joints of a skeleton move which parts of a human body."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.skeleton import Skeleton
+from studio.core.errors import StudioError
+
+__all__ = ["LIMBS", "BodyMap", "BodyPart"]
+
+LIMBS: dict[str, tuple[BodyPart, BodyPart, BodyPart]] = {
+    "left arm": (BodyPart.LEFT_UPPER_ARM, BodyPart.LEFT_FOREARM, BodyPart.LEFT_HAND),
+    "right arm": (BodyPart.RIGHT_UPPER_ARM, BodyPart.RIGHT_FOREARM, BodyPart.RIGHT_HAND),
+    "left leg": (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK, BodyPart.LEFT_FOOT),
+    "right leg": (BodyPart.RIGHT_THIGH, BodyPart.RIGHT_SHANK, BodyPart.RIGHT_FOOT),
+}
+"""The parts of each limb from the trunk outwards; a body without one of them is no humanoid."""
+
+
+@dataclass(frozen=True)
+class BodyMap:
+    """For each part the joint at its near end, whose rotation moves it; and the joints of the spine.
+
+    Neck, head, clavicles and toes may be absent. Raises StudioError when another is, or the spine is short.
+    """
+
+    parts: Mapping[BodyPart, int]
+    spine: tuple[int, ...]
+    """All joints on the way from the pelvis up to the joint from which neck and arms hang; two at least."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parts", MappingProxyType(dict(self.parts)))
+        needed = [BodyPart.PELVIS, *(part for limb in LIMBS.values() for part in limb)]
+        missing = [part.label.lower() for part in needed if part not in self.parts]
+        if missing:
+            raise StudioError(f"No joint plays {', '.join(missing)}. Choose one under Characters > Body map.")
+        if len(self.spine) < 2 or self.spine[0] != self.parts[BodyPart.PELVIS]:
+            raise StudioError("A body map needs a spine of two joints at least, from the pelvis upwards.")
+
+    def __getitem__(self, part: BodyPart) -> int:
+        return self.parts[part]
+
+    def get(self, part: BodyPart) -> int | None:
+        """The joint of ``part``, or None where the body has none."""
+        return self.parts.get(part)
+
+    def to_json(self, skeleton: Skeleton) -> dict[str, str]:
+        """Names of joints by part: ``{"pelvis": "Hips", "spine_1": "Spine", ..., "head": "Head", ...}``."""
+        names = {"pelvis": skeleton.names[self.spine[0]]}
+        names |= {f"spine_{k}": skeleton.names[joint] for k, joint in enumerate(self.spine[1:], 1)}
+        return names | {
+            part.value: skeleton.names[self.parts[part]]
+            for part in BodyPart
+            if part in self.parts and part is not BodyPart.PELVIS
+        }
+
+    @classmethod
+    def from_json(cls, skeleton: Skeleton, names: Mapping[str, str]) -> "BodyMap":
+        """The opposite of ``to_json``; raises StudioError for unknown parts or joints."""
+        parts = {part_called(key): skeleton.index(name) for key, name in names.items() if not is_spine(key)}
+        spine = sorted((int(key[6:]), skeleton.index(name)) for key, name in names.items() if is_spine(key))
+        pelvis = (parts[BodyPart.PELVIS],) if BodyPart.PELVIS in parts else ()
+        return cls(parts, pelvis + tuple(joint for _, joint in spine))
+
+
+def is_spine(key: str) -> bool:
+    """Whether ``key`` names a vertebra: ``spine_1``, ``spine_2`` ..."""
+    return key.startswith("spine_") and key[6:].isdecimal()
+
+
+def part_called(key: str) -> BodyPart:
+    """The part with the name ``key``; raises StudioError with the names there are."""
+    try:
+        return BodyPart(key)
+    except ValueError:
+        raise StudioError(f"'{key}' is no part of a body. Parts are {', '.join(BodyPart)}.") from None

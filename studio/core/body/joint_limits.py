@@ -1,0 +1,110 @@
+"""How far the joints of limbs go: swing of a bone about the middle of its range, its twist, and bends, by joint.
+
+Left side, right is its mirror image; degrees. A swing leaves the middle about the axes of the joint there: ``bone`` and
+``hinge`` are unit z and x, in the segment that carries it (arms in the thorax as the clavicle carries it along; thorax
+and pelvis x forward, y left, z up). Twist is counted from the shortest arc, after the swing.
+
+=========  ==============================================  =====================================================
+joint      range                                           from
+=========  ==============================================  =====================================================
+shoulder   flexion 167, extension 62, abduction 184,       Boone and Azen 1979; across the body 135, behind the
+           inner and outer rotation 69, 104 abducted,      shoulder 45: AAOS 1965; beside the body: Kapandji 1982
+           95, 80 beside the body
+hip        flexion 122, extension 20, abduction 46,        Boone and Azen 1979; extension Kapandji 1982;
+           adduction 27, inner and outer rotation 47       abduction of a bent hip 60: Kapandji 1982
+elbow      0 to 150, carrying angle 15, forearm 80 each    AAOS 1965; forearm Boone and Azen 1979
+           way from the middle
+knee       0 to 160 (on the heels, not by its muscles)     Kapandji 1982
+wrist      80 every way (flexion 76, extension 75; how     Boone and Azen 1979
+           the palm faces in a capture's reference pose
+           is not known, nor where in its 160 degrees
+           the forearm is turned)
+ankle      plantar flexion 56, inversion 37, eversion 21,  Boone and Azen 1979; dorsiflexion under load: Bennell
+           dorsiflexion 45 under load                      and others 1998
+=========  ==============================================  =====================================================
+
+D. C. Boone, S. P. Azen: Normal range of motion of joints in male subjects, J. Bone Joint Surg. 61-A (1979); American
+Academy of Orthopaedic Surgeons: Joint Motion (1965); I. A. Kapandji: The Physiology of the Joints (1982); K. Bennell
+and others: Intra-rater and inter-rater reliability of a weight-bearing lunge, Aust. J. Physiother. 44 (1998). Swing and
+twist as P. Baerlocher and R. Boulic: Parametrization and range of motion of the ball-and-socket joint (2001); a
+boundary by direction as J. Wilhelms and A. Van Gelder: Fast and easy reach-cone joint limits (2001).
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.morphology import Morphology
+from studio.core.kernels.limits.joint_limits import LIMITED, SWIVELLED
+from studio.core.rotations import frame_along, normalized
+
+FloatArray = NDArray[np.float64]
+FORWARD = np.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True)
+class BallLimit:
+    """A joint that swings and twists: its axes at the middle, ``radii`` about x, -x, y and -y, the range of twist."""
+
+    bone: tuple[float, float, float]
+    hinge: tuple[float, float, float]
+    radii: tuple[float, float, float, float]
+    twist: tuple[float, float]
+
+    @property
+    def axes(self) -> FloatArray:
+        """(3, 3) columns x, y, z."""
+        return frame_along(normalized(np.array(self.bone)), np.array(self.hinge))
+
+
+SHOULDER = BallLimit((1.0, 1.0, -1.0), (1.0, -1.0, 0.0), (130.0, 105.0, 95.0, 105.0), (-40.0, 150.0))
+"""About x the arm rises and sinks, about y it crosses the body and goes back."""
+HIP = BallLimit((0.75, 0.2, -0.64), (0.0, 1.0, 0.0), (75.0, 80.0, 55.0, 55.0), (-65.0, 60.0))
+"""About x the thigh goes back and forward, about y out and in."""
+WRIST = BallLimit((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (80.0, 80.0, 80.0, 80.0), (-160.0, 160.0))
+ANKLE = BallLimit((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (21.0, 37.0, 56.0, 45.0), (-40.0, 40.0))
+"""About x of the foot its outer edge rises and sinks, about y its toes sink and rise."""
+ELBOW, CARRYING, FOREARM = (0.0, 150.0), 15.0, (-80.0, 80.0)
+KNEE, KNOCK, SHANK = (0.0, 160.0), 10.0, (-30.0, 30.0)
+HINGED, UPRIGHT = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0])
+"""What the mirror does to the axes of a segment that has a hinge, and of one that has its y to the left."""
+
+
+def limits_of(body: Morphology) -> NDArray[np.void]:
+    """(4,) records of ``kernels.limits.joint_limits``, a row a limb, to be written in."""
+    return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMITED)  # whole: NumPy copies records field by field
+
+
+@lru_cache(maxsize=64)
+def _limits_of(body: Morphology) -> bytes:
+    limits = np.zeros(4, dtype=LIMITED)
+    for limb, row in enumerate(limits):
+        side, is_arm = limb % 2, limb < 2
+        root, tip = (SHOULDER, WRIST) if is_arm else (HIP, ANKLE)
+        _write(row, 0, root, side, UPRIGHT, HINGED)
+        _write(row, 1, tip, side, HINGED, HINGED if is_arm else UPRIGHT)
+        if is_arm:
+            row["axes"][0] = frame_along(normalized(body.clavicle_rest[side]), FORWARD).T @ row["axes"][0]
+        bends, slant, turn = (ELBOW, CARRYING, FOREARM) if is_arm else (KNEE, KNOCK, SHANK)
+        row["bends"], row["aslant"], row["turns"] = np.radians(bends), np.radians(slant), _range(turn, side)
+    return limits.tobytes()
+
+
+def _write(row: np.void, joint: int, ball: BallLimit, side: int, carrier: FloatArray, own: FloatArray) -> None:
+    """A ball joint of the left, or its mirror image in the axes of its carrier and its own."""
+    axes, radii = ball.axes, np.radians(ball.radii)
+    if side == 1:
+        axes = carrier[:, None] * axes * own
+        radii = radii[[0, 1, 3, 2]] if own is HINGED else radii[[1, 0, 2, 3]]
+    twist = _range(ball.twist, side)
+    row["axes"][joint], row["radii"][joint], row["twists"][joint] = axes, radii, twist
+    well, middle = np.cos(SWIVELLED * np.array([radii.min(), twist[1]])), twist[0]
+    row["well"][joint] = [*well, np.cos(middle), np.sin(middle)]
+
+
+def _range(degrees: tuple[float, float], side: int) -> FloatArray:
+    """Middle and half of a range in radians, to the other hand on the right."""
+    least, most = np.radians(degrees)
+    return np.array([0.5 * (least + most) * (-1.0) ** side, 0.5 * (most - least)])

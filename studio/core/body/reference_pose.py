@@ -1,0 +1,122 @@
+"""The pose that stands for "upright, at ease": the zero pose where it is human, else the best frame."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.humanoid import BodyMap, BodyPart
+from studio.core.body.kinematics import joint_positions, rest_poses
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.rotations import IDENTITY, from_matrix, multiply, normalized, shortest_arc
+
+FloatArray = NDArray[np.float64]
+
+_UP: FloatArray = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class ReferencePose:
+    """Local rotations (J, 4) of a body upright along Z, where they are from, and why."""
+
+    rotations: FloatArray
+    source: str
+    """``zero pose`` or ``frame 12``."""
+    reason: str
+
+
+def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> ReferencePose:
+    """The zero pose, stood up where it lies, if it is human; else the frame most like a T-, A- or N-pose."""
+    zero = np.tile(IDENTITY, (skeleton.joint_count, 1))
+    standing = stand_up(skeleton, zero, body_map)
+    if standing is not None:
+        points = joint_positions(skeleton, rest_poses(skeleton, standing))
+        if faults(points, body_map).max() <= 1.0:
+            turned = "" if np.array_equal(standing, zero) else "; it was turned upright"
+            return ReferencePose(
+                standing, "zero pose", f"With all rotations zero the body stands like a human{turned}."
+            )
+    points = joint_positions(skeleton, poses)
+    standing_faults = np.concatenate([faults(points, body_map), _off_the_ground(points, body_map)], axis=1)
+    frame = int(np.argmin((standing_faults**2).sum(axis=1)))
+    return ReferencePose(
+        poses.local_rotations[frame],
+        f"frame {frame}",
+        "With all rotations zero the body is not human; this frame is the nearest to standing at ease.",
+    )
+
+
+def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
+    """The same pose (J, 4) with the root turned so that the trunk, along some world axis, points to +Z.
+
+    None when the trunk lies along no axis.
+    """
+    points = joint_positions(skeleton, rest_poses(skeleton, local_rotations))[0]
+    trunk = normalized(_middle(points, body_map, "UPPER_ARM") - _middle(points, body_map, "THIGH"))
+    axis = np.zeros(3)
+    largest = int(np.argmax(np.abs(trunk)))
+    axis[largest] = np.sign(trunk[largest])
+    if np.abs(trunk[largest]) < 0.9:
+        return None
+    if largest == 2 and axis[2] > 0:
+        return local_rotations
+    stood = np.array(local_rotations)
+    stood[0] = multiply(from_matrix(shortest_arc(axis, _UP)), stood[0])
+    return stood
+
+
+def faults(points: FloatArray, body_map: BodyMap) -> FloatArray:
+    """How far each frame of ``points`` (F, J, 3) is from a human at ease: (F, n), 1 at what is tolerable.
+
+    Lean of trunk and head, splay and bend of legs, twist of shoulders against hips, narrow shoulders, arms
+    unlike each other, bent or raised.
+    """
+    hips, shoulders = _middle(points, body_map, "THIGH"), _middle(points, body_map, "UPPER_ARM")
+    across_hips, across_shoulders = _across(points, body_map, "THIGH"), _across(points, body_map, "UPPER_ARM")
+    down = np.broadcast_to(-_UP, hips.shape)
+    terms = [_angle(shoulders - hips, -down) / 20.0, _angle(across_hips, across_shoulders) / 25.0]
+    if BodyPart.HEAD in body_map.parts:
+        terms.append(_angle(points[:, body_map[BodyPart.HEAD]] - shoulders, -down) / 60.0)
+    width = np.linalg.norm(across_shoulders, axis=-1) / np.linalg.norm(across_hips, axis=-1)
+    terms.append(0.8 / np.maximum(width, 1e-3))
+    mirror = normalized(across_hips)
+    arms = []
+    for side in ("LEFT", "RIGHT"):
+        hip, knee, ankle, shoulder, elbow, wrist = (
+            points[:, body_map[BodyPart[f"{side}_{part}"]]]
+            for part in ("THIGH", "SHANK", "FOOT", "UPPER_ARM", "FOREARM", "HAND")
+        )
+        terms += [_angle(knee - hip, down) / 35.0, _angle(ankle - knee, down) / 35.0]
+        terms.append(_angle(elbow - shoulder, wrist - elbow) / 45.0)
+        terms.append(_angle(wrist - shoulder, down) / 115.0)
+        arms.append(wrist - shoulder)
+    mirrored = arms[0] - 2 * np.sum(arms[0] * mirror, axis=-1, keepdims=True) * mirror
+    terms.append(_angle(mirrored, arms[1]) / 35.0)
+    return np.stack(terms, axis=1)
+
+
+def _off_the_ground(points: FloatArray, body_map: BodyMap) -> FloatArray:
+    """(F, n) height of ankles and toes over their usual low, 1 at 4 cm: the feet should be flat."""
+    feet = (BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT, BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE)
+    heights = points[:, [body_map[part] for part in feet if part in body_map.parts], 2]
+    over: FloatArray = np.abs(heights - np.percentile(heights, 10, axis=0)) / 0.04
+    return over
+
+
+def _middle(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:
+    left, right = body_map[BodyPart[f"LEFT_{part}"]], body_map[BodyPart[f"RIGHT_{part}"]]
+    return 0.5 * (points[..., left, :] + points[..., right, :])
+
+
+def _across(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:
+    """From the right to the left of a pair."""
+    across = points[:, body_map[BodyPart[f"LEFT_{part}"]]] - points[:, body_map[BodyPart[f"RIGHT_{part}"]]]
+    return np.asarray(across)
+
+
+def _angle(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Degrees between vectors."""
+    sine = np.linalg.norm(np.cross(first, second), axis=-1)
+    degrees: FloatArray = np.degrees(np.arctan2(sine, np.sum(first * second, axis=-1)))
+    return degrees

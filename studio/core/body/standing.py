@@ -1,0 +1,43 @@
+"""Where the points of a body lie when its segments are turned in a given way and it stands on the ground."""
+
+import numpy as np
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import FloatArray, Morphology
+
+
+def standing_points(morphology: Morphology, rotations: FloatArray) -> FloatArray:
+    """(K+23, 3) canonical points under world ``rotations`` (K+18, 3, 3): root over the origin, a sole on z = 0."""
+    layout = morphology.layout
+    bones = np.einsum("sij,sj->si", rotations, bone_vectors(morphology))
+    points = np.zeros((layout.point_count, 3))
+    neck, thorax = layout.neck_base, layout.spine_count - 1
+    points[1 : neck + 1] = np.cumsum(bones[: layout.spine_count], axis=0)
+    points[neck + 1 : neck + 3] = points[neck] + np.cumsum(bones[neck : neck + 2], axis=0)
+    for side in range(2):
+        arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
+        for start, base, first in (
+            (layout.collar(side), points[neck] + rotations[thorax] @ morphology.collar_base[side], arm),
+            (layout.hip(side), rotations[0] @ morphology.hip_offset[side], leg),
+        ):
+            points[start] = base
+            points[start + 1 : start + 5] = base + np.cumsum(bones[first : first + 4], axis=0)
+    soles = [points[layout.ankle(side), 2] - morphology.ankle_height[side] for side in range(2)]
+    points[:, 2] -= min(soles)
+    return points
+
+
+def bone_vectors(morphology: Morphology) -> FloatArray:
+    """(K+18, 3) from the near to the far point of each segment, in the segment's axes."""
+    layout = morphology.layout
+    vectors = np.zeros((layout.segment_count, 3))
+    vectors[: layout.spine_count] = morphology.spine
+    vectors[layout.segment(BodyPart.NECK), 2] = morphology.neck
+    vectors[layout.segment(BodyPart.HEAD), 2] = morphology.head
+    for side in range(2):
+        arm, leg = layout.spine_count + 2 + 4 * side, layout.spine_count + 10 + 4 * side
+        vectors[arm : arm + 3, 2] = morphology.clavicle[side], *morphology.arm[side]
+        vectors[arm + 3] = morphology.hand[side]
+        vectors[leg : leg + 2, 2] = morphology.leg[side]
+        vectors[leg + 2], vectors[leg + 3] = morphology.foot[side], morphology.toe[side]
+    return vectors

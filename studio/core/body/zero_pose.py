@@ -1,0 +1,59 @@
+"""Another zero pose for the same motion: which way joints are turned when a file says 0 for every angle."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.character_skeleton import t_pose_rotations
+from studio.core.body.pose import PoseSequence
+from studio.core.captures.capture import Capture
+from studio.core.normalized.normalize import normalize
+from studio.core.rotations import from_matrix, inverse, multiply, to_matrix
+
+FloatArray = NDArray[np.float64]
+
+
+def with_zero_pose(capture: Capture, rotations: FloatArray) -> Capture:
+    """The same motion on joints whose axes are the world's when the body stands in world ``rotations`` (J, 3, 3).
+
+    World rotations become W' = W R^T, so local ones R_p L R^T and translations R_p t, p the parent. The ends of
+    bones are turned with the bone that they end.
+    """
+    skeleton = capture.skeleton
+    turns = from_matrix(rotations)
+    for joint in np.flatnonzero(skeleton.end_sites & (skeleton.parents >= 0)):
+        turns[joint] = turns[skeleton.parents[joint]]
+    carriers = np.where((skeleton.parents >= 0)[:, None], turns[np.maximum(skeleton.parents, 0)], [0.0, 0.0, 0.0, 1.0])
+    matrices = to_matrix(carriers)
+
+    def turned(local: FloatArray) -> FloatArray:
+        return multiply(multiply(carriers, local), inverse(turns))
+
+    poses = PoseSequence(
+        turned(capture.poses.local_rotations),
+        np.einsum("jik,fjk->fji", matrices, capture.poses.local_translations),
+    )
+    return replace(
+        capture,
+        skeleton=replace(skeleton, offsets=np.einsum("jik,jk->ji", matrices, skeleton.offsets)),
+        poses=poses,
+        reference_rotations=turned(capture.reference_rotations),
+    )
+
+
+def t_pose(capture: Capture) -> FloatArray:
+    """(J, 3, 3) world rotations of a human capture's joints when its body stands in a T-pose facing +X.
+
+    Joints that play no part of the body are turned with the joint that carries them.
+    """
+    actor = normalize(capture)[1]
+    targets = t_pose_rotations(actor.morphology) @ np.swapaxes(actor.alignments, 1, 2)
+    segment_of = {int(joint): segment for segment, joint in enumerate(actor.segment_joints) if joint >= 0}
+    rotations = np.tile(np.eye(3), (capture.skeleton.joint_count, 1, 1))
+    for joint, parent in enumerate(capture.skeleton.parents.tolist()):
+        if joint in segment_of:
+            rotations[joint] = targets[segment_of[joint]]
+        elif parent >= 0:
+            rotations[joint] = rotations[parent]
+    return rotations

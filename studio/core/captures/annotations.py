@@ -1,0 +1,35 @@
+"""Annotations: what is known of a motion beside the motion itself."""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+from studio.core.captures.contacts import ContactInterval
+from studio.core.constraints.base import Constraint
+
+
+@dataclass(frozen=True)
+class Label:
+    """A stretch of a motion with a name: frames ``first`` to ``last``, both included."""
+
+    name: str
+    first: int
+    last: int
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.first <= self.last:
+            raise ValueError(f"A label runs from a frame to a later one, not from {self.first} to {self.last}.")
+
+
+@dataclass(frozen=True)
+class Annotations:
+    """Contacts, constraints and labels of one motion; ``contacts`` is None where nothing is said about them."""
+
+    contacts: tuple[ContactInterval, ...] | None = None
+    constraints: tuple[Constraint, ...] = ()
+    labels: tuple[Label, ...] = ()
+
+    def of_motion(self, motion_id: str) -> Self:
+        """The same, referring to the motion of that id."""
+        contacts = self.contacts and tuple(replace(each, motion_id=motion_id) for each in self.contacts)
+        constraints = tuple(replace(each, motion_id=motion_id) for each in self.constraints)
+        return replace(self, contacts=contacts, constraints=constraints)

@@ -1,0 +1,101 @@
+"""Capture: a motion as it was recorded, in world axes and metres, with everything that had to be assumed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.humanoid import BodyMap
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.errors import StudioError
+from studio.core.markers.take import MarkerTake
+from studio.core.plausible import FRAME_RATE
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Something assumed that the user may overrule."""
+
+    subject: str
+    """One of ``unit, up axis, frame rate, floor, floor drift, body map, reference pose, first frame``."""
+    value: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Capture:
+    """One recorded body over time. Raises StudioError when the parts do not fit each other."""
+
+    name: str
+    source: str
+    """File name without folder."""
+    skeleton: Skeleton
+    poses: PoseSequence
+    frame_rate: float
+    body_map: BodyMap | None
+    """None where the body is no humanoid."""
+    reference_rotations: FloatArray
+    """(J, 4) local rotations that stand the body upright along Z, as near to a T-, A- or N-pose as can be."""
+    floor: float
+    """Height of the ground in metres, world Z."""
+    unit: str
+    up_axis: str
+    first_frame: int
+    """Where the motion proper begins: later than 0 when it is preceded by a calibration pose."""
+    guesses: tuple[Guess, ...]
+    repairs: tuple[str, ...]
+    markers: MarkerTake | None = None
+    """What a body seen by optical markers was solved from; kept, so that it can be solved anew."""
+
+    def __post_init__(self) -> None:
+        reference = np.array(self.reference_rotations, dtype=np.float64)
+        reference.setflags(write=False)
+        object.__setattr__(self, "reference_rotations", reference)
+        joints = self.skeleton.joint_count
+        if self.poses.joint_count != joints or reference.shape != (joints, 4):
+            raise StudioError(f"The poses or the reference pose of '{self.name}' do not fit its {joints} joints.")
+        if not (np.isfinite(self.frame_rate) and self.frame_rate > 0.0 and np.isfinite(self.floor)):
+            raise StudioError(f"The frame rate or the floor of '{self.name}' is no usable number.")
+        try:
+            FRAME_RATE.check(self.frame_rate)
+        except ValueError as error:
+            raise StudioError(f"'{self.name}': {error}") from error
+        mapped = (*self.body_map.parts.values(), *self.body_map.spine) if self.body_map else ()
+        if any(not 0 <= joint < joints for joint in mapped):
+            raise StudioError(f"The body map of '{self.name}' names a joint that its skeleton has not.")
+        if not 0 <= self.first_frame < self.frame_count:
+            raise StudioError(f"'{self.name}' has no frame {self.first_frame}; it ends at {self.frame_count - 1}.")
+
+    @property
+    def frame_count(self) -> int:
+        """Frames F, those before ``first_frame`` included."""
+        return self.poses.frame_count
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first frame of the motion proper to the last frame."""
+        return (self.frame_count - 1 - self.first_frame) / self.frame_rate
+
+    def with_body_map(self, names: Mapping[str, str]) -> "Capture":
+        """The same capture with the user's body map; the guess about it is no more."""
+        return self._overruled("body map", body_map=BodyMap.from_json(self.skeleton, names))
+
+    def with_frame_rate(self, frame_rate: float) -> "Capture":
+        """The same frames played at ``frame_rate`` Hz."""
+        return self._overruled("frame rate", frame_rate=frame_rate)
+
+    def with_floor(self, floor: float) -> "Capture":
+        """The same capture over ground at the height ``floor`` in metres."""
+        return self._overruled("floor", floor=floor)
+
+    def with_first_frame(self, first_frame: int) -> "Capture":
+        """The same capture whose motion proper begins at ``first_frame``."""
+        return self._overruled("first frame", first_frame=first_frame)
+
+    def _overruled(self, subject: str, **values: object) -> "Capture":
+        guesses = tuple(guess for guess in self.guesses if guess.subject != subject)
+        return replace(self, guesses=guesses, **values)  # type: ignore[arg-type]

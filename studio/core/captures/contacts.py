@@ -1,0 +1,365 @@
+"""Contacts: when heels and toes, hands, knees and seat stand on the ground, and when hands touch what."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyLayout
+from studio.core.stage.scope import EVERYONE, Scope
+
+FloatArray = NDArray[np.float64]
+Span = tuple[int, int]
+"""The first and the last frame of a contact."""
+
+
+class ContactPoint(StrEnum):
+    """What of a body touches the ground.
+
+    The heel moves with the ankle, the toe with the toe joint, the hand with the wrist; the seat is the middle of the
+    hips.
+    """
+
+    LEFT_HEEL = "left_heel"
+    LEFT_TOE = "left_toe"
+    RIGHT_HEEL = "right_heel"
+    RIGHT_TOE = "right_toe"
+    LEFT_HAND = "left_hand"
+    RIGHT_HAND = "right_hand"
+    LEFT_KNEE = "left_knee"
+    RIGHT_KNEE = "right_knee"
+    SEAT = "seat"
+
+    @cached_property
+    def side(self) -> int:
+        """0 left, 1 right; the seat counts as left."""
+        return 1 if self.value.startswith("right") else 0
+
+    @cached_property
+    def member(self) -> str:
+        """What it is on either side: ``heel``, ``toe``, ``hand``, ``knee`` or ``seat``."""
+        return self.value.rpartition("_")[2]
+
+    @cached_property
+    def is_heel(self) -> bool:
+        return self.member == "heel"
+
+    @cached_property
+    def is_foot(self) -> bool:
+        return self.member in ("heel", "toe")
+
+    @cached_property
+    def limb(self) -> int:
+        """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
+        return -1 if self.member == "seat" else self.side + (0 if self.member == "hand" else 2)
+
+    @cached_property
+    def words(self) -> str:
+        """``left heel``."""
+        return self.value.replace("_", " ")
+
+
+def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
+    """The canonical points whose middle is where a contact point is: one joint, or both hips for the seat."""
+    match point.member:
+        case "seat":
+            return [layout.hip(0), layout.hip(1)]
+        case "hand":
+            return [layout.wrist(point.side)]
+    return [layout.hip(point.side) + {"knee": 1, "heel": 2, "toe": 3}[point.member]]
+
+
+class Touch(StrEnum):
+    """What hands touch or hold, other than the ground.
+
+    Hands that are together keep their way from each other as far as their arms are long; a thing between them keeps
+    its size. A hand on the body stays where it lies on it, however thick that is.
+    """
+
+    HANDS_TOGETHER = "hands_together"
+    HANDS_ON_THING = "hands_on_thing"
+    LEFT_HAND_ON_HEAD = "left_hand_on_head"
+    LEFT_HAND_ON_TRUNK = "left_hand_on_trunk"
+    LEFT_HAND_ON_HIPS = "left_hand_on_hips"
+    LEFT_HAND_ON_THIGH = "left_hand_on_thigh"
+    RIGHT_HAND_ON_HEAD = "right_hand_on_head"
+    RIGHT_HAND_ON_TRUNK = "right_hand_on_trunk"
+    RIGHT_HAND_ON_HIPS = "right_hand_on_hips"
+    RIGHT_HAND_ON_THIGH = "right_hand_on_thigh"
+
+    @cached_property
+    def side(self) -> int:
+        """0 left, 1 right; both hands count as left."""
+        return 1 if self.value.startswith("right") else 0
+
+    @cached_property
+    def member(self) -> str:
+        """What a hand is on: ``head``, ``trunk``, ``hips`` or ``thigh``; of both hands ``together`` or ``thing``."""
+        return self.value.rpartition("_")[2]
+
+    @property
+    def is_foot(self) -> bool:
+        return False
+
+    @property
+    def limb(self) -> int:
+        """-1: it keeps no limb from what is asked of it by standing on the ground."""
+        return -1
+
+    @cached_property
+    def words(self) -> str:
+        """``left hand on hips``."""
+        return self.value.replace("_", " ").replace("on thing", "on a thing")
+
+
+FOOT_POINTS = tuple(point for point in ContactPoint if point.is_foot)
+BODY_POINTS = tuple(point for point in ContactPoint if not point.is_foot)
+"""Hands, knees and seat: what carries a body that is not on its feet."""
+CONTACT_POINTS = (*ContactPoint, *Touch)
+"""All that may be in contact, on the ground or not."""
+
+
+def contact_point(name: str) -> ContactPoint | Touch:
+    """The one of that name; ValueError where there is none."""
+    return Touch(name) if name in tuple(Touch) else ContactPoint(name)
+
+
+@dataclass(frozen=True)
+class ContactInterval:
+    """One contact of a motion from frame ``first`` to ``last``, both included.
+
+    ``point`` stands still on the ground, or hands touch or hold what it says.
+    """
+
+    motion_id: str
+    point: ContactPoint | Touch
+    first: int
+    last: int
+    scope: Scope = EVERYONE
+    """Whose contact it is. Where one of a narrower scope is, those of its point of wider ones do not count."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "point", contact_point(self.point))
+        if not 0 <= self.first <= self.last:
+            raise ValueError(f"A contact runs from a frame to a later one, not from {self.first} to {self.last}.")
+
+
+def on_ground(contacts: Iterable[ContactInterval]) -> tuple[ContactInterval, ...]:
+    """Those of what stands on the ground."""
+    return tuple(each for each in contacts if isinstance(each.point, ContactPoint))
+
+
+HEIGHT_MARGIN = 0.04
+"""Metres above its own usual low that a standing heel, ball or tip of the toes may be."""
+STILL_SPEED = 0.35
+"""Metres a second below which it may be standing."""
+HEEL_SPEEDS, TOE_SPEEDS = (0.45, STILL_SPEED), (STILL_SPEED, 0.5)
+"""The same as a contact begins and as it ends: a foot rolls on to its heel, and off the ball and the tip of its toes,
+while they touch the ground.
+"""
+ROLLING = 0.06
+"""Seconds that this may take."""
+SHORTEST = 0.05
+"""Seconds: shorter contacts are dropped, shorter gaps closed."""
+SMOOTHING = 0.012
+"""Seconds, standard deviation of the smoothing before speed is taken."""
+DRIFT_WINDOW = 1.0
+"""Seconds to each side in which a foot is taken to touch the ground at least once."""
+GREATEST_DRIFT = 0.04
+"""Metres by which the ground of a capture may rise above its usual low."""
+ON_THE_FLOOR = 0.12
+"""Metres that one foot's usual low may lie above the other's; higher, and it never stands."""
+
+
+BODY_HEIGHTS = {"hand": 0.15, "knee": 0.12, "seat": 0.17}
+"""Wrist, knee, middle of the hips above the floor, in parts of the leg's length, below which they may be standing."""
+BODY_SPEEDS = {"hand": 1.0, "knee": 0.2, "seat": STILL_SPEED}
+"""Metres a second below which they may be standing: a wrist rolls over a palm that stands, a knee that is dragged along
+hardly rests.
+"""
+BODY_SHORTEST = {"hand": SHORTEST, "knee": 0.3, "seat": SHORTEST}
+"""Seconds that they stand at least."""
+BETWEEN = 0.3
+"""Seconds in which a body passes from its seat to its knees, or back."""
+LOW_KNEE = 0.14
+"""The same of the knee of a leg that lies, or kneels: its toes may trail."""
+WANDER = 0.08
+"""Metres from its own middle that a standing hand, knee or seat may stray: what creeps farther does not stand."""
+TRAILING = 0.05
+"""The same of the toes of who kneels or lies."""
+FLAT = 0.14
+"""Middle of the hips above the floor of who lies on its front, in parts of the leg's length: half a pelvis."""
+PRONE = 0.7
+"""Part of the front's direction that points down on a body that is prone."""
+FARTHEST_OVER = np.radians(35.0)
+"""Radians by which the leg of a heel that stands leans over its toes: ankles bend no farther, and a bent knee leaves
+the hip behind.
+"""
+
+
+def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) -> dict[ContactPoint, list[Span]]:
+    """Frames (first, last) in which each foot point stands, from its height and its speed (METHOD 4).
+
+    ``soles`` (F, 2, 3, 3) metres, left and right, heel, ball and tip of the toes, Z up; frames before ``first_frame``
+    are not looked at. The toes stand while either of their ends does: the ball is first to land, the tip last to leave.
+    Strikes and offs lie within 20 ms, in the median, of those that force plates and operators mark.
+    """
+    found: dict[ContactPoint, list[Span]] = {}
+    tracks = soles[first_frame:]
+    lows = np.percentile(tracks[..., 2], 5, axis=0)
+    on_the_floor = lows < lows.min(axis=0) + ON_THE_FLOOR
+    for side, name in enumerate(("left", "right")):
+        stands = [
+            _stands(tracks[:, side, end], lows[side, end], *speeds, frame_rate) & on_the_floor[side, end]
+            for end, speeds in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
+        ]
+        for kind, standing in (("heel", stands[0]), ("toe", stands[1] | stands[2])):
+            spans = _without_flicker(standing, round(SHORTEST * frame_rate))
+            found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
+    return found
+
+
+def _stands(track: FloatArray, low: float, landing: float, leaving: float, frame_rate: float) -> NDArray[np.bool_]:
+    """(F,) where a point of a sole (F, 3) with a usual ``low`` stands: near it and still, coming to rest or leaving, at
+    less than ``landing`` or ``leaving`` metres a second.
+    """
+    near = track[:, 2] < _drifting_low(track[:, 2], low, round(DRIFT_WINDOW * frame_rate)) + HEIGHT_MARGIN
+    speeds = _speeds(track, frame_rate)
+    still = near & (speeds < STILL_SPEED)
+    standing, longest = still.copy(), round(ROLLING * frame_rate)
+    for first, last in spans_of(near & (speeds < landing)):
+        rests = first + np.flatnonzero(still[first : last + 1])
+        if len(rests):
+            standing[max(first, rests[0] - longest) : rests[-1] + 1] = True
+    for first, last in spans_of(near & (speeds < leaving)):
+        rests = first + np.flatnonzero(still[first : last + 1])
+        if len(rests):
+            standing[rests[0] : min(last, rests[-1] + longest) + 1] = True
+    return standing
+
+
+def detect_body_contacts(
+    tracks: Mapping[ContactPoint, FloatArray], leg_length: float, frame_rate: float, first_frame: int = 0
+) -> dict[ContactPoint, list[Span]]:
+    """Frames (first, last) in which hands, knees and seat stand: low above the floor, and hardly moving.
+
+    ``tracks`` (F, 3) metres above the capture's floor: what seldom touches the ground has no usual low of its own. On
+    a body that sits or lies the knees carry nothing. Hips on the ground are the seat, face up or down.
+    """
+    found: dict[ContactPoint, list[Span]] = {}
+    for point, track in tracks.items():
+        near = track[first_frame:, 2] < BODY_HEIGHTS[point.member] * leg_length
+        standing = near & (_speeds(track[first_frame:], frame_rate) < BODY_SPEEDS[point.member]) if near.any() else near
+        spans = _without_flicker(standing, round(SHORTEST * frame_rate))
+        stays = (staying(track[first_frame:], first, last) for first, last in spans)
+        least = BODY_SHORTEST[point.member] * frame_rate
+        found[point] = [(a + first_frame, b + first_frame) for a, b in stays if b - a + 1 > least]
+    for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
+        seats, room = found[ContactPoint.SEAT], round(BETWEEN * frame_rate)
+        seated = contact_mask([(max(first - room, 0), last + room) for first, last in seats], len(tracks[knee]))
+        found[knee] = without(found[knee], seated, round(2 * SHORTEST * frame_rate))
+    return found
+
+
+def faces_down(hips: FloatArray, shoulders: FloatArray) -> NDArray[np.bool_]:
+    """(F,) where a body is prone: it lies, crawls or is stretched face down. Both hips and shoulders (F, 2, 3)."""
+    front = np.cross(hips[:, 0] - hips[:, 1], shoulders.mean(axis=1) - hips.mean(axis=1))
+    return np.asarray(front[:, 2] < -PRONE * np.linalg.norm(front, axis=1))
+
+
+def tipped_over(hip: FloatArray, ankle: FloatArray, toe: FloatArray) -> NDArray[np.bool_]:
+    """(F,) where a leg leans over its toes as in a plank, of points (F, 3): its heel cannot be on the ground."""
+    ahead = toe[:, :2] - ankle[:, :2]
+    over = np.sum((hip - ankle)[:, :2] * ahead, axis=1) / np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)
+    return np.asarray(over > np.tan(FARTHEST_OVER) * (hip - ankle)[:, 2])
+
+
+def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:
+    """The longest part of a span in which the track (F, 3) strays no farther than ``wander`` metres from its middle."""
+    while True:
+        part = track[first : last + 1]
+        near = np.linalg.norm(part - np.median(part, axis=0), axis=1) < wander
+        if near.all():
+            return first, last
+        if not near.any():  # round its middle, and never in it
+            return first, first
+        begin, end = max(spans_of(near), key=lambda run: run[1] - run[0])
+        first, last = first + begin, first + end
+
+
+def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_rate: float) -> list[Span]:
+    """What of the ``spans`` of toes (F, 3) stands where their leg lies ``down`` (F,): while it does, toes that stray
+    farther than ``TRAILING``, or rest for a moment only, trail.
+    """
+    trail, whole = round(BODY_SHORTEST["knee"] * frame_rate), round(SHORTEST * frame_rate)
+    found = []
+    for span in spans:
+        standing = contact_mask([span], len(down))
+        for first, last in spans_of(standing & down):
+            begin, end = staying(toes, first, last, TRAILING)
+            standing[first:begin] = standing[end + 1 : last + 1] = False
+        rest = spans_of(standing)
+        least = whole if rest == [span] and not down[span[0] : span[1] + 1].any() else trail
+        found += [(first, last) for first, last in rest if last - first >= least]
+    return found
+
+
+def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
+    """(F,) metres a second of a track (F, 3): from the frame before or to the next one, whichever is less.
+
+    So the first and the last frame of a rest are still, however fast the frames beside it.
+    """
+    if len(track) < 2:
+        return np.full(len(track), np.inf)
+    from scipy.ndimage import gaussian_filter1d
+
+    smooth = gaussian_filter1d(track, SMOOTHING * frame_rate, axis=0, mode="nearest")
+    steps = np.linalg.norm(np.diff(smooth, axis=0), axis=1) * frame_rate
+    return np.asarray(np.minimum(np.append(steps, np.inf), np.append(np.inf, steps)))
+
+
+def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
+    """(F,) the low of each moment, within ``reach`` frames of it: captures' floors rise and sink by centimetres."""
+    from scipy.ndimage import minimum_filter1d
+
+    local = minimum_filter1d(heights, 2 * reach + 1, mode="nearest")
+    return np.clip(local, low, low + GREATEST_DRIFT)
+
+
+def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
+    """(F,) true in every frame of the given (first, last) spans."""
+    mask = np.zeros(frame_count, dtype=bool)
+    for first, last in spans:
+        mask[first : last + 1] = True
+    return mask
+
+
+def without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
+    """What of ``spans`` lies outside ``mask`` (F,) and lasts longer than ``shortest`` frames; all of them if none."""
+    if not any(mask[first : last + 1].any() for first, last in spans):
+        return spans
+    rest = spans_of(contact_mask(spans, len(mask)) & ~mask)
+    return [(first, last) for first, last in rest if last - first + 1 > shortest]
+
+
+def spans_of(mask: NDArray[np.bool_]) -> list[Span]:
+    """(first, last), both included, of each unbroken run of true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _without_flicker(standing: NDArray[np.bool_], shortest: int) -> list[Span]:
+    """The (first, last) of what stands (F,), gaps closed and contacts dropped that last no more than ``shortest``
+    frames; but not those that the beginning or the end of the motion cuts off.
+    """
+    joined: list[Span] = []
+    for first, last in spans_of(standing):
+        if joined and first - joined[-1][1] - 1 <= shortest:
+            joined[-1] = (joined[-1][0], last)
+        else:
+            joined.append((first, last))
+    ends = (0, len(standing) - 1)
+    return [(a, b) for a, b in joined if b - a + 1 > shortest or (a < b and (a == ends[0] or b == ends[1]))]

@@ -1,0 +1,161 @@
+"""Remarks: what in a capture no body does, and how no body is built; the file may be wrong, or the body map."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.humanoid import LIMBS, BodyMap, BodyPart
+from studio.core.body.kinematics import joint_positions
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import spans_of
+from studio.core.markers.jumps import jumps
+from studio.core.markers.trial import bare_label
+
+FloatArray = NDArray[np.float64]
+
+FASTEST = 25.0
+"""Metres a second beyond the hips' own that no hand and no foot reaches: the fastest kicks have some 20."""
+LONGEST_JUMP, FASTEST_ROOT = 0.08, 6.0
+"""Metres in a frame, and metres a second more than thrice as fast as they usually are, beyond which hips jump."""
+HOVERING = 0.06
+"""Metres above the floor that its lowest joint is all the time in a take that hovers."""
+ODD_PAIR = 0.2
+"""The difference of left and right bones, as a part of the longer one, from which they are no pair."""
+TALLEST, LEGS_OF_STATURE = 2.3, 0.491
+MOST_THIGH, FARTHEST_HIP = 2.0, 0.75
+"""A thigh in parts of its shank, or the reverse; and how far from the pelvis a hip lies, in parts of the leg."""
+_SHOWN, _NAMED = 4, 3
+
+
+@dataclass(frozen=True)
+class Remark:
+    """What is odd, in a sentence, and the (first, last) frames in which it is; none where it is all the time."""
+
+    words: str
+    spans: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """With its frames."""
+        if not self.spans:
+            return self.words
+        shown = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.spans[:_SHOWN]]
+        more = f" and {len(self.spans) - _SHOWN} more" if len(self.spans) > _SHOWN else ""
+        word = "Frame" if len(self.spans) == 1 and self.spans[0][0] == self.spans[0][1] else "Frames"
+        return f"{self.words} {word} {', '.join(shown)}{more}."
+
+
+def remarks_on(capture: Capture) -> tuple[Remark, ...]:
+    """All that is odd about a capture; of one without a body map only its markers, for nobody knows what it is."""
+    if capture.body_map is None:
+        return tuple(_leaps(capture))
+    positions = joint_positions(capture.skeleton, capture.poses)
+    found = [
+        *_leaps(capture),
+        *_odd_build(capture, capture.body_map, positions),
+        *_jumps(capture, positions[:, capture.body_map.spine[0]]),
+        *_rushes(capture, capture.body_map, positions),
+        *_hovers(capture, capture.body_map, positions),
+    ]
+    return tuple(found)
+
+
+def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
+    """All that is odd about a body's measures, as a character's file has it."""
+    found = []
+    if body.stature > TALLEST:
+        found.append(Remark(f"It is {body.stature:.2f} m tall. Check the unit."))
+    for name, lengths in (("legs", body.leg), ("arms", body.arm)):
+        if (np.abs(lengths[0] - lengths[1]) > ODD_PAIR * lengths.max(axis=0)).any():
+            found.append(Remark(f"Its {name} are no pair: joints may be taken for one another."))
+    shares = body.leg[:, 0] / np.maximum(body.leg[:, 1], 1e-9)
+    away = float(np.linalg.norm(body.hip_offset, axis=1).max())
+    if shares.max() > MOST_THIGH or shares.min() < 1.0 / MOST_THIGH or away > FARTHEST_HIP * body.leg_length:
+        found.append(Remark("Its legs are not in order: pelvis, hips, knees and ankles are not where a person's are."))
+    return tuple(found)
+
+
+def _leaps(capture: Capture) -> list[Remark]:
+    """Markers that jump, those that do most by name."""
+    if capture.markers is None:
+        return []
+    found = sorted(jumps(capture.markers.trial).items(), key=lambda item: -item[1][1])
+    remarks = [
+        Remark(f"The marker {bare_label(label)} jumps by up to {100.0 * worst:.0f} cm in a frame.", _frames(far, 0))
+        for label, (far, worst) in found[:_NAMED]
+    ]
+    if len(found) > _NAMED:
+        names = ", ".join(bare_label(label) for label, _ in found[_NAMED:])
+        remarks.append(Remark(f"So do {names}.", _frames(np.any([far for _, (far, _) in found[_NAMED:]], axis=0), 0)))
+    return remarks
+
+
+def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
+    """Legs that make a giant, and limbs that are no pair."""
+    seen = positions[capture.first_frame :: max(1, capture.frame_count // 256)]
+
+    def bones(limb: str) -> FloatArray:
+        joints = [body[part] for part in LIMBS[limb]]
+        return np.array(
+            [float(np.median(np.linalg.norm(seen[:, b] - seen[:, a], axis=1))) for a, b in pairwise(joints)]
+        )
+
+    found = []
+    for limb in ("arm", "leg"):
+        left, right = bones(f"left {limb}"), bones(f"right {limb}")
+        odd = np.abs(left - right) > ODD_PAIR * np.maximum(left, right)
+        if odd.any():
+            part = LIMBS[f"left {limb}"][int(np.argmax(odd))].label.lower().removeprefix("left ")
+            lengths = " and ".join(f"{100.0 * float(side[np.argmax(odd)]):.0f}" for side in (left, right))
+            words = f"The left and the right {part} are {lengths} cm long: labels or joints may be swapped."
+            found.append(Remark(words))
+    stature = float(bones("left leg").sum()) / LEGS_OF_STATURE
+    if stature > TALLEST:
+        found.append(Remark(f"By its legs the body is {stature:.1f} m tall. Check the unit."))
+    return found
+
+
+def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:
+    steps = np.linalg.norm(np.diff(root, axis=0), axis=1)
+    speeds = steps * capture.frame_rate
+    far = (steps > LONGEST_JUMP) & (speeds > FASTEST_ROOT + 3.0 * (np.median(speeds) if len(speeds) else 0.0))
+    far[: capture.first_frame] = False
+    if not far.any():
+        return []
+    worst = 100.0 * float(steps[far].max())
+    return [Remark(f"The hips jump by up to {worst:.0f} cm in a frame.", _frames(far, 1))]
+
+
+def _rushes(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
+    """Hands and feet that are faster than those of any person, as seen from the hips."""
+    found = []
+    root = positions[:, body.spine[0]]
+    for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND, BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT):
+        speeds = np.linalg.norm(np.diff(positions[:, body[part]] - root, axis=0), axis=1) * capture.frame_rate
+        fast = speeds > FASTEST
+        fast[: capture.first_frame] = False
+        if fast.any():
+            words = f"The {part.label.lower()} moves at up to {float(speeds[fast].max()):.0f} m/s, as no person's does."
+            found.append(Remark(words, _frames(fast, 1)))
+    return found
+
+
+def _hovers(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
+    feet = [body[part] for part in (BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)]
+    below = sorted({*feet, *(joint for foot in feet for joint in capture.skeleton.descendants(foot))})
+    ankle = positions[capture.first_frame :, feet, 2].min(axis=1) - capture.floor
+    lowest = positions[capture.first_frame :, below, 2].min(axis=1) - capture.floor
+    over = float(lowest.min())
+    if over < HOVERING or (len(below) == len(feet) and float(ankle.min()) < 2.5 * HOVERING):
+        return []
+    return [Remark(f"The take hovers: its feet are {100.0 * over:.0f} cm above the floor at least. Check the floor.")]
+
+
+def _frames(odd: NDArray[np.bool_], later: int) -> tuple[tuple[int, int], ...]:
+    """Spans of frames, ``later`` than those of steps."""
+    spans: Sequence[tuple[int, int]] = spans_of(odd)
+    return tuple((first + later, last + later) for first, last in spans)

@@ -1,0 +1,192 @@
+"""Hands that touch or hold: each other, a thing between them, their own body. Where a motion's actor does so.
+
+Wrists as near to each other as a hand is long, or nearly, are *together*; wrists before the chest whose distance stays
+the same for long hold a *thing*; a palm that rests on a capsule of the body's volume lies on that part of it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import Span, Touch, spans_of
+from studio.core.mesh.volume import CAPSULES_OF, PALM, BodyVolume, usual_volume
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import realize
+
+FloatArray = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+TOGETHER = (0.31, 0.36)
+"""Parts of the leg's length between the wrists below which hands come together, and beyond which they part."""
+PASSING = 0.04
+"""Seconds for which hands may be together without being counted."""
+APART = 0.15
+"""Seconds for which a touch may be given up without being two."""
+HELD = (0.3, 0.75)
+"""Parts of the leg's length between which wrists hold a thing."""
+BEFORE = 0.2
+"""Parts of the leg's length that wrists which hold a thing are in front of the neck's base, in the chest's axes."""
+STEADY, STEADY_FOR = 0.035, 0.5
+"""Parts of the leg's length by which the distance of wrists that hold a thing changes at most in so many seconds."""
+LONG, FAR = 1.0, 0.25
+"""Seconds for which a thing is held at least, and parts of the leg's length that it is carried in the chest's axes: who
+is on guard holds nothing.
+"""
+RESTING = (0.03, 0.05)
+"""Parts of the leg's length between palm and body below which a hand comes to rest, and beyond which it leaves."""
+LYING_STILL = 0.4
+"""Parts of the leg's length a second that a resting hand goes over the body at most."""
+HANGING = (0.9, 0.85)
+"""Part of its length to which an arm hangs at least, and cosine of how far off the chest's down: beside hips and thighs
+such an arm only hangs.
+"""
+RESTS_FOR = 0.6
+"""Seconds for which a hand rests at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spots:
+    """Where a palm is beside one capsule of its body, in every frame.
+
+    ``along`` (F,) part of the capsule's length, ``ways`` (F, 3) out of it in the axes of the segment that carries its
+    begin, ``rooms`` (F,) metres from surface to surface.
+    """
+
+    along: FloatArray
+    ways: FloatArray
+    rooms: FloatArray
+
+
+def palm(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
+    """(F, 3) the middle of a hand's palm."""
+    wrist = body.layout.wrist(side)
+    return np.asarray(positions[:, wrist] + PALM * (positions[:, wrist + 1] - positions[:, wrist]))
+
+
+def spots(
+    side: int, capsule: int, body: Morphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
+) -> Spots:
+    """A palm beside a capsule of ``volume``, of posed bodies (F, P, 3), (F, S, 3, 3)."""
+    begin, end = (_end(volume, capsule, end, body, positions, rotations) for end in range(2))
+    axis, way = end - begin, palm(side, body, positions) - begin
+    along = np.clip((axis * way).sum(axis=1) / (axis * axis).sum(axis=1), 0.0, 1.0)
+    away = way - along[:, None] * axis
+    distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
+    first, last = volume.radii[capsule]
+    local = np.einsum("fji,fj->fi", rotations[:, volume.segments[capsule, 0]], away / distance[:, None])
+    return Spots(along, local, distance - first - along * (last - first) - volume.girths[3])
+
+
+def _end(
+    volume: BodyVolume, capsule: int, end: int, body: Morphology, positions: FloatArray, rotations: FloatArray
+) -> FloatArray:
+    segment = volume.segments[capsule, end]
+    origin = body.layout.proximal_points()[segment]
+    return np.asarray(positions[:, origin] + rotations[:, segment] @ volume.places[capsule, end])
+
+
+def find_touches(
+    motion: NormalizedMotion, actor: Morphology, free: Mask, first_frame: int = 0
+) -> Iterator[tuple[Touch, Span]]:
+    """What hands touch and hold while the ``actor`` plays the motion; frames before ``first_frame`` are left out.
+
+    ``free`` (2, F) where each hand is free of the ground.
+    """
+    positions, rotations = (each[first_frame:] for each in realize(motion, actor, play=True))
+    free = free[:, first_frame:]
+    together, held = _both_hands(actor, positions, rotations, motion.frame_rate)
+    both = free.all(axis=0)
+    found = {Touch.HANDS_TOGETHER: together & both, Touch.HANDS_ON_THING: held & both}
+    volume = usual_volume(actor)
+    for side, name in enumerate(("left", "right")):
+        parts = {}
+        for part, capsules in CAPSULES_OF.items():
+            near = [spots(side, capsule, actor, volume, positions, rotations) for capsule in capsules]
+            rests, rooms = _resting(near, actor.leg_length, motion.frame_rate)
+            hangs = part in ("hips", "thigh") and _hanging(side, actor, positions, rotations)
+            parts[part] = rests & ~np.asarray(hangs), rooms
+        found |= {Touch(f"{name}_hand_on_{part}"): mask & free[side] for part, mask in _nearest(parts).items()}
+    least = {Touch.HANDS_TOGETHER: PASSING, Touch.HANDS_ON_THING: LONG}
+    for touch, mask in found.items():
+        for first, last in _joined(mask, round(APART * motion.frame_rate)):
+            if last - first + 1 > least.get(touch, RESTS_FOR) * motion.frame_rate:
+                yield touch, (first + first_frame, last + first_frame)
+
+
+def _both_hands(actor: Morphology, positions: FloatArray, rotations: FloatArray, rate: float) -> tuple[Mask, Mask]:
+    """(F,) where hands are together, and where they hold a thing."""
+    layout, leg = actor.layout, actor.leg_length
+    chest = rotations[:, layout.spine_count - 1]
+    wrists = positions[:, [layout.wrist(0), layout.wrist(1)]] - positions[:, None, layout.neck_base]
+    wrists = np.einsum("fij,fwi->fwj", chest, wrists) / leg
+    gap = np.linalg.norm(wrists[:, 1] - wrists[:, 0], axis=1)
+    together, before = _between(gap, *TOGETHER), wrists[:, :, 0].min(axis=1)
+    around = 2 * round(0.5 * STEADY_FOR * rate) + 1
+    spread = maximum_filter1d(gap, around, mode="nearest") - minimum_filter1d(gap, around, mode="nearest")
+    steady = maximum_filter1d(spread < STEADY, around, mode="constant", cval=False)  # a steady stretch is so as a whole
+    held = steady & (before > BEFORE) & (gap > HELD[0]) & (gap < HELD[1]) & ~together
+    for first, last in spans_of(held):
+        held[first : last + 1] = np.ptp(wrists[first : last + 1].mean(axis=1), axis=0).max() > FAR
+    return together, held
+
+
+def _hanging(side: int, actor: Morphology, positions: FloatArray, rotations: FloatArray) -> Mask:
+    """(F,) where an arm hangs down."""
+    wrist = actor.layout.wrist(side)
+    arm = positions[:, wrist] - positions[:, wrist - 2]
+    length = np.linalg.norm(arm, axis=1)
+    down = -(arm * rotations[:, actor.layout.spine_count - 1, :, 2]).sum(axis=1)
+    return np.asarray((length > HANGING[0] * actor.arm[side].sum()) & (down > HANGING[1] * length))
+
+
+def _resting(near: list[Spots], leg: float, rate: float) -> tuple[Mask, FloatArray]:
+    """(F,) where a palm rests beside any of some capsules, and how far it is from the nearest."""
+    rooms = np.min([each.rooms for each in near], axis=0)
+    speeds = np.min([_speed(each, rate) for each in near], axis=0)
+    return _between(rooms / leg, *RESTING) & (speeds < LYING_STILL * leg), rooms
+
+
+def _speed(spot: Spots, rate: float) -> FloatArray:
+    """(F,) metres a second at which a palm goes round a capsule or away from it."""
+    place = spot.ways * (spot.rooms + 0.1)[:, None]
+    if len(place) < 2:
+        return np.zeros(len(place))
+    half = max(1, round(0.05 * rate))
+    padded = np.pad(place, ((half, half), (0, 0)), mode="edge")
+    ahead, behind = padded[2 * half :], padded[: -2 * half]
+    return np.asarray(np.linalg.norm(ahead - behind, axis=1) * rate / (2 * half))
+
+
+def _nearest(parts: dict[str, tuple[Mask, FloatArray]]) -> dict[str, Mask]:
+    """Where a hand rests on each part: through one rest it is on the part that is nearest to it all in all."""
+    anywhere = np.any([mask for mask, _ in parts.values()], axis=0)
+    found = {part: np.zeros_like(anywhere) for part in parts}
+    for first, last in spans_of(anywhere):
+        span = slice(first, last + 1)
+        best = min(parts, key=lambda part: float(parts[part][1][span].mean()))
+        found[best][span] = True
+    return found
+
+
+def _between(track: FloatArray, begins: float, ends: float) -> Mask:
+    """(F,) the stretches in which ``track`` (F,) stays below ``ends`` and falls below ``begins``."""
+    found = np.zeros(len(track), dtype=np.bool_)
+    for first, last in spans_of(track < ends):
+        if (track[first : last + 1] < begins).any():
+            found[first : last + 1] = True
+    return found
+
+
+def _joined(mask: Mask, gap: int) -> list[Span]:
+    """The stretches of a mask (F,), those within ``gap`` frames of each other as one."""
+    joined: list[Span] = []
+    for first, last in spans_of(mask):
+        if joined and first - joined[-1][1] - 1 <= gap:
+            joined[-1] = (joined[-1][0], last)
+        else:
+            joined.append((first, last))
+    return joined

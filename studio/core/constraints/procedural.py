@@ -1,0 +1,131 @@
+"""Places that move by a rule: round a circle, as a pendulum, or at random; each is exact at any time, in any order."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio.core.constraints.base import Vector, finite_vector
+
+FloatArray = NDArray[np.float64]
+
+WAVES = 5
+"""Sine waves of which each direction of a noise is made."""
+SLOWEST_WAVE = 0.3
+"""Turns of the slowest of them while the fastest does one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RuledPlace:
+    """What all have: a ``centre`` in metres, one round in ``seconds``, begun at ``since`` seconds.
+
+    ``heading`` turns the whole way about Z, in radians.
+    """
+
+    kind: ClassVar[str]
+    rounds: ClassVar[float] = 1.0
+    """How many of them show the whole way."""
+    centre: Vector = (0.0, 0.0, 1.0)
+    heading: float = 0.0
+    seconds: float = 2.0
+    since: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", finite_vector(self.centre, "The centre of a place that moves"))
+        numbers = [value for value in vars(self).values() if isinstance(value, float | int)]
+        if not all(math.isfinite(number) for number in numbers) or self.seconds <= 0.0:
+            raise ValueError("A place that moves has finite numbers, and takes more than 0 seconds for a round.")
+
+    def at(self, times: ArrayLike) -> FloatArray:
+        """(N, 3) metres at ``times`` (N,) seconds."""
+        way = self._way((np.asarray(times, dtype=np.float64) - self.since) / self.seconds)
+        c, s = math.cos(self.heading), math.sin(self.heading)
+        return np.asarray(way @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + self.centre)
+
+    def path(self, time: float) -> FloatArray:
+        """(N, 3) the way round ``time``."""
+        around = self.rounds * self.seconds / 2.0
+        return self.at(np.linspace(time - around, time + around, round(96 * self.rounds) + 1))
+
+    def passing(self, place: Vector, time: float) -> Self:
+        """The same way elsewhere, so that it is at ``place`` at ``time``."""
+        x, y, z = (np.array(self.centre) + place - self.at([time])[0]).tolist()
+        return replace(self, centre=(x, y, z))
+
+    def mirrored(self) -> Self:
+        """With left for right: y is -y."""
+        x, y, z = self.centre
+        return replace(self, centre=(x, -y, z), heading=-self.heading)
+
+    def _way(self, rounds: FloatArray) -> FloatArray:
+        """(N, 3) from the centre after so many ``rounds`` (N,), with heading 0."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, kw_only=True)
+class CirclePlace(RuledPlace):
+    """Round a circle of ``radius`` metres that lies flat, or is tilted by so many radians about where it begins."""
+
+    kind: ClassVar[str] = "circle"
+    radius: float = 0.2
+    tilt: float = 0.0
+
+    def mirrored(self) -> Self:
+        return replace(super().mirrored(), tilt=math.pi - self.tilt)
+
+    def _way(self, rounds: FloatArray) -> FloatArray:
+        angle = 2.0 * np.pi * rounds
+        ahead, aside = self.radius * np.cos(angle), self.radius * np.sin(angle)
+        return np.stack([ahead, math.cos(self.tilt) * aside, math.sin(self.tilt) * aside], axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PendulumPlace(RuledPlace):
+    """The end of a pendulum of ``length`` metres, ``angle`` radians to each side; its ``centre`` is where it hangs."""
+
+    kind: ClassVar[str] = "pendulum"
+    length: float = 1.0
+    angle: float = 0.5
+
+    def _way(self, rounds: FloatArray) -> FloatArray:
+        swing = self.angle * np.cos(2.0 * np.pi * rounds)
+        level = np.zeros_like(swing)
+        return self.length * np.stack([np.sin(swing), level, 1.0 - np.cos(swing)], axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NoisePlace(RuledPlace):
+    """Wanders within ``reach`` metres to each side, the fastest of its waves once in ``seconds``; ``seed`` says how."""
+
+    kind: ClassVar[str] = "noise"
+    rounds: ClassVar[float] = 2.0
+    reach: Vector = (0.1, 0.1, 0.1)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "reach", finite_vector(self.reach, "The reach of a place that wanders"))
+        if not 0 <= self.seed < 2**32:
+            raise ValueError(f"The seed of a place that wanders is a whole number from 0 on, not {self.seed}.")
+
+    def mirrored(self) -> Self:
+        x, y, z = self.reach
+        return replace(super().mirrored(), reach=(x, -y, z))
+
+    def _way(self, rounds: FloatArray) -> FloatArray:
+        paces, phases = _waves(self.seed)
+        waves = np.sin(2.0 * np.pi * (rounds[..., None, None] * paces + phases))
+        return np.asarray(waves.mean(axis=-1) * np.array(self.reach))
+
+
+ProceduralPlace = CirclePlace | PendulumPlace | NoisePlace
+
+
+@lru_cache(maxsize=256)
+def _waves(seed: int) -> tuple[FloatArray, FloatArray]:
+    """(3, WAVES) turns a round and turns at its beginning, of each direction; the same for a seed for ever."""
+    drawn = np.random.RandomState(seed).random_sample((2, 3, WAVES))  # whose numbers never change
+    return SLOWEST_WAVE + (1.0 - SLOWEST_WAVE) * drawn[0], drawn[1]

@@ -1,0 +1,70 @@
+"""Keep upright: an axis of a segment points one way, as a tray stays level and a head stays up."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import BodyPoint, Constraint, Shown, Vector, finite_vector
+
+if TYPE_CHECKING:
+    from studio.core.constraints.carried_over import Carry
+
+LENGTH, SIDES = 0.25, 24
+"""Metres of the axis as it is drawn, and sides of its cone."""
+
+
+@dataclass(frozen=True)
+class UprightConstraint(Constraint):
+    """An ``axis`` of the segment of ``point``, in the segment's axes, is to lean no further than ``cone`` radians away
+    from a ``direction`` in the space of the motion.
+
+    The segment turns about the direction as it likes. The miss is an angle. Raises ValueError for an axis or a
+    direction without a length, and for a cone that is below zero or half a turn and more.
+    """
+
+    kind: ClassVar[str] = "upright"
+    unit: ClassVar[str] = "rad"
+    shown: ClassVar[Shown] = Shown(
+        "Keep upright", "Hold an axis of what turns about the picked joint to the way it points, within a cone",
+        "#A9B96F", picks=True,
+    )  # fmt: skip
+    axis: Vector = (0.0, 0.0, 1.0)
+    direction: Vector = (0.0, 0.0, 1.0)
+    cone: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("axis", "direction"):
+            numbers = np.array(finite_vector(getattr(self, name), f"'{self.name}': the {name}"))
+            length = float(np.linalg.norm(numbers))
+            if not length > 1e-6:
+                raise ValueError(f"'{self.name}': the {name} points nowhere. Give it a length.")
+            object.__setattr__(self, name, tuple((numbers / length).tolist()))
+        if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
+            raise ValueError(f"'{self.name}': a cone lies between 0 and half a turn, got {self.cone} radians.")
+
+    def carried(self, carry: "Carry") -> dict[str, Any]:
+        """Its axis and direction where a clip plays, turned and mirrored."""
+        axis = carry.point(BodyPoint(self.point.part, self.axis)).offset
+        return {"axis": axis, "direction": tuple(carry.ways(self.direction).tolist())}
+
+    def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """The axis as it is, and the cone that it may be in."""
+        wanted = np.array(self.direction)
+        side = np.cross(wanted, np.eye(3)[np.argmin(np.abs(wanted))])
+        side /= np.linalg.norm(side)
+        angles = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)[:, None]
+        ring = np.cos(angles) * side + np.sin(angles) * np.cross(wanted, side)
+        ring = place + LENGTH * (np.cos(self.cone) * wanted + np.sin(self.cone) * ring)
+        axis = np.stack([place, place + LENGTH * (turn @ np.array(self.axis))])
+        spokes = tuple(np.stack([place, ring[k]]) for k in range(0, SIDES, SIDES // 4))
+        return (axis, ring, *spokes) if self.cone > 0.0 else (axis, np.stack([place, place + LENGTH * wanted]))
+
+    def lean(self, turns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(F,) radians by which the axis of a segment with rotations (F, 3, 3) leans beyond its cone."""
+        axes, wanted = turns @ np.array(self.axis), np.array(self.direction)
+        leans = np.arctan2(np.linalg.norm(np.cross(axes, wanted), axis=1), axes @ wanted)
+        return np.asarray(np.maximum(leans - self.cone, 0.0))

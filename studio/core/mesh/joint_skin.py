@@ -1,0 +1,119 @@
+"""A skin bound to the joints of an ordinary skeleton, as formats for other programs want it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.character import Character
+from studio.core.body.character_skeleton import joint_points, joint_segments, t_pose_rotations
+from studio.core.body.kinematics import joint_world
+from studio.core.body.pose import PoseSequence
+from studio.core.body.skeleton import Skeleton
+from studio.core.mesh.appearance import Appearance
+from studio.core.mesh.skin import INFLUENCES, bound_pose, fit_skin
+from studio.core.rotations import IDENTITY, frame_along
+
+FloatArray = NDArray[np.float64]
+
+_GIRTH = 0.08
+"""Half the thickness of a drawn bone, as a part of its length."""
+_SHORTEST = 1e-4
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class JointSkin:
+    """A mesh in the world space (metres, Z up) of the pose in which its joints carry it without moving it.
+
+    ``vertices`` and unit ``normals`` (V, 3), ``triangles`` (T, 3) counter-clockwise from outside, ``joints`` and
+    ``weights`` (V, 4), 0 where there is no influence; ``bind_positions`` (J, 3) and ``bind_rotations`` (J, 3, 3) of
+    the joints in that world.
+    """
+
+    vertices: FloatArray
+    normals: FloatArray
+    triangles: NDArray[np.int32]
+    joints: NDArray[np.int32]
+    weights: FloatArray
+    bind_positions: FloatArray
+    bind_rotations: FloatArray
+    appearance: Appearance | None = None
+
+
+def character_skin(character: Character, skeleton: Skeleton | None = None) -> JointSkin:
+    """The character's own skin on the joints of its ``character_skeleton``.
+
+    Joints that ``skeleton`` has behind those are bound as they hang and carry nothing of the skin. Plain linear
+    blending of what it gives is within the elbows' and knees' creases what the studio shows.
+    """
+    body = character.morphology
+    mesh = fit_skin(character.shown_skin, character.build, body)
+    positions, rotations = bound_pose(character.skin, body)
+    segments = np.array(joint_segments(body.layout))
+    joint_of = np.zeros(body.layout.segment_count, dtype=np.int32)
+    joint_of[segments[segments >= 0]] = np.flatnonzero(segments >= 0)
+    moved = rotations @ np.swapaxes(t_pose_rotations(body), 1, 2)
+    weights = mesh.weights.astype(np.float64)
+    binds = (
+        positions[list(joint_points(body.layout))],
+        np.where((segments >= 0)[:, None, None], moved[segments], np.eye(3)),
+    )
+    if skeleton is not None:
+        binds = _with_those_behind(*binds, skeleton)
+    return JointSkin(
+        mesh.vertices.astype(np.float64),
+        mesh.normals.astype(np.float64),
+        mesh.triangles,
+        np.where(weights > 0.0, joint_of[mesh.segments], 0).astype(np.int32),
+        weights / weights.sum(axis=1, keepdims=True),
+        binds[0],
+        binds[1],
+        mesh.appearance,
+    )
+
+
+def _with_those_behind(
+    positions: FloatArray, rotations: FloatArray, skeleton: Skeleton
+) -> tuple[FloatArray, FloatArray]:
+    """Places (J, 3) and turns (J, 3, 3) of the first joints of ``skeleton``, and of all behind them at rest."""
+    places, turns = list(positions), list(rotations)
+    for joint in range(len(positions), skeleton.joint_count):
+        parent = int(skeleton.parents[joint])
+        places.append(places[parent] + turns[parent] @ skeleton.offsets[joint])
+        turns.append(turns[parent])
+    return np.array(places), np.array(turns)
+
+
+def bone_skin(skeleton: Skeleton) -> JointSkin:
+    """A figure of bones, one solid from each joint to each that hangs from it, for a skeleton that has no skin."""
+    rest = PoseSequence(np.tile(IDENTITY, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
+    positions, rotations = (array[0] for array in joint_world(skeleton, rest))
+    bones = [
+        (parent, _bone(positions[parent], positions[joint]))
+        for joint, parent in enumerate(skeleton.parents.tolist())
+        if parent >= 0 and np.linalg.norm(skeleton.offsets[joint]) > _SHORTEST
+    ]
+    corners = np.concatenate([bone for _, bone in bones]) if bones else np.empty((0, 3, 3))
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    count = 3 * len(corners)
+    joints = np.zeros((count, INFLUENCES), dtype=np.int32)
+    joints[:, 0] = np.repeat([joint for joint, _ in bones], 3 * 8)
+    weights = np.zeros((count, INFLUENCES))
+    weights[:, 0] = 1.0
+    triangles = np.arange(count, dtype=np.int32).reshape(-1, 3)
+    return JointSkin(
+        corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), triangles, joints, weights, positions, rotations
+    )
+
+
+def _bone(start: FloatArray, end: FloatArray) -> FloatArray:
+    """(8, 3, 3) corners of the triangles of an octahedron, thickest a sixth of the way."""
+    length = float(np.linalg.norm(end - start))
+    frame = frame_along(end - start, _UP)
+    ring = (
+        start + (end - start) / 6.0 + _GIRTH * length * np.array([frame[:, 0], frame[:, 1], -frame[:, 0], -frame[:, 1]])
+    )
+    sides = [(ring[k], ring[(k + 1) % 4]) for k in range(4)]
+    return np.array([(start, b, a) for a, b in sides] + [(end, a, b) for a, b in sides])

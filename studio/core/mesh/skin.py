@@ -1,0 +1,247 @@
+"""A skin: a mesh bound to the segments of a body, fitted to other bodies and carried by their poses."""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import FloatArray, Morphology
+from studio.core.body.rest_pose import rest_pose
+from studio.core.body.standing import standing_points
+from studio.core.mesh.appearance import Appearance
+from studio.core.mesh.hand_shapes import HandShapes
+
+INFLUENCES = 4
+_FOOT_LENGTHS = (0.6, 1.6)
+_FOOT_HEIGHTS = (0.3, 4.0)
+_COLUMNS: tuple[tuple[str, type, int], ...] = (
+    ("vertices", np.float32, 3),
+    ("normals", np.float32, 3),
+    ("centres", np.float32, 3),
+    ("triangles", np.int32, 3),
+    ("segments", np.int32, INFLUENCES),
+    ("weights", np.float32, INFLUENCES),
+)
+
+
+class Blending(StrEnum):
+    """How the motions of several segments become that of a vertex."""
+
+    LINEAR = "linear"
+    """A weighted mean of where each takes it: of the vertex itself, or of the centre that its mesh gives it."""
+    DUAL_QUATERNIONS = "dual_quaternions"
+    """One screw motion between them: wrists and shoulders keep their girth when they twist."""
+
+
+@dataclass(frozen=True, eq=False)
+class SkinnedMesh:
+    """A triangle mesh around its build, each vertex bound to up to four segments.
+
+    ``vertices`` (V, 3) in metres and unit ``normals`` (V, 3) stand in the world space of the pose in which they
+    were bound; ``triangles`` (T, 3) run counter-clockwise seen from outside; ``segments`` (V, 4) are indices in
+    the canonical layout; ``weights`` (V, 4) fall along each row, which sums to 1; ``centres`` (V, 3) are points
+    about which the blended rotation of each vertex turns, the vertices themselves for plain linear blending.
+    Raises ValueError naming a member whose shape or index is wrong.
+    """
+
+    vertices: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    centres: NDArray[np.float32]
+    triangles: NDArray[np.int32]
+    segments: NDArray[np.int32]
+    weights: NDArray[np.float32]
+    stance: FloatArray | None = None
+    """(K+18, 3, 3) world rotations of the segments when bound, standing as ``standing_points`` has it; None stands
+    for the rest pose."""
+    appearance: Appearance | None = None
+    """None for one that is all of its character's colour."""
+    hands: HandShapes | None = None
+    """None for one whose hands have one shape."""
+
+    def __post_init__(self) -> None:
+        for name, kind, width in _COLUMNS:
+            array: NDArray[Any] = np.array(getattr(self, name), dtype=kind)
+            rows = array.shape[0] if name == "triangles" else len(self.vertices)
+            if array.shape != (rows, width):
+                raise ValueError(f"{name}: expected shape ({rows}, {width}), got {array.shape}.")
+            if not np.isfinite(array).all():
+                raise ValueError(f"{name}: holds a number that is not finite.")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if not len(self.vertices) or not len(self.triangles):
+            raise ValueError("vertices: a mesh needs at least one triangle.")
+        if self.triangles.min() < 0 or self.triangles.max() >= len(self.vertices):
+            raise ValueError("triangles: name a vertex that is not there.")
+        if self.segments.min() < 0:
+            raise ValueError("segments: an index is below zero.")
+        if (np.diff(self.weights, axis=1) > 0).any() or not np.allclose(self.weights.sum(axis=1), 1, atol=1e-5):
+            raise ValueError("weights: each row falls and sums to 1.")
+        if self.stance is not None:
+            self._check_stance(np.array(self.stance, dtype=np.float64))
+        if self.hands is not None and self.hands.count >= len(self.vertices):
+            raise ValueError("hands: they have more vertices than the mesh.")
+        look = self.appearance
+        if look and (len(look.coordinates), len(look.triangle_materials)) != (len(self.vertices), len(self.triangles)):
+            raise ValueError("appearance: does not fit the mesh.")
+
+    def fits(self, segment_count: int) -> bool:
+        """Whether a body of so many segments can carry it."""
+        return int(self.segments.max()) < segment_count and (self.stance is None or len(self.stance) == segment_count)
+
+    def _check_stance(self, stance: FloatArray) -> None:
+        if stance.ndim != 3 or stance.shape[1:] != (3, 3) or not np.isfinite(stance).all():
+            raise ValueError("stance: expected a rotation for every segment.")
+        if not np.allclose(stance @ np.swapaxes(stance, 1, 2), np.eye(3), atol=1e-4):
+            raise ValueError("stance: holds a matrix that is no rotation.")
+        stance.setflags(write=False)
+        object.__setattr__(self, "stance", stance)
+
+
+def skin_vertices(
+    mesh: SkinnedMesh,
+    build: Morphology,
+    morphology: Morphology,
+    positions: FloatArray,
+    rotations: FloatArray,
+    out_vertices: NDArray[np.float32] | None = None,
+    out_normals: NDArray[np.float32] | None = None,
+    blending: Blending = Blending.LINEAR,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """World vertices and normals (V, 3) of one frame, written in place where ``out_`` arrays are given.
+
+    ``positions`` (K+23, 3) and ``rotations`` (K+18, 3, 3) pose a body of ``morphology``; ``mesh`` is bound to
+    ``build``. The mesh fitted to ``morphology`` is remembered, so only a moved slider pays for it.
+    """
+    from studio.core.kernels.body import dual_quaternions, skinning  # late: numba takes longer than a window
+
+    fitted = fit_skin(mesh, build, morphology)
+    rest_positions, rest_rotations = bound_pose(mesh, morphology)
+    proximal = list(morphology.layout.proximal_points())
+    motions = np.empty((morphology.layout.segment_count, 16))
+    skinning.segment_motions(rest_rotations, rest_positions[proximal], rotations, positions[proximal], motions)
+    vertices = np.empty_like(mesh.vertices) if out_vertices is None else out_vertices
+    normals = np.empty_like(mesh.normals) if out_normals is None else out_normals
+    bound = fitted.segments, fitted.weights, motions, vertices, normals
+    if blending is Blending.DUAL_QUATERNIONS:
+        dual_quaternions.skin(fitted.vertices, fitted.normals, *bound)
+    else:
+        skinning.skin(fitted.vertices, fitted.normals, fitted.centres, *bound)
+    return vertices, normals
+
+
+@lru_cache(maxsize=64)
+def gripping(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
+    """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); one whose hands have one shape as it is."""
+    if mesh.hands is None or grip == 0.0:
+        return mesh
+    vertices, normals = mesh.hands.shaped(mesh.vertices, mesh.normals, grip)
+    return replace(mesh, vertices=vertices, normals=normals, hands=None)
+
+
+def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    """Positions (K+23, 3) and rotations (K+18, 3, 3) in which ``mesh``, fitted to ``morphology``, is bound."""
+    return _rest(morphology) if mesh.stance is None else _standing(mesh, morphology)
+
+
+@lru_cache(maxsize=64)
+def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> SkinnedMesh:
+    """``mesh``, bound to ``build``, reshaped to stand around ``morphology`` as it stood around ``build``.
+
+    Each segment stretches with its bone and thickens with the body; a body scaled as a whole gives the mesh
+    scaled as a whole. Raises ValueError when the two bodies have not the same number of spine segments.
+    """
+    if build.layout != morphology.layout:
+        raise ValueError("A skin fits bodies with the same number of spine segments only.")
+    if build == morphology:
+        return mesh
+    old_positions, old_rotations = bound_pose(mesh, build)
+    new_positions, new_rotations = bound_pose(mesh, morphology)
+    scales = segment_scales(build, morphology)
+    proximal = list(build.layout.proximal_points())
+    forms = np.einsum("sij,sj,skj->sik", new_rotations, scales, old_rotations)
+    shifts = new_positions[proximal] - np.einsum("sij,sj->si", forms, old_positions[proximal])
+    form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
+    shift = np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
+    turns = np.linalg.inv(form)
+    normals = np.einsum("vji,vj->vi", turns, mesh.normals)
+    hands = mesh.hands
+    if hands is not None:
+        last = slice(-hands.count, None)
+        moved = np.einsum("vij,gvj->gvi", form[last], hands.vertices) + shift[last]
+        turned = np.einsum("vji,gvj->gvi", turns[last], hands.normals)
+        hands = HandShapes(moved, turned / np.linalg.norm(turned, axis=2, keepdims=True))
+    return replace(
+        mesh,
+        hands=hands,
+        vertices=np.einsum("vij,vj->vi", form, mesh.vertices) + shift,
+        centres=np.einsum("vij,vj->vi", form, mesh.centres) + shift,
+        normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
+    )
+
+
+def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
+    """(K+18, 3) stretch of each segment along its own axes, from ``build`` to ``morphology``.
+
+    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond
+    it; head and hands keep their form; feet grow with their length and reach down to the ground; the trunk widens with
+    hips and shoulders.
+    """
+    layout, spine_count = build.layout, build.layout.spine_count
+    lengths = np.stack([_bone_lengths(body) for body in (build, morphology)])
+    along = np.divide(lengths[1], lengths[0], out=np.ones(len(lengths[0])), where=lengths[0] > 1e-9)
+    shared = float(np.median(along))
+    girth = shared * (along / shared) ** 0.25
+    scales = np.stack([girth, girth, along], axis=1)
+    for side in (0, 1):
+        hand, foot = (layout.segment(part) + 4 * side for part in (BodyPart.LEFT_HAND, BodyPart.LEFT_FOOT))
+        scales[hand] = along[hand]
+        scales[foot : foot + 2] = _foot_scales(build, morphology, side, shared)
+    scales[layout.segment(BodyPart.HEAD)] = along[layout.segment(BodyPart.HEAD)]
+    hips, shoulders = _trunk_widths(morphology) / _trunk_widths(build)
+    scales[:spine_count, 0] = shared
+    scales[:spine_count, 1] = np.linspace(hips, shoulders, spine_count)
+    return scales
+
+
+def _foot_scales(build: Morphology, morphology: Morphology, side: int, shared: float) -> FloatArray:
+    """(2, 3) stretch of foot and toe: horizontally by their lengths, vertically so that the sole stays on the ground.
+
+    Kept near the ratio that most measures share, for a captured foot may have no length or no height at all.
+    """
+    measures = [
+        [(np.linalg.norm(body.foot[side, :2]), body.ankle_height[side]),
+         (np.linalg.norm(body.toe[side, :2]), body.toe_height[side])]
+        for body in (build, morphology)
+    ]  # fmt: skip
+    old, new = np.maximum(np.array(measures), 1e-6)
+    lengths, heights = (new / old).T / shared
+    sideways = shared * np.clip(lengths, *_FOOT_LENGTHS)
+    return np.stack([sideways, sideways, shared * np.clip(heights, *_FOOT_HEIGHTS)], axis=1)
+
+
+def _bone_lengths(body: Morphology) -> FloatArray:
+    """(K+18,) length of each segment: the distance between its two ends."""
+    positions, _ = _rest(body)
+    ends = positions[list(body.layout.distal_points())] - positions[list(body.layout.proximal_points())]
+    return np.asarray(np.linalg.norm(ends, axis=1))
+
+
+def _trunk_widths(body: Morphology) -> FloatArray:
+    """Distance between the hips, and between the shoulders."""
+    shoulders = np.ptp(body.collar_base[:, 1]) + body.clavicle.sum()
+    return np.array([np.ptp(body.hip_offset[:, 1]), shoulders])
+
+
+@lru_cache(maxsize=64)
+def _rest(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    return rest_pose(morphology)
+
+
+@lru_cache(maxsize=64)
+def _standing(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    assert mesh.stance is not None
+    return standing_points(morphology, mesh.stance), mesh.stance

@@ -1,0 +1,207 @@
+"""Layers over a row of clips: a part of the body plays another clip, or what a clip differs by is added.
+
+All of it happens in channels, which hold no lengths: the trunk in the pelvis, head and arms in the thorax, legs with
+the hips in the world. What stands is asked of whoever has the limb that stands.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, spans_of
+from studio.core.constraints.activation import EaseShape, ease
+from studio.core.kernels import layout as at
+from studio.core.normalized.compose import FEET, Composite, compose
+from studio.core.normalized.differences import blended, difference, moved
+from studio.core.normalized.joining import Planar, join
+from studio.core.normalized.mirror import mirrored
+from studio.core.normalized.pieces import POINTS, Mask, Piece
+from studio.core.normalized.resample import Resampled
+from studio.core.normalized.transition import LONGEST, fade_seconds, joint_peaks, placed
+from studio.core.stage.layer import Region
+
+FloatArray = NDArray[np.float64]
+
+GONE, WHOLE = 0.1, 0.9
+"""Shares of a layer until which what stands below it stands, and from which what stands in it does."""
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """A layer to be played: ``pieces`` are its clip, each time that it plays; the rest is as ``Layer`` has it."""
+
+    pieces: tuple[Piece, ...]
+    region: Region
+    weight: float
+    fades: tuple[float, float]
+    additive: bool
+    reference: int
+
+
+@lru_cache(maxsize=64)
+def layered(pieces: tuple[Piece, ...], overlays: tuple[Overlay, ...]) -> Composite:
+    """A row as ``compose`` has it, layers over it, the later over the earlier; the same ones give the same value."""
+    row = compose(pieces)
+    for overlay in overlays:
+        if overlay.weight > 0.0:
+            row = _Over(row, overlay).composite()
+    return row
+
+
+class _Over:
+    """One layer over what plays, in the frames of the row in which it plays."""
+
+    def __init__(self, row: Composite, overlay: Overlay) -> None:
+        self._row, self._overlay = row, overlay
+        self._own = compose(overlay.pieces)
+        self._places = row.motion.spine_places
+        self._columns = columns_of(overlay.region, row.motion.channels.shape[1])
+        timing = row.timing
+        times = timing.begin + np.arange(row.motion.frame_count) / timing.frame_rate
+        within = (times > self._own.timing.start - 1e-9) & (times < self._own.timing.end + 1e-9)
+        self._frames = np.flatnonzero(within[timing.first : timing.last + 1]) + timing.first
+        self._times = times[self._frames]
+
+    def composite(self) -> Composite:
+        """The row with the layer over it."""
+        if not len(self._frames):
+            return self._row
+        below = self._row.motion.channels[self._frames]
+        own = Resampled(self._own.motion, self._places).at(self._own.timing.frames_at(self._times))
+        if self._overlay.additive:
+            own = self._added(below, own)
+        elif Region.LEGS in self._overlay.region.parts:
+            own = self._placed(below, own)
+        shares = self._shares(below, own)
+        over = blended(below, own, shares)
+        over[shares == 1.0] = own[shares == 1.0]
+        channels = np.array(self._row.motion.channels)
+        changed = self._frames[shares > 0.0]
+        channels[np.ix_(changed, self._columns)] = over[shares > 0.0][:, self._columns]
+        channels.setflags(write=False)
+        contacts = self._row.contacts if self._overlay.additive else self._contacts(shares)
+        return replace(self._row, motion=replace(self._row.motion, channels=channels), contacts=contacts)
+
+    def _added(self, below: FloatArray, own: FloatArray) -> FloatArray:
+        """What plays with all that the clip differs by from its reference; ways over the ground turn with the body."""
+        piece = self._overlay.pieces[0]
+        motion = mirrored(piece.motion) if piece.mirrored else piece.motion
+        frame = piece.first if self._overlay.reference < 0 else min(self._overlay.reference, motion.frame_count - 1)
+        pose = Resampled(motion, self._places).at(np.array([float(frame)]))
+        by = difference(np.tile(pose, (len(own), 1)), own)
+        turn = below[:, at.YAW] - pose[0, at.YAW]
+        x, y = by[:, at.HIPS].copy(), by[:, at.HIPS + 1].copy()
+        by[:, at.HIPS], by[:, at.HIPS + 1] = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
+        return moved(below, by)
+
+    def _placed(self, below: FloatArray, own: FloatArray) -> FloatArray:
+        """The clip's channels where its legs stand as those below do as it begins."""
+        begin = slice(0, max(round(LONGEST / 2 * self._row.timing.frame_rate), 1))
+        frames = self._frames[begin]
+        both = (self._stands(self._row)[FEET][:, frames] & self._own_stands()[FEET][:, frames]).T
+        found = join(below[begin], own[begin], both, self._places, np.ones(len(frames))).placement
+        if found == Planar():
+            return own
+        return placed(own, found.turn, np.array(found.offset))
+
+    def _shares(self, below: FloatArray, own: FloatArray) -> FloatArray:
+        """(N,) how much of the layer is seen: it fades but where the row itself begins and ends."""
+        row, rate = self._row.timing, self._row.timing.frame_rate
+        begin, end = self._own.timing.start, self._own.timing.end
+        by = np.where(self._columns, difference(below, own), 0.0)
+        peaks = np.maximum(joint_peaks(below, rate), joint_peaks(own, rate))
+        reach = min(round(LONGEST * rate), len(by))
+        longest = (end - begin) / 2.0
+        shares = np.full(len(self._times), self._overlay.weight)
+        ends = (
+            (begin > row.start + 0.5 / rate, self._overlay.fades[0], by[:reach], self._times - begin),
+            (end < row.end - 0.5 / rate, self._overlay.fades[1], by[len(by) - reach :], end - self._times),
+        )
+        for fades, asked, differs, since in ends:
+            seconds = min(asked or fade_seconds(differs, peaks), longest)
+            if fades and seconds > 0.0:
+                shares *= ease(since / seconds, EaseShape.QUINTIC)
+        return shares
+
+    def _contacts(self, shares: FloatArray) -> tuple[ContactInterval, ...]:
+        """What stands: of limbs that the layer has, as it says; what stands in both stands through its fades."""
+        own, ended = points_of(self._overlay.region)
+        if not own and not ended:
+            return self._row.contacts
+        share = np.zeros(self._row.motion.frame_count)
+        share[self._frames] = shares
+        below, theirs = self._stands(self._row), self._own_stands()
+        contacts: list[ContactInterval] = []
+        for row, point in enumerate(POINTS):
+            as_before = [each for each in self._row.contacts if each.point is point]
+            standing = below[row]
+            if point in own:
+                kept = (share < GONE) | theirs[row]
+                standing = (below[row] & kept) | (theirs[row] & (share > WHOLE))
+            elif point in ended:
+                standing = below[row] & (share < GONE)
+            if np.array_equal(standing, below[row]):
+                contacts += as_before
+            else:
+                contacts += [ContactInterval("", point, first, last) for first, last in spans_of(standing)]
+        return tuple(contacts)
+
+    def _stands(self, row: Composite) -> Mask:
+        """(P, F) what stands in a row, in its frames."""
+        standing = np.zeros((len(POINTS), row.motion.frame_count), dtype=bool)
+        for contact in row.contacts:
+            standing[POINTS.index(contact.point), contact.first : contact.last + 1] = True
+        return standing
+
+    def _own_stands(self) -> Mask:
+        """(P, F) what stands in the layer, in the row's frames; nothing where it does not play."""
+        standing = np.zeros((len(POINTS), self._row.motion.frame_count), dtype=bool)
+        rows = np.rint(self._own.timing.frames_at(self._times)).astype(np.int64)
+        standing[:, self._frames] = self._stands(self._own)[:, rows]
+        return standing
+
+
+def columns_of(region: Region, width: int) -> Mask:
+    """(C,) which of ``width`` columns of channels are of a region."""
+    mask = np.zeros(width, dtype=bool)
+    for part in region.parts:
+        for first, count in _columns(part, width):
+            mask[first : first + count] = True
+    return mask
+
+
+def _columns(part: Region, width: int) -> list[tuple[int, int]]:
+    match part:
+        case Region.TRUNK:
+            return [(at.SPINE, width - at.SPINE)]
+        case Region.HEAD:
+            return [(at.NECK, 8), (at.HEAD_PLAY, 3)]
+        case Region.LEFT_ARM | Region.RIGHT_ARM:
+            side = int(part is Region.RIGHT_ARM)
+            return [(at.CLAVICLE + 4 * side, 4), (at.HAND + 4 * side, 4), *_limb(side)]
+    return [(at.HIPS, 8), (at.FOOT, 16), (at.HIP_PLAY, 6), *_limb(2), *_limb(3)]
+
+
+def _limb(limb: int) -> list[tuple[int, int]]:
+    folds = [(column + limb, 1) for column in (at.LIMB_SLACK, at.LIMB_OFF_PLANE, at.LIMB_BEND)]
+    return [(at.LIMB_FRAME + 4 * limb, 4), *folds, (at.LIMB_TWIST + 2 * limb, 2)]
+
+
+Points = frozenset[ContactPoint | Touch]
+
+
+def points_of(region: Region) -> tuple[Points, Points]:
+    """What stands, or is touched, by the limbs of a region; and what ends where only one of two hands is of it."""
+    arms = region.parts & Region.ARMS.parts
+    hands: set[ContactPoint | Touch] = set()
+    for arm in arms:
+        side = int(arm is Region.RIGHT_ARM)
+        hands |= {each for each in POINTS if each.member not in ("heel", "toe", "knee", "seat") and each.side == side}
+    both = frozenset[ContactPoint | Touch]((Touch.HANDS_TOGETHER, Touch.HANDS_ON_THING))
+    legs = {each for each in POINTS if each.member in ("heel", "toe", "knee", "seat")}
+    own = frozenset(hands) | (frozenset(legs) if Region.LEGS in region.parts else frozenset())
+    if len(arms) == 2:
+        return own, frozenset()
+    return own - both, both if arms else frozenset()

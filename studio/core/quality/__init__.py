@@ -1,0 +1,1 @@
+"""How good adapted motions are, beside their sources."""

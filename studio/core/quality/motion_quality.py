@@ -1,0 +1,190 @@
+"""What an animator would still clean by hand: an adapted motion beside its source, joint by joint.
+
+Lengths are compared as if both bodies had legs of 85 cm; angles and ratios need no scale.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from studio.core.captures.contacts import ContactInterval
+from studio.core.grounds.ground import Ground
+from studio.core.kernels.support.feet import FLAT
+from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.footing import foot_states
+
+FloatArray = NDArray[np.float64]
+
+LEG = 0.85
+"""Metres to which legs are scaled before lengths are compared."""
+STEADY = 0.033
+"""Seconds at either end of a stance that are not looked at."""
+NEAR = 0.25
+"""Metres within which wrists belong together."""
+DRIFT = 1.5
+"""Seconds of which the mean is taken off the hips' height before its ups and downs are compared."""
+LEAST_STEP, LEAST_BOB = 0.01, 0.001
+"""Metres that a joint's greatest step, and the bob, of a source count at least."""
+
+
+@dataclass(frozen=True)
+class MotionQuality:
+    """Of one adapted motion; NaN where the motion shows nothing of the kind. Lengths in metres, angles in radians."""
+
+    below: float
+    """The lowest joint below the ground, in excess of the source's own."""
+    drop: float
+    """How much lower the hips ride above standing ankles than the source's, mean."""
+    knee_mean: float
+    """How much more stance knees are bent, mean and most."""
+    knee_most: float
+    bob: float
+    """Ups and downs of the hips, as parts of the source's."""
+    posture: float
+    """Greatest difference of elevation of trunk, upper arms, forearms, thighs and shanks."""
+    shoulders: float
+    """Least distance of the shoulder joints in parts of their median, less the same of the source."""
+    hands: float
+    """Mean error of the wrists' distance while the source's are near each other."""
+    jump: float
+    """Greatest step of a joint in a frame beside the same joint's in the source."""
+    peak: float
+    """Greatest angular acceleration of a segment beside its own in the source."""
+    peak_segment: int
+    """Which segment that is."""
+
+
+def motion_quality(
+    adapted: AdaptedMotion,
+    source: AdaptedMotion,
+    contacts: Sequence[ContactInterval],
+    ground: Ground,
+    first_frame: int = 0,
+) -> MotionQuality:
+    """A whole adapted motion beside its ``source`` on the actor's own body, from ``first_frame`` on.
+
+    ``contacts`` say where feet stand.
+    """
+    flat = _steady(foot_states(contacts, adapted.frame_count) == FLAT, adapted.frame_rate)[:, first_frame:]
+    adapted, source = _from(first_frame, adapted), _from(first_frame, source)
+    knees = [_knee(adapted, side)[flat[side]] - _knee(source, side)[flat[side]] for side in range(2)]
+    above = [[_hips(m)[flat[s], 2] - _scaled(m)[flat[s], _ankle(m, s), 2] for m in (source, adapted)] for s in (0, 1)]
+    bend, drop = np.concatenate(knees), np.concatenate([of_source - own for of_source, own in above])
+    stands = len(bend) > 0
+    heights = _scaled(adapted)[..., 2] - ground.height_at(adapted.positions) * LEG / adapted.morphology.leg_length
+    peaks = np.array([_peak(adapted, s) / max(_peak(source, t), QUIET) for s, t in _segments(adapted, source)])
+    return MotionQuality(
+        below=max(0.0, -float(heights.min()) - max(0.0, -float(_scaled(source)[..., 2].min()))),
+        drop=float(drop.mean()) if stands else np.nan,
+        knee_mean=float(bend.mean()) if stands else np.nan,
+        knee_most=float(bend.max()) if stands else np.nan,
+        bob=_bob(adapted) / max(_bob(source), LEAST_BOB),
+        posture=float(np.abs(rises(adapted) - rises(source)).max()),
+        shoulders=_least_shoulders(adapted) - _least_shoulders(source),
+        hands=_hands(adapted, source),
+        jump=_jump(adapted, source),
+        peak=float(peaks.max()),
+        peak_segment=int(peaks.argmax()),
+    )
+
+
+def _from(first_frame: int, motion: AdaptedMotion) -> AdaptedMotion:
+    return replace(motion, positions=motion.positions[first_frame:], rotations=motion.rotations[first_frame:])
+
+
+def _steady(standing: NDArray[np.bool_], frame_rate: float) -> NDArray[np.bool_]:
+    """(2, F) without the first and last moments of each stance."""
+    edge = max(1, round(STEADY * frame_rate))
+    inner = standing.copy()
+    for step in range(1, edge + 1):
+        inner[:, step:] &= standing[:, :-step]
+        inner[:, :-step] &= standing[:, step:]
+    return inner
+
+
+def _scaled(motion: AdaptedMotion) -> FloatArray:
+    return np.asarray(motion.positions[:] * (LEG / motion.morphology.leg_length))
+
+
+def _ankle(motion: AdaptedMotion, side: int) -> int:
+    return motion.morphology.layout.ankle(side)
+
+
+def _hips(motion: AdaptedMotion) -> FloatArray:
+    layout = motion.morphology.layout
+    return np.asarray(_scaled(motion)[:, [layout.hip(0), layout.hip(1)]].mean(axis=1))
+
+
+def _knee(motion: AdaptedMotion, side: int) -> FloatArray:
+    """(F,) radians that a knee is bent, 0 where the leg is straight."""
+    hip = motion.morphology.layout.hip(side)
+    thigh, shank = (np.diff(motion.positions[:, hip + k : hip + k + 2], axis=1)[:, 0] for k in (0, 1))
+    return np.asarray(np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.einsum("fk,fk->f", thigh, shank)))
+
+
+def _bob(motion: AdaptedMotion) -> float:
+    height = _hips(motion)[:, 2]
+    return float(np.std(height - uniform_filter1d(height, max(3, round(DRIFT * motion.frame_rate)), mode="mirror")))
+
+
+def rises(motion: AdaptedMotion) -> FloatArray:
+    """(F, 9) radians above level of the trunk and of both bones of left arm, right arm, left leg and right leg."""
+    layout = motion.morphology.layout
+    roots = [layout.collar(0) + 1, layout.collar(1) + 1, layout.hip(0), layout.hip(1)]
+    bones = [(0, layout.neck_base), *((root + k, root + k + 1) for root in roots for k in (0, 1))]
+    ways = [motion.positions[:, b] - motion.positions[:, a] for a, b in bones]
+    return np.stack([np.arctan2(way[:, 2], np.linalg.norm(way[:, :2], axis=1)) for way in ways], axis=1)
+
+
+def _least_shoulders(motion: AdaptedMotion) -> float:
+    layout = motion.morphology.layout
+    left, right = (motion.positions[:, layout.collar(side) + 1] for side in (0, 1))
+    apart = np.linalg.norm(left - right, axis=1)
+    return float(apart.min() / np.median(apart))
+
+
+def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
+    """Nothing between the source's own distance and that scaled by the arms counts as an error."""
+    own, theirs = (
+        np.linalg.norm(
+            m.positions[:, m.morphology.layout.wrist(0)] - m.positions[:, m.morphology.layout.wrist(1)], axis=1
+        )
+        for m in (adapted, source)
+    )
+    near = theirs * LEG / source.morphology.leg_length < NEAR
+    if not near.any():
+        return np.nan
+    scaled = theirs[near] * adapted.morphology.arm.sum() / source.morphology.arm.sum()
+    least, most = np.minimum(scaled, theirs[near]), np.maximum(scaled, theirs[near])
+    return float((np.maximum(least - own[near], 0.0) + np.maximum(own[near] - most, 0.0)).mean())
+
+
+def _jump(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
+    """Along the ground joints count from the root."""
+    mine, theirs = _steps(adapted), _steps(source)
+    ends = len(theirs) - 20, len(mine) - 20
+    ratios = [mine[0] / max(theirs[0], LEAST_STEP)]
+    ratios += [mine[ends[1] + k] / max(theirs[ends[0] + k], LEAST_STEP) for k in range(20)]
+    return float(max(ratios))
+
+
+def _steps(motion: AdaptedMotion) -> FloatArray:
+    """(P,) metres: the greatest step of each point in one frame."""
+    away = _scaled(motion) - _scaled(motion)[:, :1] * [1.0, 1.0, 0.0]
+    return np.asarray(np.linalg.norm(np.diff(away, axis=0), axis=2).max(axis=0, initial=0.0))
+
+
+def _segments(adapted: AdaptedMotion, source: AdaptedMotion) -> list[tuple[int, int]]:
+    """Segments of both bodies that play the same part: the pelvis and thorax and all beyond."""
+    own, theirs = adapted.morphology.layout.spine_count, source.morphology.layout.spine_count
+    return [(0, 0), *((own + k, theirs + k) for k in range(-1, 18))]
+
+
+def _peak(motion: AdaptedMotion, segment: int) -> float:
+    if motion.frame_count < 3:
+        return QUIET
+    return float(angular_acceleration(motion.rotations[:, segment], motion.frame_rate).max())

@@ -1,0 +1,159 @@
+"""Targets as arrays over time: fixed ones, keyed ones, those that move by a rule, and the paths of what is followed."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.morphology import AnyMorphology
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.balance import Support
+from studio.core.constraints.base import Constraint, Vector
+from studio.core.constraints.follow import FOLLOWS, Follow, FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.procedural import ProceduralPlace
+from studio.core.constraints.target import Place, Turn
+from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
+
+if TYPE_CHECKING:
+    from studio.core.solver.request import Unasked
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Where a followed thing is: ``places`` (F, 3) metres and ``rotations`` (F, 3, 3), or one frame for all."""
+
+    places: FloatArray
+    rotations: FloatArray
+
+    def within(self, window: slice) -> "Track":
+        """The frames of ``window``."""
+        return self if len(self.places) == 1 else Track(self.places[window], self.rotations[window])
+
+
+@dataclass(frozen=True, eq=False)
+class OwnPath:
+    """What goes with the body itself as it stands before any constraint: known once that is."""
+
+    make: "Callable[[Unasked, AnyMorphology], Track]"
+
+
+Tracks = Mapping[Follow | OwnPlace | Support, Track | OwnPath]
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """What gives a target its numbers: ``times`` (F,) seconds, the ``tracks`` of what is followed over them, and
+    ``masses()`` (F, 3) where the motion itself has its centre of mass. Every answer has F frames, or one for all.
+    """
+
+    times: FloatArray
+    tracks: Mapping[Follow | OwnPlace | Support, Track]
+    masses: Callable[[], FloatArray]
+
+    def places(self, target: Place | Support) -> FloatArray:
+        """(F or 1, 3) metres."""
+        if isinstance(target, KeyedPlace | ProceduralPlace):
+            return target.at(self.times)
+        if isinstance(target, (*FOLLOWS, OwnPlace, Support)):
+            return self.tracks[target].places
+        return np.array(target, dtype=np.float64)[None]
+
+    def turns(self, target: Turn) -> FloatArray:
+        """(F or 1, 3, 3)."""
+        if isinstance(target, KeyedTurn):
+            return target.at(self.times)
+        if isinstance(target, FOLLOWS):
+            return self.tracks[target].rotations
+        return to_matrix(np.array(target))[None]
+
+    def numbers(self, value: float | KeyedNumber) -> FloatArray:
+        """(F or 1,)."""
+        return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
+
+    def tilts(self, heading: float | KeyedNumber, centre: Place, normal: Vector) -> FloatArray:
+        """(F or 1, 3, 3) turns that take x to a half-space's ``normal``: as ``headings``, but it tilts with a prop.
+
+        A prop's axes are seen as they turn; those of a bone are not.
+        """
+        x_to_normal = shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([normal])))[0]
+        if isinstance(centre, FollowProp) and centre in self.tracks:
+            turns = self.tracks[centre].rotations @ self.headings(heading, (0.0, 0.0, 0.0)) @ x_to_normal
+        else:
+            turns = self.headings(heading, centre) @ x_to_normal
+        return np.asarray(turns)
+
+    def headings(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
+        """(F or 1, 3, 3) turns about Z: ``heading`` (radians), added to that of what ``centre`` follows.
+
+        Where that is the own body it is not known before it is solved, and added then.
+        """
+        angles = self.numbers(heading)
+        if isinstance(centre, FOLLOWS) and centre in self.tracks:
+            axes = self.tracks[centre].rotations
+            angles = angles + np.arctan2(axes[:, 1, 0] - axes[:, 0, 1], axes[:, 0, 0] + axes[:, 1, 1])
+        turns = np.zeros((len(angles), 3, 3))
+        turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
+        turns[:, 1, 0] = np.sin(angles)
+        turns[:, 0, 1] = -turns[:, 1, 0]
+        turns[:, 2, 2] = 1.0
+        return turns
+
+
+def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
+    """The constraint as it is at the first time of ``targets``: what is keyed or followed becomes plain numbers."""
+    changes: dict[str, Any] = {}
+    for name in (field.name for field in fields(constraint)):
+        value = getattr(constraint, name)
+        if isinstance(value, KeyedTurn) or (isinstance(value, FOLLOWS) and constraint.kind == "orientation"):
+            changes[name] = tuple(from_matrix(targets.turns(value)[0]).tolist())
+        elif isinstance(value, (KeyedPlace, ProceduralPlace, OwnPlace, *FOLLOWS)):
+            changes[name] = tuple(targets.places(value)[0].tolist())
+        elif isinstance(value, KeyedNumber):
+            changes[name] = float(targets.numbers(value)[0])
+    if "centre" in changes and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
+        tilt = targets.tilts(constraint.heading, constraint.centre, constraint.size)[0]
+        changes["size"], changes["heading"] = tuple(tilt[:, 0].tolist()), 0.0
+    elif "centre" in changes and hasattr(constraint, "heading"):
+        turn = targets.headings(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
+        changes["heading"] = float(np.arctan2(turn[1, 0], turn[0, 0]))
+    return replace(constraint, **changes) if changes else constraint
+
+
+def moved_target(target: Place, place: Vector, seconds: float, track: Track | None) -> Place:
+    """``target`` so that it is at ``place`` at ``seconds``: a key is set there, a rule gets another
+    centre; what is followed gets another offset.
+
+    ``track`` is where what is followed is at that moment, in its first frame.
+    """
+    if isinstance(target, KeyedPlace):
+        return target.with_key(seconds, place)
+    if isinstance(target, ProceduralPlace):
+        return target.passing(place, seconds)
+    if not isinstance(target, FOLLOWS) or track is None:
+        return place
+    axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
+    further = axes.T @ (np.array(place) - track.places[0])
+    if isinstance(target, FollowProp | FollowTracked):
+        return replace(target, offset=_sum(target.offset, further))
+    return replace(target, point=replace(target.point, offset=_sum(target.point.offset, further)))
+
+
+def turned_target(target: Turn, turn: Quaternion, seconds: float, track: Track | None) -> Turn:
+    """As ``moved_target``, for a rotation."""
+    if isinstance(target, KeyedTurn):
+        return target.with_key(seconds, turn)
+    if not isinstance(target, FOLLOWS) or track is None:
+        return turn
+    axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
+    return replace(target, turn=tuple(from_matrix(axes.T @ to_matrix(np.array(turn))).tolist()))
+
+
+def _sum(offset: Vector, further: FloatArray) -> Vector:
+    x, y, z = (np.array(offset) + further).tolist()
+    return x, y, z

@@ -1,0 +1,1 @@
+"""Performers among others: rows of clips, props, who follows whom."""

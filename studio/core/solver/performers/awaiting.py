@@ -1,0 +1,32 @@
+"""Whom somebody awaits: who meets another goes straight to where that one will be once they are asked to meet."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.constraints.target import follows_of
+from studio.core.solver.asking.tracks import Track, Tracks
+
+
+def awaited(tracks: Tracks, constraints: Sequence[Constraint], frame_rate: float) -> Tracks:
+    """``tracks`` over a whole motion, those that are awaited as they are when ``constraints`` ask for them wholly."""
+    found = dict(tracks)
+    for constraint in constraints:
+        for follow in follows_of(constraint):
+            track = tracks.get(follow) if isinstance(follow, FollowPerformer) and follow.awaits else None
+            if isinstance(track, Track) and len(track.places) > 1:
+                found[follow] = _awaited(track, constraint.activation, frame_rate)
+    return found
+
+
+def _awaited(track: Track, curve: ActivationCurve, frame_rate: float) -> Track:
+    rows = np.arange(len(track.places))
+    first, full, full_end, last = np.rint(
+        np.array([curve.start, curve.full, curve.full_end, curve.end]) * frame_rate
+    ).clip(0, len(rows) - 1)
+    coming, leaving = (rows >= first) & (rows < full), (rows > full_end) & (rows <= last)
+    rows[coming], rows[leaving] = full, full_end
+    return Track(track.places[rows], track.rotations[rows])

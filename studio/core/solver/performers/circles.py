@@ -1,0 +1,212 @@
+"""Performers who follow each other: each where the others are once they have been adapted too.
+
+All are solved again, from where all were, until nobody moves who is followed (Jacobi's sweeps, so their order is all
+the same). Two points that are to meet have one place between them, to which each goes its share of the way, by weight;
+who cannot is met where it is.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.constraints.position import PositionConstraint
+from studio.core.constraints.target import follows_of
+from studio.core.normalized.compose import Composite
+from studio.core.solver.asking.tracks import Track, Tracks
+from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.stage import leader_track
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.placement import Placement
+
+FloatArray = NDArray[np.float64]
+Solve = Callable[[str, AdaptRequest], AdaptedMotion]
+"""One of the circle, by its id."""
+
+SWEEPS = 10
+"""Times that all of a circle are solved at most."""
+SETTLED = 2e-4
+"""Metres by which nobody who is followed moves any more from one sweep to the next."""
+CALMING = 0.6
+"""Part of the way before by which all must move less at least; else they go half of it: who chases comes to rest so."""
+EVEN = 1e-4
+"""Metres by which two who meet may both miss before who misses more has the say."""
+
+
+@dataclass(frozen=True, eq=False)
+class Player:
+    """One of a circle: all that is asked of it but where the others are, and where it stands."""
+
+    request: AdaptRequest
+    composite: Composite
+    placement: Placement
+    frame: int | None = None
+    """The one frame of its motion that is solved; None for all."""
+
+    @cached_property
+    def times(self) -> FloatArray:
+        """(F,) seconds of its motion that are solved."""
+        frames = np.arange(self.composite.motion.frame_count) if self.frame is None else np.array([self.frame])
+        return np.asarray(frames / self.composite.timing.frame_rate)
+
+
+Paths = Mapping[tuple[str, FollowPerformer], Track]
+"""Where those are whom each follows, by who follows and what."""
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Two points that follow each other: of whom, by which constraint of its request, and its share of the way."""
+
+    keys: tuple[str, str]
+    rows: tuple[int, int]
+    share: float
+    """Of the first one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Circle:
+    """What came of it: the motions, what was asked at last, where all were that was followed, in how many sweeps."""
+
+    results: Mapping[str, AdaptedMotion]
+    requests: Mapping[str, AdaptRequest]
+    paths: Paths
+    sweeps: int
+
+
+def solve_circle(
+    players: Mapping[str, Player], solve: Solve, expected: Paths = MappingProxyType({}), sweeps: int = SWEEPS
+) -> Circle:
+    """Adapt performers who follow each other, from where they are unasked, or ``expected`` has what they follow."""
+    meetings = meetings_of(players)
+    requests = {key: each.request for key, each in players.items()}
+    if expected:
+        requests = {key: _following_paths(key, each, expected) for key, each in players.items()}
+        results = {key: solve(key, request) for key, request in requests.items()}
+    else:
+        results = {key: solve(key, replace(request, constraints=())) for key, request in requests.items()}
+    before, last = dict(expected), math.inf
+    for sweep in range(sweeps):
+        tracks = dict(paths_of(players, results))
+        for meeting in meetings:
+            _meet(meeting, players, results, before, tracks)
+        moved = _moved(players, before, tracks) if before else math.inf
+        if moved < SETTLED:
+            return Circle(results, requests, before, sweep)
+        if sweep > 1 and moved > CALMING * last:
+            tracks = {key: _halfway(before[key], track) for key, track in tracks.items()}
+        requests = {key: _following_paths(key, each, tracks) for key, each in players.items()}
+        results = {key: solve(key, request) for key, request in requests.items()}
+        before, last = tracks, moved
+    return Circle(results, requests, before, sweeps)
+
+
+def _following_paths(key: str, player: Player, paths: Paths) -> AdaptRequest:
+    own: Tracks = {follow: track for (whose, follow), track in paths.items() if whose == key}
+    own = awaited(own, player.request.constraints, player.composite.timing.frame_rate)
+    return replace(player.request, tracks={**player.request.tracks, **own})
+
+
+def meetings_of(players: Mapping[str, Player]) -> tuple[Meeting, ...]:
+    """All pairs of positions of which each follows the other's point while both are asked."""
+    found = []
+    for one, other in combinations(players, 2):
+        for row, first in _following(players[one], other):
+            for column, second in _following(players[other], one):
+                if _target(first).point == second.point and _target(second).point == first.point:
+                    share = first.weight / (first.weight + second.weight)
+                    found.append(Meeting((one, other), (row, column), share))
+    return tuple(found)
+
+
+def _following(player: Player, leader: str) -> Iterable[tuple[int, PositionConstraint]]:
+    for row, each in enumerate(player.request.constraints):
+        target = each.target if isinstance(each, PositionConstraint) else None
+        if isinstance(target, FollowPerformer) and target.performer_id == leader:
+            assert isinstance(each, PositionConstraint)
+            yield row, each
+
+
+def _target(constraint: PositionConstraint) -> FollowPerformer:
+    assert isinstance(constraint.target, FollowPerformer)
+    return constraint.target
+
+
+def paths_of(
+    players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
+) -> Iterable[tuple[tuple[str, FollowPerformer], Track]]:
+    """``Paths`` as ``results`` have them."""
+    for key, player in players.items():
+        for follow in {follow for each in player.request.constraints for follow in follows_of(each)}:
+            if isinstance(follow, FollowPerformer) and follow.performer_id in players:
+                leader = players[follow.performer_id]
+                places = leader.placement, player.placement
+                seconds, timing = player.composite.timing.begin + player.times, leader.composite.timing
+                track = leader_track(follow, results[follow.performer_id], timing, seconds, *places)
+                yield (key, follow), track
+
+
+def _meet(
+    meeting: Meeting,
+    players: Mapping[str, Player],
+    results: Mapping[str, AdaptedMotion],
+    before: Paths,
+    tracks: dict[tuple[str, FollowPerformer], Track],
+) -> None:
+    """Give both the one place between them: at first by their shares, then nearer to who did not get there."""
+    for first in (True, False):
+        me, row = (meeting.keys[0], meeting.rows[0]) if first else (meeting.keys[1], meeting.rows[1])
+        other, column = (meeting.keys[1], meeting.rows[1]) if first else (meeting.keys[0], meeting.rows[0])
+        asked, theirs = players[me].request.constraints[row], players[other].request.constraints[column]
+        assert isinstance(asked, PositionConstraint)
+        follow = _target(asked)
+        mine, other_place = _point(players[me], results[me], asked), tracks[me, follow].places
+        if (me, follow) not in before:
+            share = meeting.share if first else 1.0 - meeting.share
+            place = mine + share * (other_place - mine)
+        else:
+            place = before[me, follow].places
+            times = players[me].times
+            held = asked.activation.at(times)[:, None] ** 3
+            held_there = theirs.activation.at(times + _apart(players[me], players[other]))[:, None] ** 3
+            miss, miss_there = held * (mine - place), held_there * (other_place - place)
+            far, far_there = (np.linalg.norm(each, axis=1, keepdims=True) for each in (miss, miss_there))
+            place = place + (far * miss + far_there * miss_there) / (far + far_there + EVEN)
+        tracks[me, follow] = Track(place, tracks[me, follow].rotations)
+
+
+def _point(player: Player, result: AdaptedMotion, constraint: PositionConstraint) -> FloatArray:
+    """(F, 3) where the constrained point of a player is, in its motion's space."""
+    from studio.core.solver.adapt import place_of
+
+    return place_of(constraint.point, result)
+
+
+def _apart(player: Player, other: Player) -> float:
+    """Seconds from a time of one motion to the same moment in the other's."""
+    return player.composite.timing.begin - other.composite.timing.begin
+
+
+def _moved(
+    players: Mapping[str, Player],
+    before: Paths,
+    after: Paths,
+) -> float:
+    """Metres by which what is followed has moved, at most, while it is followed."""
+    moved = 0.0
+    for (key, follow), track in after.items():
+        ways = np.linalg.norm(track.places - before[key, follow].places, axis=1)
+        for each in players[key].request.constraints:
+            if follow in follows_of(each):
+                moved = max(moved, float((ways * each.activation.at(players[key].times)).max(initial=0.0)))
+    return moved
+
+
+def _halfway(before: Track, after: Track) -> Track:
+    return Track((before.places + after.places) / 2, after.rotations)

@@ -1,0 +1,106 @@
+"""Where followed things are: the place and the rotation of each at every frame of a motion, in that motion's space."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.body.kinematics import joint_world
+from studio.core.body.morphology import AnyMorphology, Morphology
+from studio.core.body.pose import PoseSequence
+from studio.core.captures.capture import Capture
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import UNTURNED, FollowTracked
+from studio.core.constraints.keyed import Quaternion
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.normalized.compose import Composite
+from studio.core.rotations import to_matrix
+from studio.core.solver.asking.packing import point_indices
+from studio.core.solver.asking.tracks import Track
+from studio.core.solver.performers.rows import carry_of
+from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.stage.placement import Placement
+
+FloatArray = NDArray[np.float64]
+
+
+def point_track(
+    point: BodyPoint, turn: Quaternion, positions: FloatArray, rotations: FloatArray, body: Morphology
+) -> Track:
+    """A point of a body that is posed by ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3)."""
+    origin, segment = point_indices(point, body.layout)
+    axes = rotations[:, segment]
+    return Track(positions[:, origin] + axes @ np.array(point.offset), axes @ to_matrix(np.array(turn)))
+
+
+def own_track(place: OwnPlace, unasked: Unasked, body: AnyMorphology, frame_rate: float) -> Track:
+    """A place that is the body's own, one frame for all: the body stands as ``unasked`` has it."""
+    row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
+    frame = slice(row, row + 1)
+    track = point_track(place.point, UNTURNED, unasked.positions[frame], unasked.rotations[frame], body.still)
+    return Track(track.places + body.leg_length * np.array(place.offset), np.eye(3)[None])
+
+
+def performer_track(
+    point: BodyPoint,
+    turn: Quaternion,
+    adapted: AdaptedMotion,
+    rows: ArrayLike,
+    placement: Placement,
+    own: Placement,
+) -> Track:
+    """A point of another performer, standing at ``placement``, as who stands at ``own`` sees it.
+
+    ``adapted`` is the other's whole motion, ``rows`` (F,) which of its frames plays at each of ours, not rounded.
+    """
+    t = np.clip(np.asarray(rows, dtype=np.float64), 0.0, adapted.frame_count - 1.0)
+    before = np.minimum(t.astype(np.int64), max(adapted.frame_count - 2, 0))
+    after, share = np.minimum(before + 1, adapted.frame_count - 1), (t - before)[:, None]
+    earlier, later = (
+        point_track(point, turn, adapted.positions[each], adapted.rotations[each], adapted.morphology)
+        for each in (before, after)
+    )
+    places = earlier.places + share * (later.places - earlier.places)
+    begin, end = Rotation.from_matrix(earlier.rotations), Rotation.from_matrix(later.rotations)
+    axes = (begin * Rotation.from_rotvec(share * (begin.inv() * end).as_rotvec())).as_matrix()
+    return Track(own.to_motion(placement.to_stage(places)), own.rotation.T @ placement.rotation @ axes)
+
+
+def tracked_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.int64] | None = None) -> Track:
+    """A joint as it was recorded, in the space of the capture's motion; in some ``frames`` (N,), or in all.
+
+    Raises StudioError when there is no such joint.
+    """
+    joint = capture.skeleton.index(follow.joint)
+    frames = np.arange(capture.frame_count) if frames is None else frames
+    rows = np.append(frames, capture.first_frame)
+    poses = PoseSequence(capture.poses.local_rotations[rows], capture.poses.local_translations[rows])
+    places, rotations = joint_world(capture.skeleton, poses)
+    root = 0 if capture.body_map is None else capture.body_map.spine[0]
+    origin = np.array([*places[-1, root, :2], capture.floor])
+    places, axes = places[:-1], rotations[:-1, joint]
+    return Track(places[:, joint] + axes @ np.array(follow.offset) - origin, axes @ to_matrix(np.array(follow.turn)))
+
+
+def tracked_in_row(
+    follow: FollowTracked, captures: Sequence[Capture], composite: Composite, leg_length: float
+) -> Track:
+    """``tracked_track`` in the space of a row's motion: in each frame of the clip that plays then, the newest of two.
+
+    ``captures`` are those of the row's clips.
+    """
+    count = composite.motion.frame_count
+    places, axes = np.zeros((count, 3)), np.tile(np.eye(3), (count, 1, 1))
+    for played in composite.played:
+        capture = captures[played.piece.origin[0]]
+        if composite.is_plain:
+            return tracked_track(follow, capture)
+        frames = np.arange(max(played.first, 0), count)
+        rows = np.rint(played.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, capture.frame_count - 1)
+        own = tracked_track(follow, capture, rows)
+        carry = carry_of(played, composite.timing, leg_length)
+        c, s = np.cos(carry.turn), np.sin(carry.turn)
+        places[frames] = carry.places(own.places)
+        axes[frames] = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ own.rotations
+    return Track(places, axes)

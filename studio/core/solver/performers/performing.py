@@ -1,0 +1,148 @@
+"""A whole stage adapted: every performer as it plays its row of clips among the others."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from studio.core.body.morphology import Morphology
+from studio.core.captures.capture import Capture
+from studio.core.errors import StudioError
+from studio.core.normalized.compose import Composite
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.project import Project
+from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.circles import Player, solve_circle
+from studio.core.solver.performers.rows import Asked, composite_of, constraints_in
+from studio.core.solver.performers.stage import asked_of, followed_by, in_order, tracks_of
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.placement import Placement
+
+Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
+"""A capture's motion and its actor's measures; StudioError where it has no body map."""
+Solve = Callable[[AdaptRequest], AdaptedMotion]
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """What one performer plays, what was asked of it, and what came of it."""
+
+    composite: Composite
+    asked: tuple[Asked, ...]
+    request: AdaptRequest
+    adapted: AdaptedMotion
+    sweeps: int = 0
+    """How often all were solved who follow each other in a circle with it; 0 outside of one."""
+
+    @property
+    def played(self) -> AdaptedMotion:
+        """The frames of it that play on the stage."""
+        timing = self.composite.timing
+        return self.adapted.frames(timing.first, timing.last)
+
+
+@dataclass(frozen=True, eq=False)
+class Staged:
+    """Performances by performer, and why others failed."""
+
+    performances: Mapping[str, Performance]
+    failures: Mapping[str, str] = field(default_factory=dict)
+
+
+def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve) -> Staged:
+    """Adapt these performers and all whom they follow; one that fails takes down only who follows it."""
+    known: dict[int, tuple[NormalizedMotion, Morphology]] = {}
+
+    def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+        if id(capture) not in known:
+            known[id(capture)] = prepare(capture)
+        return known[id(capture)]
+
+    done: dict[str, Performance] = {}
+    failures: dict[str, str] = {}
+    for circle in in_order(project, performer_ids):
+        try:
+            done |= _perform(project, circle, prepared, solve, done)
+        except StudioError as error:
+            failures |= dict.fromkeys(circle, str(error))
+    return Staged(done, failures)
+
+
+def _perform(
+    project: Project, circle: tuple[str, ...], prepare: Prepare, solve: Solve, done: Mapping[str, Performance]
+) -> dict[str, Performance]:
+
+    def result_of(leader: str) -> AdaptedMotion:
+        return _result(project, done, leader)
+
+    players = {key: player_of(project, key, circle, prepare, result_of) for key in circle}
+    asked = {key: asked_of(project, key) for key in circle}
+    if len(circle) == 1:
+        [(key, player)] = players.items()
+        adapted = replace(solve(player.request), composite=player.composite)
+        return {key: Performance(player.composite, asked[key], player.request, adapted)}
+    found = solve_circle(players, lambda _, request: solve(request))
+    return {
+        key: Performance(
+            player.composite,
+            asked[key],
+            found.requests[key],
+            replace(found.results[key], composite=player.composite),
+            found.sweeps,
+        )
+        for key, player in players.items()
+    }
+
+
+def _result(project: Project, done: Mapping[str, Performance], leader: str) -> AdaptedMotion:
+    if leader not in done:
+        raise StudioError(f"It follows '{project.performers[leader].name}', who could not be adapted.")
+    return done[leader].adapted
+
+
+def player_of(
+    project: Project,
+    performer_id: str,
+    circle: tuple[str, ...],
+    prepare: Prepare,
+    result_of: Callable[[str], AdaptedMotion | None],
+) -> Player:
+    """A performer with all that is asked of it, but where the others of its circle are."""
+    performer = project.performers[performer_id]
+    if not performer.clips or project.missing_references(performer):
+        raise StudioError(f"'{performer.name}' plays nothing, or what it played is not there any more.")
+    composite = composite_of(project, performer_id, lambda motion_id: motion_of(project, motion_id, prepare))
+    request = unasked_request(project, performer_id, composite, prepare)
+    constraints = constraints_in(asked_of(project, performer_id), composite, request.morphology.leg_length)
+    followed = followed_by(project, performer_id, result_of, circle) or ()
+    request = replace(
+        request,
+        constraints=constraints,
+        tracks=awaited(tracks_of(followed, composite), constraints, composite.timing.frame_rate),
+    )
+    return Player(request, composite, Placement.of(performer))
+
+
+def unasked_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:
+    """What a performer plays, on its body and on the ground, before any constraint."""
+    performer = project.performers[performer_id]
+    character = project.characters[performer.character_id]
+    timing, motion = composite.timing, composite.motion
+    return AdaptRequest(
+        motion,
+        character.body_over(timing.begin, timing.frame_rate, motion.frame_count),
+        composite.contacts,
+        ground=project.ground.seen_from(performer.position, performer.heading),
+        volume=character.volume,
+        actor=_prepared(project, performer.clips[0].motion_id, prepare)[1],
+        limited=performer.limited,
+        eased=performer.eased,
+        clears=performer.clears,
+    )
+
+
+def motion_of(project: Project, motion_id: str, prepare: Prepare) -> NormalizedMotion:
+    """A motion of the project without its actor's body."""
+    return _prepared(project, motion_id, prepare)[0]
+
+
+def _prepared(project: Project, motion_id: str, prepare: Prepare) -> tuple[NormalizedMotion, Morphology]:
+    return prepare(project.captures[project.motions[motion_id].capture_id])

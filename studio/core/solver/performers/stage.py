@@ -1,0 +1,282 @@
+"""Performers on one stage: what each is asked, whom it follows, and where that is at each of its frames."""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
+from studio.core.constraints.keyed import KeyedNumber
+from studio.core.constraints.objections import objection
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.target import follows_of
+from studio.core.errors import StudioError
+from studio.core.normalized.compose import Composite
+from studio.core.project import Performer, Project
+from studio.core.rotations import multiply, to_matrix
+from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
+from studio.core.solver.performers.rows import Asked, timing_of
+from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import InHand, Prop
+from studio.core.stage.timing import Timing
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Followed:
+    """What a constraint follows: equal ones have equal tracks, and ``make`` computes them for what a row comes to."""
+
+    follow: Follow
+    depends_on: tuple[Any, ...]
+    make: Callable[[Composite], Track | OwnPath] = field(compare=False)
+
+
+def asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
+    """What is asked of a performer in each of its clips, highest priority first, as it concerns that performer.
+
+    Nobody is asked to follow itself, but where that is asked of it alone: then it follows a point of the same body.
+    Who follows somebody who plays nothing is asked nothing. A place that is each body's own has this one's offset.
+    """
+    known = project.known.get((asked_of, performer_id))
+    if known is None:
+        known = project.known[asked_of, performer_id] = _asked_of(project, performer_id)
+    return cast(tuple[Asked, ...], known)
+
+
+def _asked_of(project: Project, performer_id: str) -> tuple[Asked, ...]:
+    clips = project.performers[performer_id].clips
+    playing = {key for key, performer in project.performers.items() if performer.clips}
+    asked = [
+        Asked(key, concerned, place, repeat)
+        for place, clip in enumerate(clips)
+        for key, constraint in project.constraints_for(performer_id, clip).items()
+        if constraint.enabled
+        and (concerned := concerning(constraint, performer_id, playing, project.props)) is not None
+        for repeat in range(clip.repeats)
+    ]
+    return tuple(sorted(asked, key=lambda each: each.constraint.priority))
+
+
+def leaders_of(project: Project, performer_id: str) -> set[str]:
+    """The other performers that a performer follows."""
+    known = project.known.get((leaders_of, performer_id))
+    if known is None:
+        follows = [follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint)]
+        leaders = {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
+        holders = {project.props[follow.prop_id].holder for follow in follows if isinstance(follow, FollowProp)}
+        playing = {key for key in holders if key and project.performers[key].clips}
+        known = project.known[leaders_of, performer_id] = (leaders | playing) - {performer_id}
+    return cast(set[str], known)
+
+
+def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
+    """These performers and all whom they follow, leaders first; those who follow each other in a circle together."""
+    leaders: dict[str, set[str]] = {}
+    waiting = list(performer_ids)
+    while waiting:
+        key = waiting.pop()
+        if key not in leaders:
+            leaders[key] = leaders_of(project, key)
+            waiting += leaders[key]
+    keys = sorted(leaders, key=list(project.performers).index)
+    circles = _circles(keys, leaders)
+    ordered: dict[tuple[str, ...], None] = {}
+
+    def put(circle: tuple[str, ...]) -> None:
+        if circle not in ordered:
+            for leader in sorted({leader for key in circle for leader in leaders[key]} - set(circle)):
+                put(circles[leader])
+            ordered[circle] = None
+
+    for key in keys:
+        put(circles[key])
+    return tuple(ordered)
+
+
+def _circles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[str, ...]]:
+    """By performer, all who follow each other by some way; mostly it alone."""
+    if not any(leaders.values()):
+        return {key: (key,) for key in keys}
+
+    from scipy.sparse import coo_array  # late: it takes longer than a window
+    from scipy.sparse.csgraph import connected_components
+
+    row = {key: place for place, key in enumerate(keys)}
+    edges = np.array([(row[key], row[leader]) for key in keys for leader in leaders[key]], dtype=np.int64).reshape(
+        -1, 2
+    )
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(len(keys), len(keys)))
+    _, labels = connected_components(graph, directed=True, connection="strong")
+    return {key: tuple(other for other in keys if labels[row[other]] == labels[row[key]]) for key in keys}
+
+
+def followed_by(
+    project: Project,
+    performer_id: str,
+    result_of: Callable[[str], AdaptedMotion | None],
+    circle: Collection[str] = (),
+    constraints: Iterable[Constraint] | None = None,
+) -> tuple[Followed, ...] | None:
+    """All that a performer follows beyond its own body; None while the result of someone it follows is not there.
+
+    Those of its own ``circle`` are left out: where they are is found together with where this one is. Of some
+    ``constraints``, or of all that are asked.
+    """
+    performer = project.performers[performer_id]
+    found: dict[Follow, Followed] = {}
+    leaders = leaders_of(project, performer_id)
+    asked = [each.constraint for each in asked_of(project, performer_id)] if constraints is None else constraints
+    for follow in (follow for each in asked for follow in follows_of(each)):
+        match follow:
+            case FollowProp():
+                prop = project.props[follow.prop_id]
+                holder = prop.holder or ""
+                if holder in circle and holder != performer_id:
+                    name = project.performers[holder].name
+                    raise StudioError(
+                        f"'{performer.name}' follows '{prop.name}', which goes with '{name}', who follows"
+                        f" '{performer.name}'. Let one of the two follow something else."
+                    )
+                result = result_of(holder) if holder in leaders else None
+                if holder in leaders and result is None:
+                    return None
+                found[follow] = _prop(follow, project, performer_id, result)
+            case FollowTracked():
+                found[follow] = _tracked(follow, project, performer)
+            case FollowPerformer() if follow.performer_id not in circle:
+                result = result_of(follow.performer_id)
+                if result is None:
+                    return None
+                found[follow] = _performer(follow, project, performer, result)
+    return tuple(found.values())
+
+
+def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
+    """The tracks themselves: what may take a while."""
+    return {each.follow: each.make(composite) for each in followed}
+
+
+def _prop(follow: FollowProp, project: Project, performer_id: str, result: AdaptedMotion | None) -> Followed:
+    """A prop for one performer; ``result`` is the motion of another one with whom it goes."""
+    prop, own = project.props[follow.prop_id], Placement.of(project.performers[performer_id])
+    leader = project.performers[prop.holder] if prop.holder and result is not None else None
+    timing = _timing_in(project, leader, result) if leader and result else None
+
+    def make(composite: Composite) -> Track | OwnPath:
+        from studio.core.solver.performers.props import (  # here: it loads kernels
+            Holder,
+            own_hold,
+            seen_from,
+            stage_track,
+        )
+
+        if prop.holder == performer_id:
+            return OwnPath(
+                lambda unasked, body: seen_from(follow, prop, own_hold(prop, unasked, body, composite.timing, own), own)
+            )
+        seconds, holder = _seconds_of(composite), None
+        if result is not None and timing is not None and leader is not None:
+            rows = timing.frames_at(seconds) - result.first_frame
+            holder = Holder(result, rows, Placement.of(leader), timing=timing)
+        return seen_from(follow, prop, stage_track(prop, seconds, holder), own)
+
+    moving = prop.held is not None or not isinstance(prop.position, tuple) or isinstance(prop.heading, KeyedNumber)
+    depends = (result, timing, project.performers[performer_id].clips) if moving else ()
+    return Followed(follow, (prop, own, leader and Placement.of(leader), *depends), make)
+
+
+def _tracked(follow: FollowTracked, project: Project, performer: Performer) -> Followed:
+    captures = tuple(project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips)
+    leg = project.characters[performer.character_id].morphology.leg_length
+
+    def make(composite: Composite) -> Track:
+        from studio.core.solver.performers.following import tracked_in_row
+
+        return tracked_in_row(follow, captures, composite, leg)
+
+    return Followed(follow, (*map(id, captures), performer.clips, leg), make)
+
+
+def _performer(follow: FollowPerformer, project: Project, performer: Performer, result: AdaptedMotion) -> Followed:
+    leader = project.performers[follow.performer_id]
+    timing, places = _timing_in(project, leader, result), (Placement.of(leader), Placement.of(performer))
+
+    def make(composite: Composite) -> Track:
+        return leader_track(follow, result, timing, _seconds_of(composite), *places)
+
+    return Followed(follow, (result, timing, performer.clips, places), make)
+
+
+def _timing_in(project: Project, leader: Performer, result: AdaptedMotion) -> Timing:
+    """When the frames of a leader's motion play."""
+    return timing_of(project, leader) if result.composite is None else result.composite.timing
+
+
+def _seconds_of(composite: Composite) -> FloatArray:
+    """(F,) seconds of the stage at which its frames play."""
+    return composite.timing.begin + np.arange(composite.motion.frame_count) / composite.timing.frame_rate
+
+
+def leader_track(
+    follow: FollowPerformer,
+    result: AdaptedMotion,
+    timing: Timing,
+    seconds: FloatArray,
+    placement: Placement,
+    own: Placement,
+) -> Track:
+    """Where a point of another performer is at ``seconds`` (F,) of the stage, as who stands at ``own`` sees it.
+
+    ``result`` is the other's motion, which plays as ``timing`` says at ``placement``.
+    """
+    from studio.core.solver.performers.following import performer_track
+
+    rows = timing.frames_at(seconds) - result.first_frame
+    return performer_track(follow.point, follow.turn, result, rows, placement, own)
+
+
+def concerning(
+    constraint: Constraint, performer_id: str, playing: Collection[str], props: Mapping[str, Prop]
+) -> Constraint | None:
+    """A constraint as one performer has it, of those that are ``playing``; None where nothing is asked of it.
+
+    See ``asked_of``. A prop that is always in the performer's own hand is a point of that hand.
+    """
+    changes: dict[str, Any] = {}
+    for name, value in vars(constraint).items():
+        if isinstance(value, OwnPlace) and value.own:
+            changes[name] = value.of(performer_id)
+        if isinstance(value, FollowProp):
+            prop = props[value.prop_id]
+            if isinstance(prop.held, InHand) and prop.held.is_always and prop.holder == performer_id:
+                changes[name] = on_own_body(value, prop, prop.held)
+                if changes[name].point == constraint.point or objection(replace(constraint, **changes), ()):
+                    return None
+        if not isinstance(value, FollowPerformer):
+            continue
+        if value.performer_id not in playing:
+            return None
+        if value.performer_id == performer_id:
+            if not constraint.scope.is_narrow or _is_at_itself(constraint, value):
+                return None
+            changes[name] = FollowBody(value.point, value.turn)
+    return replace(constraint, **changes) if changes else constraint
+
+
+def on_own_body(follow: FollowProp, prop: Prop, held: InHand) -> FollowBody:
+    """What is followed of a prop in one's own hand."""
+    way = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
+    x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ way).tolist()
+    qx, qy, qz, qw = multiply(np.array(held.turn), np.array(follow.turn)).tolist()
+    return FollowBody(replace(held.point, offset=(x, y, z)), (qx, qy, qz, qw))
+
+
+def _is_at_itself(constraint: Constraint, follow: FollowPerformer) -> bool:
+    if constraint.kind == "orientation":
+        return follow.point.part == constraint.point.part
+    return follow.point == constraint.point

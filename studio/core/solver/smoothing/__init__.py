@@ -1,0 +1,1 @@
+"""Solved motions without jolts."""

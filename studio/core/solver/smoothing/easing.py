@@ -1,0 +1,320 @@
+"""Where what was solved jolts it is eased in time: less exact for a moment, but smooth (METHOD (36) to (38)).
+
+Every frame is solved from its own pose alone; a limb that changes sides, or a level that is given up, may so jump
+between two frames. What nowhere jolts beyond what the motion itself and its moving wishes bring is left as it is.
+Elsewhere what constraints have changed is averaged over the frames around, level by level from the highest: each is
+solved with what those above it have become. Then it is met again; where that jolts it is left as the average has it;
+and where those above cannot be held so either, it is left for them altogether: priorities are strict before all is
+smooth.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
+
+from studio.core.body.canonical import BodyLayout
+from studio.core.kernels import records
+from studio.core.kernels.records import EASED_LEVEL, Above
+from studio.core.kernels.search.joints import ROOT
+from studio.core.kernels.time.easing import HELD
+from studio.core.kernels.time.jolts import ADDED, WHOLE, note_eased_jolts
+from studio.core.quality.metrics import QUIET
+from studio.core.solver.smoothing.limb_charts import LimbCharts
+from studio.core.solver.smoothing.root_leash import RootLeash
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Pose = tuple[FloatArray, FloatArray]
+Run = Callable[[int, records.Easing], None]
+
+EASED = np.array([[ADDED, ADDED, WHOLE], [1.8, 1.8, 2.6]])
+"""Parts of the allowed peak at which what root and joints add, and what limbs turn with in all, begins to be eased, and
+is."""
+LEFT = np.array([[5.0, 1.6, 2.4], [6.0, 2.2, 2.9]])
+"""The same at which a level is left altogether for those above it: a root that starts at once is the lesser evil."""
+BACK = 3
+"""Times that a level is left for those above it where it changes them, ever further around."""
+WIDTHS = 0.06, 0.12, 0.2, 0.35, 0.12
+"""Seconds on either side over which one averaging after another goes, each where the one before did not suffice."""
+AROUND = 0.2
+"""Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
+MENDED, FALLING = 0.1, 0.35
+"""The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
+PULLED = 0.15
+"""Seconds on either side over which planted feet pull the root."""
+CHANGED = 0.93 * HELD, 1.07 * HELD
+"""Metres by which a level's easing may change those above it for it to be left for them, beginning and wholly."""
+SEEN = 0.8
+"""Seconds on either side of what jolts when solved in which anything may be eased; in as many again that ends."""
+LOOKED = 2.0 * SEEN + 0.25
+"""Seconds beside a frame that have to do with whether it is eased."""
+FADED = 4.0
+"""Times the room that a level has to be left for those above it wholly."""
+BESIDE = 0.1
+"""Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
+
+
+_NO_TURNS, _NO_MISSES, _NO_POSE = (
+    np.empty((0, 16, 3, 3)),
+    np.empty((0, 0)),
+    Above(np.empty((0, 0, 3)), np.empty((0, 0, 3, 3)), np.empty((0, 0, 3)), np.empty(0)),
+)
+
+
+@dataclass(eq=False)
+class Solve:
+    """What ``kernels.adapt.solve_frames`` notes of a stretch of F frames, and is given to pose some of them anew.
+
+    ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``carriers`` of every segment that
+    counts as source (legs only where constraints are about them), ``states`` (F, N, 3) of the search, and as in
+    ``kernels.time.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
+    """
+
+    layout: BodyLayout
+    rate: float
+    joints: NDArray[np.void]
+    limbs: IntArray
+    carriers: IntArray
+    states: FloatArray
+    source: FloatArray
+    sharp: FloatArray
+    held: int
+
+    @staticmethod
+    def of(
+        layout: BodyLayout, rate: float, frames: int, joints: NDArray[np.void], limbs: IntArray, held: int
+    ) -> "Solve":
+        """``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are contacts'."""
+        named = set(limbs.ravel().tolist())
+        wished = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
+        carriers, states = _carriers(layout, 2 in named or 3 in named), np.empty((frames, len(joints), 3))
+        return Solve(layout, rate, joints, wished, carriers, states, np.array([QUIET]), np.zeros((frames, 3)), held)
+
+    def easing(
+        self,
+        frames: IntArray,
+        turns: FloatArray,
+        level: tuple[int, int],
+        meets: bool,
+        holds: bool,
+        misses: FloatArray,
+        above: Above,
+    ) -> records.Easing:
+        """As ``kernels.time.easing`` takes it; ``level`` as ``Level.stands``."""
+        noted = self.limbs, self.carriers, self.source, np.array([self.rate]), self.sharp
+        eased = np.array([(level[0], meets, self.held, holds, level[1])], dtype=EASED_LEVEL)
+        return records.Easing(frames, self.states, turns, eased, misses, above, *noted)
+
+    def within(self, frames: slice) -> "Solve":
+        """What it noted of some frames."""
+        return replace(self, states=self.states[frames].copy(), sharp=self.sharp[frames].copy())
+
+    @property
+    def noting(self) -> records.Easing:
+        """For a first run over all frames."""
+        return self.easing(np.arange(len(self.states)), _NO_TURNS, (0, 0), False, False, _NO_MISSES, _NO_POSE)
+
+    @property
+    def jolts(self) -> bool:
+        """Whether any frame has to be looked at closer."""
+        return bool(np.count_nonzero(self.sharp > EASED[0] * self.source))
+
+    def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
+        """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
+
+        As ``kernels.time.jolts`` has them, radians a second squared.
+        """
+        sharp = np.zeros((len(turns), 3))
+        note_eased_jolts(self.joints, states, self.limbs, turns, self.rate, sharp)
+        return sharp
+
+
+@cache
+def _carriers(layout: BodyLayout, with_legs: bool) -> IntArray:
+    carriers = np.array(layout.parent_segments())
+    return carriers if with_legs else carriers[: layout.spine_count + 10]
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """A level of priority with those above it: what is noted of their solve and what was ``solved``, frames first
+    (positions, rotations, misses (F, C) and what else a solve writes), which constraints stand ``above`` it (C,),
+    ``stands`` how many levels do that are solved and how many that keep clear do not, where any acts (F,), and what
+    peak of angular acceleration they are allowed (F,), radians a second squared.
+    """
+
+    solve: Solve
+    solved: tuple[FloatArray, ...]
+    above: NDArray[np.bool_]
+    stands: tuple[int, int]
+    acts: NDArray[np.bool_]
+    allowed: FloatArray
+
+    def within(self, frames: slice) -> "Level":
+        """The same of some frames."""
+        solved = tuple(each[frames] for each in self.solved)
+        return replace(
+            self, solve=self.solve.within(frames), solved=solved, acts=self.acts[frames], allowed=self.allowed[frames]
+        )
+
+    @property
+    def room(self) -> FloatArray:
+        """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, and where it acts."""
+        rate, sharp = self.solve.rate, self.solve.sharp / self.allowed[:, None]
+        beside = max(round(BESIDE * rate), 1)
+        acting = minimum_filter1d(self.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
+        return _mean(acting, beside) * _around(_excess(sharp, EASED), rate, SEEN)
+
+
+class Easing:
+    """Eases level after level, each with what those above it have become."""
+
+    def __init__(
+        self,
+        levels: Sequence[Level],
+        pose: Run,
+        solved: tuple[FloatArray, ...],
+        charts: LimbCharts,
+        leash: RootLeash,
+        rooms: FloatArray,
+    ) -> None:
+        """``pose`` some frames anew with the constraints down to a level, into ``solved``, which is as
+        ``Level.solved``; ``rooms`` (L, F) of all levels.
+        """
+        self._levels, self._pose, self._solved, self._rooms = levels, pose, solved, rooms
+        self._charts, self._leash = charts, leash
+        frames, joints, _ = levels[0].solve.states.shape
+        values = charts.unturned
+        self._eased: Pose = np.zeros((frames, joints, 3)), values
+        self._moved: Pose = np.zeros((frames, joints, 3)), np.zeros_like(values)
+        self._told = levels[0].solved[2]
+        self._touched, self._jolts = np.zeros(frames), np.zeros((frames, 3))
+        positions, rotations = (each.copy() for each in levels[0].solved[:2])
+        self._kept = Above(positions, rotations, self._eased[0], np.zeros(frames))
+
+    def ease(self) -> None:
+        """Ease all levels but those of contacts."""
+        positions, rotations, misses = self._solved[:3]
+        for number, level in enumerate(self._levels):
+            self._told = np.where(level.above, self._told, level.solved[2])
+            for mine, solved in zip(self._solved, level.solved, strict=True):
+                mine[:] = solved
+            if number >= level.solve.held:
+                self._ease_level(number)
+            else:
+                self._eased = level.solve.states.copy(), self._posed_limbs()
+            self._told = np.where(level.above, self._told, misses)
+            self._kept = Above(positions.copy(), rotations.copy(), self._eased[0].copy(), np.zeros(len(positions)))
+
+    def _ease_level(self, number: int) -> None:
+        level, room = self._levels[number], self._rooms[number]
+        solved = level.solve.states.copy(), self._posed_limbs()
+        smooth = self._smoothed(number, solved)
+        now, bump = solved, np.sign(self._touched * room)
+        for meets, around, parts in (True, MENDED, EASED), (False, FALLING, EASED), (False, FALLING, LEFT):
+            now = self._posed_anew(number, now, smooth, bump, meets)
+            bump = np.maximum(self._bump(number, now, around, parts), self._changed(number)) * (room > 0.0)
+        if number > 0 and bump.any():
+            now = self._left(number, now, bump)
+        self._jolts = level.solve.jolts_of(now[0], self._charts.turns(now[1]))
+        self._eased, self._moved = now, (now[0] - solved[0], now[1] - solved[1])
+
+    def _left(self, number: int, posed: Pose, bump: FloatArray) -> Pose:
+        """Go back to what those above have become, from what was ``posed``, by ``bump`` and where that changes them."""
+        fade = np.minimum(FADED * self._rooms[number], 1.0)
+        now, back = posed, np.zeros(len(bump))
+        for last in [False] * BACK + [True]:
+            back = np.maximum(back, bump)
+            if not bump.any():
+                break
+            self._kept.back[:] = np.round(back * fade, 9)
+            now = self._posed_anew(number, posed, self._eased, self._kept.back, False, last)
+            bump = np.maximum(self._bump(number, now, FALLING, LEFT), self._changed(number)) * (fade > 0.0)
+        return now
+
+    def _posed_anew(
+        self, number: int, first: Pose, second: Pose, share: FloatArray, meets: bool, holds: bool = False
+    ) -> Pose:
+        """Pose between two by a ``share`` (F,) anew where there is any."""
+        level, frames = self._levels[number], np.flatnonzero(share > 0.0)
+        level.solve.sharp[:] = 0.0
+        if not len(frames):
+            return first
+        level.solve.states[:] = _blend(first[0], second[0], share)
+        turns = self._charts.turns(_blend(first[1], second[1], share))
+        told = np.ascontiguousarray(self._told.T)  # kernels are compiled for no other
+        self._pose(number, level.solve.easing(frames, turns, level.stands, meets, holds, told, self._kept))
+        return level.solve.states.copy(), self._posed_limbs(first[1])
+
+    def _changed(self, number: int) -> FloatArray:
+        """(F,) how far frames are to be left for those above, which they change."""
+        changed = (self._levels[number].solve.sharp[:, 0] - CHANGED[0]) / (CHANGED[1] - CHANGED[0])
+        return self._spread(number, changed, FALLING)
+
+    def _spread(self, number: int, share: FloatArray, seconds: float) -> FloatArray:
+        """``_around`` within each stretch that has room: which there are below must not join others."""
+        spread, edges = np.zeros(len(share)), np.diff(self._rooms[number] > 0.0, prepend=False, append=False)
+        for begin, end in np.flatnonzero(edges).reshape(-1, 2).tolist():
+            spread[begin:end] = _around(share[begin:end], self._levels[number].solve.rate, seconds)
+        return spread
+
+    def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
+        """Charted limbs as they are."""
+        return self._charts.values(self._charts.turns_of(self._solved[1]), beside)
+
+    def _smoothed(self, number: int, solved: Pose) -> Pose:
+        """What a level has changed, averaged in time where it jolts."""
+        level, room = self._levels[number], self._rooms[number]
+        states, values = (now + moved for now, moved in zip(solved, self._moved, strict=True))
+        moves = [moved.reshape(len(moved), -1).any(axis=1) for moved in self._moved]
+        self._touched = np.maximum(self._touched, moves[0] | moves[1])
+        for seconds in WIDTHS:
+            width = max(round(seconds * level.solve.rate), 1)
+            bump = room * self._bump(number, (states, values), min(seconds, AROUND))
+            if not bump.any():
+                break
+            self._touched = np.maximum(self._touched, bump)
+            states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
+            values = self._charts.within(values)
+        joints = level.solve.joints
+        back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (room > 0.0)[:, None]
+        self._touched = np.maximum(self._touched, back.any(axis=1))
+        states[:, joints["segment"] == ROOT] += back[:, None]
+        return states, values
+
+    def _bump(self, number: int, poses: Pose, around: float, parts: FloatArray = EASED) -> FloatArray:
+        """(F,) how far frames of ``poses`` are to be eased, from 0 to 1, for their jolts.
+
+        ``around`` seconds on either side of a jolt are eased wholly, and as many again fade; ``parts`` of what is
+        allowed (2, 3), where that begins and where it is whole. What those above have become is no fault of a level.
+        """
+        level = self._levels[number]
+        allowed = np.maximum(level.allowed[:, None], self._jolts / parts[0])
+        sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
+        return self._spread(number, _excess(sharp, parts), around)
+
+
+def _excess(sharp: FloatArray, parts: FloatArray) -> FloatArray:
+    """(F,) where jolts (F, 3), in parts of what is allowed, are between both ``parts`` (2, 3): from 0 on, to 1."""
+    return np.asarray(((sharp - parts[0]) / (parts[1] - parts[0])).max(axis=1))
+
+
+def _around(share: FloatArray, rate: float, seconds: float) -> FloatArray:
+    """(F,) the greatest ``share`` (F,) within some seconds, from 0 to 1, faded over as many."""
+    near = max(round(seconds * rate), 1)
+    return _mean(maximum_filter1d(np.clip(share, 0.0, 1.0), 2 * near + 1, mode="constant"), near)
+
+
+def _blend(first: FloatArray, second: FloatArray, share: FloatArray) -> FloatArray:
+    """From ``first`` to ``second`` (F, ...), by ``share`` (F,)."""
+    return np.asarray(first + share.reshape(-1, *[1] * (second.ndim - 1)) * (second - first))
+
+
+def _mean(values: FloatArray, width: int) -> FloatArray:
+    """Means of ``values`` (F, ...) over ``width`` frames on either side, by Hann's window."""
+    window = np.hanning(2 * width + 3)[1:-1]
+    return np.asarray(convolve1d(values, window / window.sum(), axis=0, mode="nearest"))

@@ -1,0 +1,349 @@
+"""What carries a body: beside its feet its hands, knees and seat, each on one place of the ground (METHOD 4).
+
+The root is normalised by the legs; while hands, knees or seat carry (a handstand, a crawl), it is put where the chain
+from them to the root has it on this body, blended over time by who carries ([K05], closing remarks). Then it is moved
+and turned by the little that is left, so that all that stands is exactly in reach.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d
+from scipy.spatial.transform import Rotation
+
+from studio.core.body.morphology import AnyMorphology
+from studio.core.captures.contacts import (
+    BODY_POINTS,
+    ContactInterval,
+    ContactPoint,
+    contact_mask,
+    spans_of,
+    touching_points,
+)
+from studio.core.grounds.ground import Ground
+from studio.core.kernels import layout as at
+from studio.core.kernels.support.feet import SMALLEST, fill_gaps
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import normalized, shortest_arc
+from studio.core.single import PoseArray
+from studio.core.solver.standing.footing import STANDING_REACH, foot_states, freedom, hann_window
+from studio.core.solver.standing.footprints import tilts_of
+
+FloatArray = NDArray[np.float64]
+
+WRIST, KNEE, SEAT = 0.065, 0.065, 0.12
+"""Heights of wrist, knee and middle of the hips above what they stand on, in parts of the leg's length."""
+LYING = 0.1
+"""Parts of the leg's length above the ground up to which a knee of a leg that lies is; at twice that its foot bears."""
+STIFF = 6.0
+"""How much a metre by which a raised arm is shortened counts beside one that it swings."""
+SEAT_WEIGHT = 2.0
+"""A seat carries as much as two hands, knees or feet."""
+BLEND = 0.2
+"""Seconds to each side over which the weight passes from who carries to who carries next."""
+EASE = 0.1
+"""Seconds to each side over which the root's moves are averaged."""
+MISSED = 5e-4
+"""Metres by which a body may miss a place before that is put elsewhere."""
+FADE = 0.4
+"""Seconds after which a hand or knee that left the ground goes its own way again."""
+LEANS, SPREAD = 0.4, 0.6
+"""Seconds to each side over which a body begins to lean with the ground, and parts of its leg's length round the root
+over which the ground's slope is taken for that.
+"""
+LEVEL_BELOW = 0.7
+"""Sine of the angle above the ground up to which fingers, and away from it up to which a palm, are laid on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """One point that stands now and then: ``standing`` (F,), and where it is to be then, ``places`` (F, 3)."""
+
+    point: ContactPoint
+    standing: NDArray[np.bool_]
+    places: FloatArray
+    normals: FloatArray
+
+    def displaced(self, track: FloatArray, frame_rate: float) -> FloatArray:
+        """(F, 3) the point's ``track`` led on to its places, and back on its own way soon after."""
+        return track + eased(np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate)
+
+    def moved(self, misses: FloatArray, body: AnyMorphology, ground: Ground) -> "Hold":
+        """Each place moved along the ground by the greatest of the ``misses`` (F, 3) of its contact, itself if none."""
+        spans = np.flatnonzero(np.diff(np.concatenate([[False], self.standing, [False]]).astype(np.int8)))
+        places, normals, lengths = self.places.copy(), self.normals.copy(), np.linalg.norm(misses, axis=1)
+        for first, past in spans.reshape(-1, 2):
+            worst = first + int(lengths[first:past].argmax())
+            if lengths[worst] > MISSED:
+                on_ground = places[first] - clearance(body, self.point) * normals[first] + misses[worst]
+                places[first:past], normals[first:past] = _place_on(on_ground[:2], self.point, body, ground)
+        return self if np.array_equal(places, self.places) else replace(self, places=places, normals=normals)
+
+
+@dataclass(frozen=True, eq=False)
+class Carrying:
+    """What of a body stands beside its feet: ``holds``, the root's ``shift`` (F, 3), the feet's ``share`` (F,), and
+    the ``pose`` that leans with the ground, positions (F, P, 3) and rotations (F, S, 3, 3), before that shift, and the
+    positions of the ``upright`` one (F, P, 3) over the same places of the ground, from which feet are planned.
+    """
+
+    holds: tuple[Hold, ...]
+    shift: FloatArray
+    feet_share: FloatArray
+    pose: tuple[FloatArray, FloatArray]
+    upright: FloatArray
+
+
+def clearance(body: AnyMorphology, point: ContactPoint) -> float:
+    """Metres of a standing wrist, knee or middle of the hips above the ground."""
+    return body.leg_length * {"hand": WRIST, "knee": KNEE, "seat": SEAT}[point.member]
+
+
+def track_of(point: ContactPoint, body: AnyMorphology, positions: PoseArray) -> FloatArray:
+    """(F, 3) what stands at a point, of ``positions`` (F, P, 3): a joint, or the middle of the hips."""
+    return np.asarray(positions[:, touching_points(point, body.layout)].mean(axis=1))
+
+
+def limb_freedom(contacts: Sequence[ContactInterval], limb: int, frame_count: int, frame_rate: float) -> FloatArray:
+    """(F,) 0 while anything of a limb stands, eased to 1 soon after and before; 1 for what is on no limb."""
+    spans = [(each.first, each.last) for each in contacts if each.point.limb == limb] if limb >= 0 else []
+    if not spans:
+        return np.ones(frame_count)
+    return freedom(contact_mask(spans, frame_count), frame_rate)
+
+
+def find_carrying(
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    contacts: Sequence[ContactInterval],
+    ground: Ground,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> Carrying | None:
+    """Who carries a retargeted motion, ``positions`` (F, P, 3), and how its root follows; None on feet alone."""
+    carrying = [each for each in contacts if not each.point.is_foot and each.first < motion.frame_count]
+    if not carrying:
+        return None
+    spans = {
+        point: sorted((each.first, min(each.last, motion.frame_count - 1)) for each in carrying if each.point is point)
+        for point in BODY_POINTS
+    }
+    bearers = [point for point in BODY_POINTS if spans[point]]
+    standing = {point: contact_mask(spans[point], motion.frame_count) for point in bearers}
+    bearing = _bearing(body, ground, positions)
+    shares = _shares(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
+    pose, upright = (positions, rotations), positions
+    if not ground.is_level:
+        stands = np.any(list(standing.values()), axis=0)
+        leans = averaged(stands[:, None].astype(np.float64), LEANS, motion.frame_rate)
+        leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
+        pose = leant, turned
+    positions = pose[0]
+    holds = tuple(_hold(point, spans[point], body, ground, track_of(point, body, positions)) for point in bearers)
+    shift = np.zeros((motion.frame_count, 3))
+    for hold, share in zip(holds, shares[1:], strict=True):
+        away = np.where(hold.standing[:, None], hold.places - track_of(hold.point, body, positions), 0.0)
+        fill_gaps(away, hold.standing)
+        shift += share[:, None] * away
+    shift = averaged(shift, EASE, motion.frame_rate)
+    if ground.is_level:
+        holds = tuple(_reached(hold, body, ground, positions + shift[:, None]) for hold in holds)
+    return Carrying(holds, shift, shares[0], pose, upright)
+
+
+def _reached(hold: Hold, body: AnyMorphology, ground: Ground, positions: FloatArray) -> Hold:
+    """A hand put where an arm that is longer than the actor's comes to stand as it swings; others as they are."""
+    if hold.point.member != "hand":
+        return hold
+    track = track_of(hold.point, body, positions)
+    shoulders = positions[:, body.layout.wrist(hold.point.side) - 2]
+    swings = swung(track, shoulders, np.maximum(hold.places[:, 2] - track[:, 2], 0.0)) - track
+    places, normals = hold.places.copy(), hold.normals.copy()
+    for first, last in spans_of(hold.standing):
+        span = slice(first, last + 1)
+        foot = places[first] - clearance(body, hold.point) * normals[first]
+        places[span], normals[span] = _place_on(
+            foot[:2] + np.median(swings[span, :2], axis=0), hold.point, body, ground
+        )
+    return replace(hold, places=places, normals=normals)
+
+
+def leaning(
+    share: FloatArray,
+    body: AnyMorphology,
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Poses turned with the slope of the ground round the root, about the place on the level floor under it, by a
+    ``share`` (F, 1); and ``positions`` moved to stand over where their places on the floor come to lie.
+    """
+    ring = np.pi / 4.0 * np.arange(8)
+    round_root = SPREAD * body.leg_length * np.column_stack([np.cos(ring), np.sin(ring)])
+    heights = ground.height_at(positions[:, :1, :2] + round_root)
+    slopes = averaged(heights @ round_root / np.sum(round_root[:, 0] ** 2), BLEND, frame_rate)
+    normals = np.column_stack([-slopes, np.ones(len(slopes))])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    turns = Rotation.from_rotvec(share * tilts_of(normals)).as_matrix()
+    under = np.column_stack([positions[:, 0, :2], np.full(len(positions), ground.height)])[:, None]
+    lean = np.swapaxes(turns, 1, 2)
+    upright = positions.copy()
+    upright[..., :2] = (under + (positions - under) * [1.0, 1.0, 0.0] @ lean)[..., :2]
+    return under + (positions - under) @ lean, turns[:, None] @ rotations, upright
+
+
+def _hold(
+    point: ContactPoint, spans: list[tuple[int, int]], body: AnyMorphology, ground: Ground, track: FloatArray
+) -> Hold:
+    """One anchor a contact: the median place of the joint (while small, if the body grows), raised from the ground."""
+    legs = np.broadcast_to(lengths_of(body, at.M_LEG).sum(axis=1), len(track))
+    standing, places, normals = np.zeros(len(track), dtype=np.bool_), track.copy(), np.zeros_like(track)
+    for first, last in spans:
+        span = slice(first, last + 1)
+        small = legs[span] <= SMALLEST * legs[span].min()
+        middle = np.median(track[span, :2][small], axis=0)
+        standing[span] = True
+        places[span], normals[span] = _place_on(middle, point, body, ground)
+    return Hold(point, standing, places, normals)
+
+
+def _place_on(
+    place: FloatArray, point: ContactPoint, body: AnyMorphology, ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """Where a point stands over ``place`` (2,) on the ground, (3,), and the ground's normal there."""
+    normal = ground.normal_at(place)
+    return np.array([*place, ground.height_at(place)]) + clearance(body, point) * normal, normal
+
+
+def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
+    """(2, F) how much each foot that stands bears: little where its leg lies on level ground; uphill all go along."""
+    knees = positions[:, [body.layout.hip(side) + 1 for side in range(2)], 2] - ground.height
+    bearing = smoothstep(np.clip(knees.T / (LYING * body.leg_length) - 1.0, 0.0, 1.0))
+    return bearing if ground.is_level else np.ones_like(bearing)
+
+
+def _shares(
+    standing: Mapping[ContactPoint, NDArray[np.bool_]],
+    states: NDArray[np.int64],
+    bearing: FloatArray,
+    frame_rate: float,
+) -> FloatArray:
+    """(1 + H, F) parts of the body's weight on the feet and on each hold, which pass on smoothly.
+
+    They add up to 1 but for what is on feet that do not bear, ``bearing`` (2, F): by that the body stays as it is. A
+    foot whose knee stands carries nothing.
+    """
+    weights = np.zeros((2 + len(standing), states.shape[1]))
+    kneeling = {point.side: stands for point, stands in standing.items() if point.member == "knee"}
+    for side in range(2):
+        stands = (states[side] != 0) & ~kneeling.get(side, np.zeros(states.shape[1], dtype=np.bool_))
+        weights[:2] += stands * [bearing[side], 1.0 - bearing[side]]
+    for row, (point, stands) in zip(weights[2:], standing.items(), strict=True):
+        row += stands * (SEAT_WEIGHT if point is ContactPoint.SEAT else 1.0)
+    total = weights.sum(axis=0)
+    frames, carried = np.arange(len(total)), np.flatnonzero(total > 0.0)
+    shares = np.array([np.interp(frames, carried, row[carried] / total[carried]) for row in np.delete(weights, 1, 0)])
+    return np.asarray(averaged(shares.T, BLEND, frame_rate).T)
+
+
+def swung(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> FloatArray:
+    """``wrists`` (F, 3) higher by ``raises`` (F,): arms swing about their ``shoulders`` (F, 3) rather than bend.
+
+    The least of the way that an arm swings and of ``STIFF`` times that by which it is shortened, squared.
+    """
+    arms = wrists - shoulders
+    lengths = np.maximum(np.linalg.norm(arms, axis=1), 1e-9)
+    down = arms[:, 2] / lengths
+    shortened = raises * down / np.maximum(STIFF * (1.0 - down**2) + down**2, 1e-9)
+    heights = arms[:, 2] + raises
+    away = np.sqrt(np.maximum((lengths + shortened) ** 2 - heights**2, 0.0))
+    aside = np.maximum(np.linalg.norm(arms[:, :2], axis=1), 1e-9)
+    return np.asarray(shoulders + np.column_stack([arms[:, :2] * (away / aside)[:, None], heights]))
+
+
+def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
+    """``values`` (F, N) averaged over ``reach`` seconds to each side (Hann): smooth to the second derivative."""
+    half = max(1, round(reach * frame_rate))
+    return np.asarray(convolve1d(values, hann_window(half), axis=0, mode="nearest"))
+
+
+def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
+    """Corrections (F, 3) where ``known`` (F,), eased from one to the next or, over ``FADE`` seconds, to nothing.
+
+    They leave and meet what is known with the speed that it has there, so that a hand comes down and goes up smoothly.
+    """
+    count, fade = len(known), max(round(FADE * frame_rate), 1)
+    filled = corrections.copy()
+    nearest = _frames_to_nearest(known)
+    fill_gaps(filled, known | (nearest >= fade))
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(np.int8))).reshape(-1, 2)
+    stops = np.append(ends[1:, 0], count)
+    for (first, past), before, after in zip(ends, np.append(0, ends[:-1, 1]), stops, strict=True):
+        if past - first < 2:
+            continue
+        for edge, step, room in ((past - 1, 1, after - past), (first, -1, first - before)):
+            steps = np.arange(1, min(room, fade) + 1)
+            shares = steps / (min(room, fade) + 1)
+            speed = corrections[edge] - corrections[edge - step]
+            filled[edge + step * steps] += (steps * (1.0 - smoothstep(shares)))[:, None] * speed
+    return filled
+
+
+def _frames_to_nearest(known: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """(F,) how many frames away the nearest one is that is ``known`` (F,)."""
+    frames, stands = np.arange(len(known)), np.flatnonzero(known)
+    after = np.searchsorted(stands, frames)
+    behind, ahead = stands[np.maximum(after - 1, 0)], stands[np.minimum(after, len(stands) - 1)]
+    return np.asarray(np.minimum(np.abs(frames - behind), np.abs(ahead - frames)))
+
+
+def smoothstep(t: FloatArray) -> FloatArray:
+    """(6) of METHOD."""
+    return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
+
+
+def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
+    """(F,) metres to which a standing arm stretches freely: as far as the motion's own does, or nearly straight."""
+    own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], STANDING_REACH, 1.0 - 1e-9)
+    return np.asarray(own * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1))
+
+
+def lengths_of(body: AnyMorphology, column: int) -> FloatArray:
+    """(F or 1, 2) lengths of the two segments of a limb."""
+    return body.rows[:, column : column + 2]
+
+
+def laid_hands(hold: Hold, body: AnyMorphology, hands: FloatArray, frame_rate: float) -> FloatArray:
+    """World rotations (F, 3, 3) of a hand that lies on the ground in one way through each contact.
+
+    Fingers that point into the ground, or little above it, are laid on it, and so is a palm that looks down; else the
+    hand stays as the motion has it (a fist, the back of a hand). ``hands`` (F, 3, 3) as retargeted.
+    """
+    corrections = np.zeros((len(hands), 3))
+    side = hold.point.side
+    fingers = normalized(body.rows[0, at.M_HAND + 3 * side : at.M_HAND + 3 * side + 3])
+    palm = np.array([1.0 - 2.0 * side, 0.0, 0.0])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], hold.standing, [False]]).astype(np.int8)))
+    for first, past in edges.reshape(-1, 2):
+        usual = Rotation.from_matrix(hands[first:past]).mean().as_matrix()
+        laid = _laid(usual, fingers, palm, hold.normals[first])
+        corrections[first:past] = Rotation.from_matrix(laid @ np.swapaxes(hands[first:past], 1, 2)).as_rotvec()
+    return np.asarray(Rotation.from_rotvec(eased(corrections, hold.standing, frame_rate)).as_matrix() @ hands)
+
+
+def _laid(hand: FloatArray, fingers: FloatArray, palm: FloatArray, normal: FloatArray) -> FloatArray:
+    """One rotation (3, 3) of a hand, its ``fingers`` and ``palm`` (3,) in hand axes laid on the plane of ``normal``."""
+    along, back = hand @ fingers, -(hand @ palm)
+    rise = along @ normal
+    ahead = along - rise * normal + (0.3 if rise < 0.0 else 0.0) * (back - (back @ normal) * normal)
+    flat = normalized(ahead) if np.linalg.norm(ahead) > 1e-6 else normalized(np.cross(normal, back))
+    if rise < LEVEL_BELOW:
+        hand = shortest_arc(along, flat) @ hand
+    looks = hand @ palm
+    across = looks - (looks @ flat) * flat
+    if -across @ normal > LEVEL_BELOW:
+        hand = shortest_arc(normalized(across), -normal) @ hand
+    return hand

@@ -1,0 +1,352 @@
+"""Ground adaptation: where the ankles stand, how the feet lie, and how far the root comes down (METHOD 4)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from studio.core.body.morphology import AnyMorphology, sole_rows
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.grounds.ground import Ground
+from studio.core.kernels import layout as at
+from studio.core.kernels.layout import LIMB_SLACK
+from studio.core.kernels.limbs.legs import hip_heights, lower_smoothly
+from studio.core.kernels.limits.root_reach import LEASH
+from studio.core.kernels.support import feet as kernel
+from studio.core.kernels.support.footing import FootPlan, plan_foot
+from studio.core.kernels.support.heels import roll_feet
+from studio.core.kernels.support.swing import keep_above
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.single import PoseArray
+from studio.core.solver.standing.footprints import drape, find_footprints
+from studio.core.solver.standing.swing import Sole, led_clear
+
+FloatArray = NDArray[np.float64]
+
+STANDING_REACH = 0.985
+"""Part of its length to which a standing leg may always stretch, however bent the motion's own leg is."""
+SWINGING_REACH = 0.97
+"""The same of a leg in the air, beyond which it stretches ever less."""
+FREED_AFTER = 0.15
+"""Seconds after a foot has left the ground (or before it lands) in which it becomes free."""
+LET_GO = 0.2
+"""Seconds in which a foot comes to rest on the ground, or starts from it."""
+LOOK_AHEAD = 0.15
+"""Seconds over which the root comes down before it must, and stays down after."""
+FOLDED, FOLD_ROOM, FOLD_CORNER = 0.3, 0.12, 0.03
+"""Part of its length by which a folded leg's ankle hangs below the hip, and parts by which it may come nearer; less
+the farther it is from below the hip, nothing at a leg's length. The corner where the motion's own leg folds that much
+is rounded.
+"""
+GOES_ALONG = 0.4
+"""Seconds after which a foot that has left the ground goes along with the body, so that its leg is the motion's own."""
+PASSED_ON, FOLLOWED = 0.1, 0.02
+"""Seconds to either side over which the weight passes from foot to foot, and, standard deviation, over which the body
+follows where they stand.
+"""
+CLIMB_SMOOTHING = 0.09
+"""Seconds, standard deviation, over which the root follows the heights of the footprints."""
+
+
+@dataclass(frozen=True, eq=False)
+class Footing:
+    """What the ground asks of one body: ``states`` (2, F) bit 1 heel, bit 2 toe; ``comforts`` (2, F) part of its
+    length to which each leg stretches freely; ``runs`` (2, F) how much farther the root may stretch it, inf where its
+    foot is free; ``ankles`` (2, F, 3 or 7) targets, with those of knees that stand as
+    ``kernels.limbs.legs.place_leg`` takes them; ``feet``, ``toes`` (2, F, 3, 3) world
+    rotations; ``drops`` (F,) metres by which the root is lowered.
+    """
+
+    states: NDArray[np.int64]
+    comforts: FloatArray
+    runs: FloatArray
+    ankles: FloatArray
+    feet: PoseArray
+    toes: PoseArray
+    drops: FloatArray
+
+    @property
+    def leashes(self) -> FloatArray:
+        """(2, F) part of its length to which the root may stretch each leg; inf where its foot is free.
+
+        A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
+        """
+        return self.comforts + self.runs
+
+
+def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.int64]:
+    """(2, F) of bits: 1 where the heel stands, 2 where the toe does."""
+    toes, heels = np.zeros((2, 2, frame_count), dtype=np.int64)
+    for contact in contacts:
+        point = contact.point
+        if isinstance(point, ContactPoint) and point.is_foot:
+            bit, bits = (kernel.HEEL, heels) if point.is_heel else (kernel.TOE, toes)
+            bits[point.side, contact.first : contact.last + 1] = bit
+    return np.asarray(toes | heels)
+
+
+def find_footing(
+    motion: NormalizedMotion,
+    morphology: AnyMorphology,
+    contacts: Sequence[ContactInterval],
+    ground: Ground,
+    positions: FloatArray,
+    rotations: FloatArray,
+    carried: FloatArray | None = None,
+    upright: tuple[FloatArray, FloatArray] | None = None,
+) -> Footing:
+    """Plan the feet of a whole clip from its retargeted pose, raised to the ground's own height; feet themselves from
+    the ``upright`` one, positions and rotations, where the body leans with the ground.
+
+    The body follows its feet, and on ground that is not level the low-passed mean of both feet's footprints (h1 of
+    METHOD 4): ``positions`` go along, in place, and ``drops`` take the footprints' heights off. Where hands, knees or
+    seat stand now and then, it does by as much of its weight as the feet carry, ``carried`` (F,), and what legs lack is
+    left to the least move (10): a leg that lies back as in a plank gains nothing by hips that come down.
+    """
+    states = foot_states(contacts, motion.frame_count)
+    pose = (positions, rotations) if upright is None else upright
+    count = motion.frame_count
+    ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
+    plans = [FootPlan(ankles[side], feet[side], toes[side]) for side in range(2)]
+    comforts, runs = leg_stretches(motion, states)
+    for side, plan in enumerate(plans):
+        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, *pose, plan)
+    if ground.is_level:
+        off = ankles - positions[:, [morphology.layout.ankle(side) for side in range(2)]].transpose(1, 0, 2)
+        goes = followed(off, states, motion.frame_rate) * (1.0 if carried is None else carried[:, None])
+        positions += goes[:, None]
+        for side, planted in enumerate(states != 0):
+            ankles[side] += freedom(planted, motion.frame_rate, GOES_ALONG)[:, None] * (goes - off[side])
+        for side, plan in enumerate(plans):
+            _roll_foot(side, morphology, states[side], comforts[side], ground, motion.frame_rate, positions, plan)
+        drops = np.zeros(count)
+        if carried is None and np.count_nonzero(states):
+            drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
+            drops = smooth_drops(drops, motion.frame_rate)
+        return Footing(states, comforts, runs, ankles, feet, toes, drops)
+    return _draped_footing(motion, morphology, ground, positions, rotations, pose, (states, plans), carried)
+
+
+def _draped_footing(
+    motion: NormalizedMotion,
+    morphology: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+    rotations: FloatArray,
+    pose: tuple[FloatArray, FloatArray],
+    planned: tuple[NDArray[np.int64], Sequence[FootPlan]],
+    carried: FloatArray | None,
+) -> Footing:
+    """``find_footing`` on ground that is not level, from states and feet as they are ``planned`` on a level floor."""
+    states, plans = planned
+    feet_share = np.ones(motion.frame_count) if carried is None else carried
+    draped = [
+        _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, *pose)
+        for side, plan in enumerate(plans)
+    ]
+    ankles, feet, toes = _stacked([each.foot for each in draped])
+    climb = np.mean([each.heights for each in draped], axis=0)
+    climb = feet_share * gaussian_filter1d(climb, CLIMB_SMOOTHING * motion.frame_rate, mode="nearest")
+    comforts, runs = leg_stretches(motion, states)  # draping has put down heels that would hang
+    relative = ankles - positions[:, 0]
+    relative[..., 2] -= climb
+    on_level = np.array([each.level_ankles for each in draped]) - positions[:, 0]
+    drops, all_feet, level = (
+        _drops(motion, morphology, rotations, places, comforts, stands)
+        for places, stands in (
+            (relative, states),
+            (relative, np.full_like(states, kernel.FLAT)),
+            (on_level, np.full_like(states, kernel.FLAT)),
+        )
+    )
+    # A foot in the air that reaches far down, as on the way down a flight of steps, brings the root down early.
+    early = all_feet - np.maximum(level, 0.0)
+    drops = np.maximum(drops, early) if carried is None else feet_share * early
+    drops = smooth_drops(drops, motion.frame_rate) - climb
+    _keep_below_hips(ankles, drops, states, motion.frame_rate, morphology, positions)
+    return Footing(states, comforts, runs, ankles, feet, toes, drops)
+
+
+def _keep_below_hips(
+    ankles: FloatArray,
+    drops: FloatArray,
+    states: NDArray[np.int64],
+    frame_rate: float,
+    morphology: AnyMorphology,
+    positions: FloatArray,
+) -> None:
+    """Ankles (2, F, 3) of feet in the air come no nearer below their hips than a folded leg does, in place.
+
+    Over a flight of steps taken in long strides they would, and the leg would swing round; on the floor they stay.
+    """
+    for side in range(2):
+        hips = positions[:, morphology.layout.hip(side)]
+        bones = morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
+        legs = bones.sum(axis=1)
+        folded = np.maximum(FOLDED * legs, np.abs(bones[:, 0] - bones[:, 1]) + 0.5 * FOLDED * legs)
+        own = positions[:, morphology.layout.ankle(side), 2] - hips[:, 2]
+        aside = np.linalg.norm(ankles[side, :, :2] - hips[:, :2], axis=1) / legs
+        least = -folded * (1.0 - np.minimum(aside, 1.0) ** 2) ** 2
+        over = own - least
+        highest = least + 0.5 * (over + np.hypot(over, FOLD_CORNER * legs))  # the higher one, without a corner
+        beyond = ankles[side, :, 2] - (hips[:, 2] - drops) - highest
+        softened = FOLD_ROOM * legs * -np.expm1(-np.maximum(beyond, 0.0) / (FOLD_ROOM * legs))
+        ankles[side, :, 2] -= freedom(states[side] != 0, frame_rate) * (np.maximum(beyond, 0.0) - softened)
+
+
+def _drops(
+    motion: NormalizedMotion,
+    morphology: AnyMorphology,
+    rotations: FloatArray,
+    ankles: FloatArray,
+    comforts: FloatArray,
+    states: NDArray[np.int64],
+) -> FloatArray:
+    """(F,) metres by which the root must come down for standing legs to reach; ``ankles`` from the root."""
+    drops = np.empty(motion.frame_count)
+    hip_heights(motion.channels, morphology.rows, rotations, ankles, comforts, states, drops)
+    return drops
+
+
+@dataclass(frozen=True, eq=False)
+class _DrapedFoot:
+    """One ``foot`` on the ground, its ankles as planned level (F, 3), and the heights (F,) of its footprints."""
+
+    foot: FootPlan
+    level_ankles: FloatArray
+    heights: FloatArray
+
+
+def _stacked(plans: Sequence[FootPlan]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Ankles (2, F, 3), feet and toes (2, F, 3, 3) of both sides."""
+    ankles, feet, toes = (np.array(part) for part in zip(*plans, strict=True))
+    return ankles, feet, toes
+
+
+def _plan_foot(
+    side: int,
+    morphology: AnyMorphology,
+    states: NDArray[np.int64],
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+    plan: FootPlan,
+) -> None:
+    """What one foot does on the level floor at the ground's own height, before it rolls; ``states`` (F,)."""
+    layout = morphology.layout
+    ankle, foot = layout.ankle(side), layout.spine_count + 12 + 4 * side
+    plan.ankles[:], plan.feet[:], plan.toes[:] = positions[:, ankle], rotations[:, foot], rotations[:, foot + 1]
+    soles, balls = sole_rows(morphology, side), np.ascontiguousarray(positions[:, ankle + 1, 2])
+    plan_foot(states, soles, ground.height, ground.is_level, LET_GO * frame_rate, balls, plan)
+    if not ground.is_level:
+        keep_above(soles, states, ground.height, frame_rate, *plan)
+
+
+def _roll_foot(
+    side: int,
+    morphology: AnyMorphology,
+    states: NDArray[np.int64],
+    comforts: FloatArray,
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    out: FootPlan,
+) -> None:
+    """Roll a foot planned on the level floor to where its leg reaches it, in place, and keep it above the floor."""
+    soles, legs = sole_rows(morphology, side), morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
+    hips, reaches = positions[:, morphology.layout.hip(side)], comforts * legs.sum(axis=1)
+    roll_feet(soles, states, hips, reaches, LET_GO * frame_rate, out.ankles, out.feet)
+    keep_above(soles, states, ground.height, frame_rate, *out)
+
+
+def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> FloatArray:
+    """(F, 3) metres by which a body goes along with feet that stand ``off`` (2, F, 3) where the motion has them.
+
+    Each of those that stand takes its share, passed on over ``PASSED_ON`` seconds to either side: so who stands on one
+    leg keeps it as it is, and only two that want different things have to bend.
+    """
+    stands = states != 0
+    if not stands.any():
+        return np.zeros(off.shape[1:])
+    off = np.where(stands[..., None], off, 0.0)
+    for side in range(2):
+        kernel.fill_gaps(off[side], stands[side])
+    frames, carried = np.arange(stands.shape[1]), np.flatnonzero(stands.any(axis=0))
+    share = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
+    share = np.convolve(
+        np.pad(share, half := max(1, round(PASSED_ON * frame_rate)), "edge"), hann_window(half), "valid"
+    )
+    way = off[1] + share[:, None] * (off[0] - off[1])
+    return np.asarray(gaussian_filter1d(way, FOLLOWED * frame_rate, axis=0, mode="nearest"))
+
+
+def _drape_foot(
+    plan: FootPlan,
+    side: int,
+    morphology: AnyMorphology,
+    states: NDArray[np.int64],
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> _DrapedFoot:
+    """A foot planned level, set on ground that is not.
+
+    A heel that would stand over nothing does not: that foot comes down flat; ``states`` (F,) tell so after.
+    """
+    soles = sole_rows(morphology, side)
+    prints = find_footprints(states, plan.ankles, plan.feet, soles, ground)
+    if prints.hanging.any():
+        for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
+            states[first : last + 1][states[first : last + 1] == kernel.HEEL] = kernel.FLAT
+        _plan_foot(side, morphology, states, ground, frame_rate, positions, rotations, plan)
+        prints = find_footprints(states, plan.ankles, plan.feet, soles, ground)
+    draped = drape(prints, *plan, ground, frame_rate)
+    level, foot = Sole.of(*plan, soles), Sole.of(draped.ankles, draped.feet, draped.toes, soles)
+    led = led_clear(level, foot, states, ground, frame_rate)
+    return _DrapedFoot(FootPlan(led.ankles, led.feet, led.toes), plan.ankles, draped.heights)
+
+
+def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """The ``comforts`` of a ``Footing``, where it stands as far as the motion's own leg stretches, and its ``runs``."""
+    if not np.count_nonzero(states):
+        return np.full(states.shape, SWINGING_REACH), np.full(states.shape, np.inf)
+    free = np.array([freedom(planted, motion.frame_rate) for planted in states != 0])
+    own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
+    standing = own.clip(STANDING_REACH, 1.0 - 1e-9)
+    return standing + free * (SWINGING_REACH - standing), run_out(free)
+
+
+def run_out(free: FloatArray) -> FloatArray:
+    """(F,) how far a leash has run out that leaves hold smoothly, parts of a limb's length; all the way where free."""
+    return np.asarray(np.divide(LEASH * free, 1.0 - free, out=np.full(free.shape, np.inf), where=free < 1.0))
+
+
+def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = FREED_AFTER) -> FloatArray:
+    """(F,) 0 while a foot stands, eased to 1 within ``after`` seconds of the nearest frame that does."""
+    free = np.empty(len(planted))
+    kernel.free_feet(planted, after * frame_rate, free)
+    return free
+
+
+def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
+    """At least ``drops`` (F,) everywhere, and smooth: their moving maximum, averaged over the same support.
+
+    The paper's plain minimum of three heights jolts the root (accelerations 3 to 27 times the source's).
+    """
+    if not (drops > 0.0).any():
+        return np.zeros(len(drops))
+    peaks, smooth = np.empty_like(drops), np.empty_like(drops)
+    lower_smoothly(drops, hann_window(max(1, round(LOOK_AHEAD * frame_rate))), peaks, smooth)
+    return smooth
+
+
+@cache
+def hann_window(half: int) -> FloatArray:
+    """(2 * half + 1,) weights of an average that is smooth to its second derivative; they add up to 1."""
+    window = np.hanning(2 * half + 3)[1:-1]
+    return np.asarray(window / window.sum())

@@ -1,0 +1,292 @@
+"""Feet planned on a level floor, set on ground that is not: each footprint is one rigid move (METHOD 4).
+
+The ground is asked once a footprint, at its heel, ball and tip, never under a moving foot. What a foot does during a
+contact, planned level, is moved as one rigid piece on to the plane found there, so that all that stands on the level
+floor stands on the slope as well; between two contacts the move eases from one to the next.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.body.morphology import at_frames
+from studio.core.grounds.ground import Ground
+from studio.core.kernels.support.feet import FLAT, HEEL
+
+FloatArray = NDArray[np.float64]
+
+EDGE, EDGE_STEEP = 0.03, 0.15
+"""Metres by which ground may stray from the plane of its own slope under one sole, and the same of a long one in parts
+of its length; more is an edge.
+"""
+STEEPEST_SOLE = np.radians(35.0)
+TOES_BEND = np.radians([-20.0, 40.0])
+"""How far toes bend down and up to follow ground that turns off under the ball; what is steeper is not for them."""
+LONGEST_FLIGHT = 1.0
+"""Seconds without contact after which a foot follows the ground below it, asked this often: ``WAYPOINT``."""
+WAYPOINT = 0.5
+SHORTEST_RAMP = 0.25
+"""Seconds before the first and after the last contact that are too short to follow the ground."""
+RISE_EARLY, SINK_LATE = 0.2, 0.12
+"""Parts of a flight by which a foot is up earlier, or begins to sink later, at most, than over all of the flight."""
+CLIMB_TIME = 0.36
+"""Seconds that it takes for that at least: in a short flight a foot has no time to hurry."""
+_SETTLING = 4
+"""Times that a sole is laid along the plane under it, and the plane asked again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Where soles lie: ``heights`` (N,) of their balls, ``normals`` (N, 3), whether the heel or the ball stands beyond
+    an edge, over nothing: ``overhangs`` (N, 2), and by how many radians toes bend up from that plane to lie on the
+    ground: ``bends`` (N,).
+    """
+
+    heights: FloatArray
+    normals: FloatArray
+    overhangs: NDArray[np.bool_]
+    bends: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Footprints:
+    """Contacts of one foot in time: frames ``first`` to ``last`` (N,), both included.
+
+    ``pivots`` (N, 3) are balls on the level floor, ``moves`` (N, 3) where to they go, ``tilts`` (N, 3) rotation
+    vectors about them, ``bends`` (N,) radians by which toes bend up; ``hanging`` (N,) heels that stand over nothing.
+    """
+
+    first: NDArray[np.int64]
+    last: NDArray[np.int64]
+    pivots: FloatArray
+    moves: FloatArray
+    tilts: FloatArray
+    bends: FloatArray
+    hanging: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Draped:
+    """One foot on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3), and the footprints' ``heights`` (F,)
+    above the level floor, eased between them.
+    """
+
+    ankles: FloatArray
+    feet: FloatArray
+    toes: FloatArray
+    heights: FloatArray
+
+
+def planes_under(ground: Ground, soles: FloatArray) -> Planes:
+    """The planes on which ``soles`` (N, 3 places: heel, ball, tip; 2) lie: through the ground at heel and ball.
+
+    Across the foot they lean as the ground does. Where an edge crosses the sole it lies as the highest of the three
+    does, over the edge.
+    """
+    heights, normals = ground.height_at(soles), ground.normal_at(soles)
+    line = soles[:, 1] - soles[:, 0]
+    length = np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
+    along = line / length
+    slopes = -normals[..., :2] / normals[..., 2:]
+    expected = np.einsum("npk,nk->n", slopes[:, :2] / 2, line)
+    tip_expected = np.einsum("nk,nk->n", slopes[:, 1:].mean(axis=1), soles[:, 2] - soles[:, 1])
+    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > np.maximum(EDGE, EDGE_STEEP * length[:, 0])) | (
+        heights[:, 2] - heights[:, 1] - tip_expected > EDGE
+    )
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    rise = (heights[:, 1] - heights[:, 0]) / length[:, 0]
+    lean = np.einsum("npk,nk->n", slopes[:, :2] / 2, across)
+    slope = rise[:, None] * along + lean[:, None] * across
+    highest, rows = heights.argmax(axis=1), np.arange(len(soles))
+    slope = np.where(edge[:, None], slopes[rows, highest], slope)
+    steep = np.linalg.norm(slope, axis=1, keepdims=True) / np.tan(STEEPEST_SOLE)
+    slope = slope / np.maximum(steep, 1.0)
+    level = np.where(edge | (steep[:, 0] > 1.0), highest, 1)
+    at_ball = heights[rows, level] + np.einsum("nk,nk->n", slope, soles[:, 1] - soles[rows, level])
+    at_heel = at_ball - np.einsum("nk,nk->n", slope, line)
+    overhangs = np.stack([at_heel - heights[:, 0], at_ball - heights[:, 1]], axis=1) > EDGE
+    normal = np.column_stack([-slope, np.ones(len(slope))])
+    to_tip = soles[:, 2] - soles[:, 1]
+    gap = heights[:, 2] - at_ball - np.einsum("nk,nk->n", slope, to_tip)
+    bends = np.arctan2(gap, np.maximum(np.linalg.norm(to_tip, axis=1), 1e-9))
+    bends = np.where(edge | (bends < TOES_BEND[0]) | (bends > TOES_BEND[1]), 0.0, bends)
+    return Planes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs, bends)
+
+
+def tilts_of(normals: FloatArray) -> FloatArray:
+    """(N, 3) rotation vectors of the shortest turns from upright to ``normals`` (N, 3)."""
+    axis = np.stack([-normals[:, 1], normals[:, 0], np.zeros(len(normals))], axis=1)
+    sine = np.linalg.norm(axis, axis=1, keepdims=True)
+    angle = np.arctan2(sine, normals[:, 2:])
+    return np.asarray(axis * angle / np.maximum(sine, 1e-12))
+
+
+def find_footprints(
+    states: NDArray[np.int64], ankles: FloatArray, feet: FloatArray, measures: FloatArray, ground: Ground
+) -> Footprints:
+    """The contacts of a foot planned on the level floor: ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3).
+
+    ``measures`` (F or 1, 6) of the foot as ``morphology.sole_rows`` has them.
+    """
+    first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
+    soles = soles_of(ankles[middle], feet[middle], at_frames(measures, middle))
+    nudges = ground.nudges(soles)[of_episode]
+    rolled = soles.copy()
+    rolled[:, 0] += _heel_play(soles[:, 0], first, last, states, ankles, feet, measures) / 2
+    edge = np.ptp(ground.height_at(np.stack([soles[:, 0], rolled[:, 0]], axis=1) + nudges[:, None]), axis=1) > EDGE
+    soles = np.where(edge[:, None, None], soles, rolled)
+    level = np.column_stack([soles[:, 1], np.full(len(soles), ground.height)])
+    placed = soles + nudges[:, None]
+    for _ in range(_SETTLING):
+        planes = planes_under(ground, placed)
+        reach = np.linalg.norm(soles - soles[:, 1:2], axis=2) * [-1.0, 0.0, 1.0]
+        turned = Rotation.from_rotvec(tilts_of(planes.normals)).as_matrix()
+        lines = np.column_stack([soles[:, 1] - soles[:, 0], np.zeros(len(soles))])
+        lines /= np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), 1e-9)
+        sloping = np.einsum("nij,nj->ni", turned, lines)[:, None, :2]
+        placed = placed[:, 1:2] + reach[..., None] * sloping
+    moves = np.column_stack([nudges, planes.heights - ground.height])
+    return Footprints(first, last, level, moves, tilts_of(planes.normals), planes.bends, planes.overhangs[:, 0])
+
+
+def drape(
+    footprints: Footprints, ankles: FloatArray, feet: FloatArray, toes: FloatArray, ground: Ground, frame_rate: float
+) -> Draped:
+    """Feet planned on the level floor, set on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3)."""
+    prints = _with_waypoints(footprints, ankles, ground, frame_rate)
+    count = len(ankles)
+    pivots, tilts = (_eased(prints, values, count) for values in (prints.pivots, prints.tilts))
+    moves = _eased(prints, prints.moves, count, frame_rate)
+    turns = Rotation.from_rotvec(tilts).as_matrix()
+    bent = toes @ Rotation.from_rotvec(_eased(prints, prints.bends[:, None] * [0.0, -1.0, 0.0], count)).as_matrix()
+    return Draped(
+        pivots + moves + np.einsum("fij,fj->fi", turns, ankles - pivots), turns @ feet, turns @ bent, moves[:, 2]
+    )
+
+
+def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
+    """(first, last, typical frame, index of the first footprint of its episode) of each footprint.
+
+    One an episode of contact; where the heel leaves and comes down again while the toe stands, one each.
+    """
+    found: list[tuple[int, int, int, int]] = []
+    for begin, end in _runs(states != 0):
+        heels = [(begin + a, begin + b) for a, b in _runs((states[begin : end + 1] & HEEL) != 0)]
+        leader = len(found)
+        for place, (first, last) in enumerate(heels or [(begin, end)]):
+            flat = [(first + a, first + b) for a, b in _runs(states[first : last + 1] == FLAT)]
+            longest = max(flat or [(first, last)], key=lambda run: run[1] - run[0])
+            found.append(
+                (
+                    begin if place == 0 else first,
+                    end if place == max(len(heels), 1) - 1 else last,
+                    (longest[0] + longest[1]) // 2,
+                    leader,
+                )
+            )
+    return found
+
+
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """(first, last), both included, of each unbroken run of true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _heel_play(
+    heels: FloatArray,
+    first: NDArray[np.int64],
+    last: NDArray[np.int64],
+    states: NDArray[np.int64],
+    ankles: FloatArray,
+    feet: FloatArray,
+    measures: FloatArray,
+) -> FloatArray:
+    """(N, 2) how far a standing heel is at most from its flat place ``heels`` (N, 2): it rolls as the foot comes down.
+
+    On bent ground a plane through the middle of that way is off by half as much at its ends.
+    """
+    below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])
+    tracks = (ankles + np.einsum("fij,fj->fi", feet, np.broadcast_to(below, ankles.shape)))[:, :2]
+    play = np.zeros((len(heels), 2))
+    for row, (begin, end) in enumerate(zip(first, last, strict=True)):
+        standing = (states[begin : end + 1] & HEEL) != 0
+        if standing.any():
+            ways = tracks[begin : end + 1][standing] - heels[row]
+            play[row] = ways[np.argmax(np.linalg.norm(ways, axis=1))]
+    return play
+
+
+def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> FloatArray:
+    """(N, 3, 2) where heel, ball and tip of feet lie when they are flat, the ball where it is.
+
+    ``measures`` (N or 1, 6) of the foot as ``morphology.sole_rows`` has them.
+    """
+    ahead = feet[:, :2, 0] / np.maximum(np.linalg.norm(feet[:, :2, 0], axis=1, keepdims=True), 1e-9)
+    to_ball = np.broadcast_to(measures[:, :3], ankles.shape)
+    ball = ankles[:, :2] + np.einsum("fij,fj->fi", feet, to_ball)[:, :2]
+    heel = ball - (measures[:, :1] + measures[:, 4:5]) * ahead
+    tip = ball + measures[:, 5:] * ahead
+    return np.stack([heel, ball, tip], axis=1)
+
+
+def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, frame_rate: float) -> Footprints:
+    """Also places in the air where a foot that stays up long follows the ground below it."""
+    count = len(ankles)
+    borders = np.column_stack([np.append(-1, prints.last), np.append(prints.first, count)])
+    frames: list[int] = []
+    for before, after in borders.tolist():
+        at_end = before < 0 or after >= count
+        gap = (after - before) / frame_rate
+        if gap > (SHORTEST_RAMP if at_end else LONGEST_FLIGHT) or not len(prints.first):
+            pieces = max(round(gap / WAYPOINT), 1)
+            inner = np.linspace(max(before, 0), min(after, count - 1), pieces + 1).astype(int)
+            keep_first, keep_last = before < 0, after >= count
+            frames += inner[0 if keep_first else 1 : None if keep_last else -1].tolist()
+    if not frames:
+        return prints
+    extra = np.array(sorted(set(frames)), dtype=np.int64)
+    level = np.column_stack([ankles[extra, :2], np.full(len(extra), ground.height)])
+    moves = np.zeros((len(extra), 3))
+    moves[:, 2] = ground.height_at(level) - ground.height
+    order = np.argsort(np.concatenate([prints.first, extra]), kind="stable")
+
+    first, last = np.append(prints.first, extra)[order], np.append(prints.last, extra)[order]
+    pivots, all_moves, tilts = (
+        np.concatenate(both)[order]
+        for both in (
+            (prints.pivots, level),
+            (prints.moves, moves),
+            (prints.tilts, tilts_of(ground.normal_at(level))),
+        )
+    )
+    bends = np.append(prints.bends, np.zeros(len(extra)))[order]
+    hanging = np.append(prints.hanging, np.zeros(len(extra), dtype=np.bool_))[order]
+    return Footprints(first, last, pivots, all_moves, tilts, bends, hanging)
+
+
+def _eased(prints: Footprints, values: FloatArray, count: int, frame_rate: float = math.inf) -> FloatArray:
+    """(F, 3) the ``values`` (N, 3) of footprints, held through each and eased from one to the next.
+
+    With a frame rate: what rises does so early in the flight, and what sinks late, as feet pass over edges.
+    """
+    frames = np.arange(count)
+    following = np.minimum(np.searchsorted(prints.last, frames), len(prints.last) - 1)
+    before = np.where(frames < prints.first[following], np.maximum(following - 1, 0), following)
+    gap = np.maximum(prints.first[following] - prints.last[before], 1)
+    share = np.clip((frames - prints.last[before]) / gap, 0.0, 1.0)
+    change = values[following] - values[before]
+    eased = values[before] + _smoothstep(share)[:, None] * change
+    if frame_rate < math.inf:
+        most = np.where(change[:, 2] > 0.0, RISE_EARLY, SINK_LATE)
+        haste = np.clip(1.0 - CLIMB_TIME * frame_rate / gap, 0.0, most)
+        rising = np.where(change[:, 2] > 0.0, share, share - haste) / (1.0 - haste)
+        eased[:, 2] = values[before][:, 2] + _smoothstep(np.clip(rising, 0.0, 1.0)) * change[:, 2]
+    return np.asarray(eased)
+
+
+def _smoothstep(t: FloatArray) -> FloatArray:
+    return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))

@@ -1,0 +1,156 @@
+"""Arms kept above the ground: on bodies with longer ones hands and elbows would sink into it (METHOD 4)."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.body.morphology import AnyMorphology
+from studio.core.grounds.ground import Ground
+from studio.core.rotations import normalized, shortest_arc
+from studio.core.solver.standing.carrying import swung
+from studio.core.solver.standing.footing import freedom, smooth_drops
+from studio.core.solver.standing.settling import Arms
+
+FloatArray = NDArray[np.float64]
+
+ROOM = 0.03
+"""Parts of the leg's length above the ground below which wrist and finger tips begin to be raised; 3/16 is kept."""
+ELBOW = 0.004
+"""Metres of an elbow in the ground that are left to it: a forearm lies on it."""
+STRAIGHT, SLIGHT = 0.9999, 0.02
+"""Part of its length to which a raised arm stretches at most, and metres that count for its bend as its hinge has it: a
+straight arm has none of its own.
+"""
+OUTRIGHT = 0.02
+"""Metres of an elbow from the line between shoulder and wrist at which it is turned by half: a straight arm's stays."""
+LET_GO = 0.3
+"""Seconds after a hand has left the ground, or before it stands, in which it is raised by degrees."""
+OUTWARDS = 2.0
+"""How much more an elbow goes away from the body the deeper it is in the ground."""
+TURNS = 3
+"""Times that the arm of a hand that stands is turned, for on its circle an elbow is lower than on its way out."""
+
+
+def raise_arms(
+    body: AnyMorphology,
+    ground: Ground,
+    arms: Arms | None,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """Raise hands and elbows of a standing body, (F, P, 3) and (F, S, 3, 3), in place, that would be in level ground.
+
+    Hands keep how they lie in the world; those that stand, as ``arms`` tells, stay where they are.
+    """
+    if not ground.is_level:
+        return
+    for side in range(2):
+        free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, LET_GO)
+        _raise_hand(side, free, body, ground, frame_rate, positions, rotations)
+        _raise_elbow(side, free, body, ground, positions, rotations)
+
+
+def _raise_hand(
+    side: int,
+    free: FloatArray,
+    body: AnyMorphology,
+    ground: Ground,
+    frame_rate: float,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """Raise a hand, in place, as far as it is ``free`` (F,); its arm bends and swings as it already did."""
+    wrist, room = body.layout.wrist(side), ROOM * body.leg_length
+    heights = _above(ground, positions[:, wrist : wrist + 2]).min(axis=1)
+    if heights.min() >= room:
+        return
+    raises = free * smooth_drops(lacking(heights, room), frame_rate)
+    shoulders, wrists = positions[:, wrist - 2], positions[:, wrist]
+    goals = swung(wrists, shoulders, raises)
+    arm = body.layout.spine_count + 3 + 4 * side
+    upper, lower = positions[:, wrist - 1] - shoulders, wrists - positions[:, wrist - 1]
+    lengths = np.linalg.norm([upper, lower], axis=2)
+    line, way = normalized(wrists - shoulders), normalized(goals - shoulders)
+    span = np.linalg.norm(goals - shoulders, axis=1)
+    span = np.clip(span, np.abs(lengths[0] - lengths[1]) + 1e-3, STRAIGHT * lengths.sum(axis=0))
+    hinge = np.minimum(raises, SLIGHT)[:, None] * np.cross(line, rotations[:, arm, :, 0])
+    aim = shortest_arc(line, way)
+    out = normalized(_across(np.einsum("fij,fj->fi", aim, _across(upper, line) + hinge), way))
+    along = (lengths[0] ** 2 - lengths[1] ** 2 + span**2) / (2.0 * span)
+    aside = np.sqrt(np.maximum(lengths[0] ** 2 - along**2, 0.0))
+    elbows = shoulders + along[:, None] * way + aside[:, None] * out
+    placed = shoulders + span[:, None] * way
+    raised = np.flatnonzero(raises > 0.0)
+    for segment, old, new in ((arm, upper, elbows - shoulders), (arm + 1, lower, placed - elbows)):
+        aimed = normalized(np.einsum("fij,fj->fi", aim, old))
+        turns = shortest_arc(aimed, normalized(new)) @ aim
+        rotations[raised, segment] = turns[raised] @ rotations[raised, segment]
+    positions[raised, wrist + 1] += (placed - wrists)[raised]
+    positions[raised, wrist - 1], positions[raised, wrist] = elbows[raised], placed[raised]
+
+
+def _above(ground: Ground, places: FloatArray) -> FloatArray:
+    """(...) metres of ``places`` (..., 3) above the ground."""
+    return np.asarray(places[..., 2] - ground.height_at(places))
+
+
+def lacking(heights: FloatArray, room: float) -> FloatArray:
+    """(F,) by how much to raise what is at ``heights`` (F,) so that it keeps above 0: METHOD (7)."""
+    share = np.clip(heights / room, -1.0, 1.0)
+    return np.asarray(room * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-heights - room, 0.0))
+
+
+def _raise_elbow(
+    side: int,
+    free: FloatArray,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """Bring an elbow out of the ground, in place: the upper arm swings out, forearm and hand go along as far as the
+    hand is ``free`` (F,); one that stands stays, and the arm turns about the line from shoulder to wrist.
+    """
+    layout = body.layout
+    wrist, arm = layout.wrist(side), layout.spine_count + 3 + 4 * side
+    shoulders = positions[:, wrist - 2]
+    out = normalized((shoulders - positions[:, layout.wrist(1 - side) - 2]) * [1.0, 1.0, 0.0])
+    ways = _ways_out(positions[:, wrist - 1], shoulders, out, ground)
+    if not ways.any():
+        return
+    upper = positions[:, wrist - 1] - shoulders
+    swings = normalized(upper + free[:, None] * ways)
+    rotations[:, arm] = shortest_arc(normalized(upper), swings) @ rotations[:, arm]
+    positions[:, wrist - 1 : wrist + 2] += (swings * np.linalg.norm(upper, axis=1)[:, None] - upper)[:, None]
+    line = normalized(positions[:, wrist] - shoulders)
+    for _ in range(TURNS):
+        elbows = positions[:, wrist - 1]
+        now, then = (
+            _across(each - shoulders, line) for each in (elbows, elbows + _ways_out(elbows, shoulders, out, ground))
+        )
+        angles = np.arctan2(np.sum(np.cross(now, then) * line, axis=1), np.sum(now * then, axis=1))
+        wide = np.sum(now**2, axis=1)
+        angles *= wide / (wide + OUTRIGHT**2)
+        turned = Rotation.from_rotvec(angles[:, None] * line).as_matrix()
+        positions[:, wrist - 1] += np.einsum("fij,fj->fi", turned, now) - now
+        rotations[:, arm : arm + 2] = turned[:, None] @ rotations[:, arm : arm + 2]
+
+
+def _across(ways: FloatArray, line: FloatArray) -> FloatArray:
+    """What of ``ways`` (F, 3) is across unit vectors ``line`` (F, 3)."""
+    return np.asarray(ways - np.sum(ways * line, axis=1, keepdims=True) * line)
+
+
+def _ways_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArray, ground: Ground) -> FloatArray:
+    """(F, 3) the ways of ``elbows`` out of the ground, about their ``shoulders``, all (F, 3): away from where they
+    hang, and the deeper they are, the more ``out`` from the body.
+    """
+    upper = elbows - shoulders
+    lengths = np.maximum(np.linalg.norm(upper, axis=1), 1e-9)
+    down = -upper[:, 2] / lengths
+    deep = np.minimum(np.maximum(-ELBOW - _above(ground, elbows), 0.0) / lengths, down + 1.0)
+    level = normalized(upper[:, :2] / lengths[:, None] + OUTWARDS * deep[:, None] * out[:, :2])
+    level *= np.sqrt(np.maximum(1.0 - (down - deep) ** 2, 0.0))[:, None]
+    ways = lengths[:, None] * np.column_stack([level, deep - down]) - upper
+    return np.where(deep[:, None] > 0.0, ways, 0.0)

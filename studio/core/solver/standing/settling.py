@@ -1,0 +1,395 @@
+"""A carried body put on what carries it: the root within reach of all contacts, knees and hands on their places."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from studio.core.body.morphology import AnyMorphology, sole_rows
+from studio.core.captures.contacts import ContactPoint
+from studio.core.grounds.ground import Ground
+from studio.core.kernels import layout as at
+from studio.core.kernels import records
+from studio.core.kernels.limbs.legs import face_knees, knee_swivels
+from studio.core.kernels.support.carrying import move_bodies, settle_frames
+from studio.core.kernels.support.feet import HEEL, TOE
+from studio.core.kernels.support.swing import keep_above
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.rotations import normalized, shortest_arc
+from studio.core.solver.standing.carrying import (
+    EASE,
+    Carrying,
+    Hold,
+    averaged,
+    eased,
+    laid_hands,
+    lengths_of,
+    reach_of,
+    smoothstep,
+    track_of,
+)
+from studio.core.solver.standing.footing import Footing, freedom, run_out
+from studio.core.solver.standing.footprints import tilts_of
+
+FloatArray = NDArray[np.float64]
+
+SOFT, FIRM = 1e-2, 1e-4
+"""Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
+LYING_REACH = 0.999
+"""Part of its length to which a standing leg may always stretch while seat or knee carries: it bears no weight."""
+RAISES = 3
+"""Times a foot that the shank of a standing knee drags along is raised off the ground, about that knee."""
+SWINGING_ARM = 0.95
+"""Part of its length to which an arm on its way to or from the ground stretches freely."""
+INSTEP_ROOM = 0.005
+"""Metres of the ground within which the tip of a foot that lies on its instep begins to be raised."""
+SEAT_FREED = 0.3
+"""Seconds in which a seat is let go, or comes down."""
+KNEE_FREED = 0.2
+"""Seconds in which a knee that has left the ground, or is about to stand, is let go."""
+KNEE_PLAY = 0.1
+"""Part of a leash's run by which a knee that is let go may be nearer to its hip, or farther, than its thigh is long."""
+CRAWLING_REACH = 0.9
+"""Part of its length to which the leg of who crawls may stretch in the air, however bent the motion's own is."""
+FOLDED_ROOM = 0.01
+"""Part of its length by which a limb's ends stay further apart than when it is folded."""
+MOVES = 5
+"""Times at most that what stands is put elsewhere, where the body cannot have it all."""
+ROUNDS = 4
+"""Times what is left to be moved is averaged over time before the last, exact move."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arms:
+    """Arms that stand now and then: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) the
+    side to which the elbow goes, ``comforts`` (2, F) the part of its length to which each stretches freely, 0 where it
+    is left alone, ``standing`` (2, F) where they stand.
+    """
+
+    wrists: FloatArray
+    hands: FloatArray
+    bends: FloatArray
+    comforts: FloatArray
+    standing: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class _Links:
+    """Limbs as links of ``settle_frames``: (F, 3) ``starts`` from the root, ``ends``; (F,) ``least`` and ``most``."""
+
+    starts: list[FloatArray]
+    ends: list[FloatArray]
+    least: list[FloatArray]
+    most: list[FloatArray]
+
+    def add(self, start: FloatArray, end: FloatArray, least: FloatArray | float, most: FloatArray) -> None:
+        self.starts.append(start)
+        self.ends.append(end)
+        self.least.append(np.broadcast_to(least, most.shape))
+        self.most.append(most)
+
+
+def settle(
+    carrying: Carrying,
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> tuple[Footing, Arms, tuple[Hold, ...]]:
+    """Lower, move and turn a shifted body (F, P, 3), (F, S, 3, 3), in place, so that what stands is in reach.
+
+    The footing comes back without drops, its ankles (2, F, 7) with knees where there are any that stand; the holds
+    where the body can have them.
+    """
+    positions[:, :, 2] -= footing.drops[:, None]
+    level = replace(footing, drops=np.zeros_like(footing.drops))
+    holds = {hold.point: hold for hold in carrying.holds}
+    for _ in range(MOVES):
+        footing, moves = _settled(holds, level, motion, body, ground, positions)
+        places, turns = positions.copy(), rotations.copy()
+        move_bodies(moves, places, turns)
+        holds, kept = within_reach(holds, level, motion, body, ground, places), holds
+        if all(holds[point] is kept[point] for point in holds):
+            break
+    positions[:], rotations[:] = places, turns
+    for hold in _kneeling_of(kept):
+        _let_go_of_knees(hold, footing, motion, body, positions, rotations)
+    return footing, _arms(kept, motion, body, positions, rotations), tuple(kept.values())
+
+
+def _kneeling_of(holds: dict[ContactPoint, Hold]) -> list[Hold]:
+    return [holds[point] for point in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE) if point in holds]
+
+
+def _settled(
+    holds: dict[ContactPoint, Hold],
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+) -> tuple[Footing, FloatArray]:
+    """The footing with its knees, and the moves (F, 6) that bring a body to it and to its ``holds``."""
+    rate, layout = motion.frame_rate, body.layout
+    roots = np.ascontiguousarray(positions[:, 0])
+    if ContactPoint.SEAT in holds:
+        seated = 1.0 - freedom(holds[ContactPoint.SEAT].standing, rate)
+        footing = replace(footing, comforts=_eased_off(footing.comforts, seated))
+    kneeling = _kneeling_of(holds)
+    if kneeling:
+        footing = _kneeling(kneeling, footing, motion, body, ground, positions)
+    links = _Links([], [], [], [])
+    for side, leash in enumerate(footing.leashes):
+        hip, legs = positions[:, layout.hip(side)], lengths_of(body, at.M_LEG + 2 * side)
+        links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), leash * legs.sum(axis=1))
+        if footing.ankles.shape[2] > 3:
+            knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
+            play = KNEE_PLAY * run_out(1.0 - firm) * legs.sum(axis=1)
+            links.add(hip - roots, knee, legs[:, 0] - play, legs[:, 0] + play)
+    for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
+        if point in holds:
+            free, shoulder = freedom(holds[point].standing, rate), positions[:, layout.wrist(side) - 2]
+            arms = lengths_of(body, at.M_ARM + 2 * side)
+            reach = reach_of(motion, body, side) + run_out(free) * arms.sum(axis=1)
+            wrists = holds[point].displaced(track_of(point, body, positions), rate)
+            links.add(shoulder - roots, wrists, _shortest(arms), reach)
+    return footing, _moves(roots, links, _seats(holds.get(ContactPoint.SEAT), body, rate, positions), rate)
+
+
+def _shortest(lengths: FloatArray) -> FloatArray:
+    """(F or 1,) metres from one end of a limb to the other when it is folded, of ``lengths`` (F or 1, 2)."""
+    return np.asarray(np.abs(lengths[:, 0] - lengths[:, 1]) + FOLDED_ROOM * lengths.sum(axis=1))
+
+
+def within_reach(
+    holds: dict[ContactPoint, Hold],
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+) -> dict[ContactPoint, Hold]:
+    """The holds of a settled body, ``positions`` (F, P, 3), those that it misses moved along the ground to where it
+    would not; ``footing`` before knees.
+    """
+    moved = {}
+    for point, hold in holds.items():
+        if point is ContactPoint.SEAT:
+            miss = track_of(point, body, positions) - hold.places
+        elif point.member == "hand":
+            arms = lengths_of(body, at.M_ARM + 2 * point.side)
+            shoulders = positions[:, body.layout.wrist(point.side) - 2]
+            miss = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
+        else:
+            miss = _knees_miss(hold, footing, body, positions)
+        moved[point] = hold.moved(miss, body, ground)
+    return moved
+
+
+def _knees_miss(hold: Hold, footing: Footing, body: AnyMorphology, positions: FloatArray) -> FloatArray:
+    """(F, 3) by how much knees have to go elsewhere to be as far from their hips, and from toes that stand, as bones
+    are long.
+    """
+    side = hold.point.side
+    legs = lengths_of(body, at.M_LEG + 2 * side)
+    miss = _too_far(hold.places, positions[:, body.layout.hip(side)], legs[:, 0], legs[:, 0])
+    to_toe = body.rows[:, at.M_FOOT + 3 * side :][:, :3]
+    feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
+    toes = footing.ankles[side] + np.einsum("fij,fj->fi", feet, np.broadcast_to(to_toe, hold.places.shape))
+    both = np.column_stack([legs[:, 1] + 0.0 * length, length + 0.0 * legs[:, 1]])
+    most = (1.0 - FOLDED_ROOM) * both.sum(axis=1)
+    shin = _too_far(hold.places, toes, _shortest(both), most)
+    return miss + np.where(footing.states[side][:, None] == TOE, shin, 0.0)
+
+
+def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: FloatArray) -> FloatArray:
+    """(F, 3) the shortest ways on which ``ends`` (F, 3) come within ``least`` to ``most`` metres of ``starts``."""
+    way = starts - ends
+    span = np.maximum(np.linalg.norm(way, axis=1), 1e-9)
+    over = np.maximum(span - most, 0.0) + np.minimum(span - least, 0.0)
+    return np.asarray(way * (over / span)[:, None])
+
+
+def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: float) -> FloatArray:
+    """(F, 6) travels and turns of the body: what is needed, averaged over time again and again, then the exact rest."""
+    moves, centres = np.zeros((len(roots), 6)), np.zeros((len(roots), 6))
+    known = records.Links(*(np.ascontiguousarray(each) for each in (links.starts, links.ends, links.least, links.most)))
+    for _ in range(ROUNDS):
+        settle_frames(roots, known, seats, centres, SOFT, moves)
+        centres = averaged(moves, EASE, frame_rate)
+    settle_frames(roots, known, seats, centres, FIRM, moves)
+    return moves
+
+
+def _seats(hold: Hold | None, body: AnyMorphology, frame_rate: float, positions: FloatArray) -> FloatArray:
+    """(F, 7) the middle of the hips from the root, where it is to be, and how firmly."""
+    middle = track_of(ContactPoint.SEAT, body, positions)
+    if hold is None:
+        return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])
+    firm = 1.0 - freedom(hold.standing, frame_rate, SEAT_FREED)
+    return np.column_stack([middle - positions[:, 0], hold.displaced(middle, frame_rate), firm])
+
+
+def _kneeling(
+    holds: list[Hold],
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    ground: Ground,
+    positions: FloatArray,
+) -> Footing:
+    """The footing with knees: (2, F, 7) ankles, knees, and how firmly these are held; shanks keep their lengths.
+
+    Where only the knee stands, the foot comes along; where the toe stands as well, the foot turns about it; where the
+    heel stands, the knee yields.
+    """
+    frame_rate = motion.frame_rate
+    ankles = np.concatenate([footing.ankles, np.zeros((*footing.ankles.shape[:2], 4))], axis=2)
+    feet, toes, comforts = footing.feet.copy(), footing.toes.copy(), footing.comforts.copy()
+    for hold in holds:
+        side = hold.point.side
+        firm = (1.0 - freedom(hold.standing, frame_rate, KNEE_FREED))[:, None]
+        knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
+        shank = lengths_of(body, at.M_LEG + 2 * side)[:, 1:]
+        to_toe = np.einsum(
+            "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.M_FOOT + 3 * side :][:, :3], knees.shape)
+        )
+        heel, toe = (1.0 - freedom((footing.states[side] & bit) != 0, frame_rate)[:, None] for bit in (HEEL, TOE))
+        soles, states = sole_rows(body, side), footing.states[side]
+        ankle = footing.ankles[side] + _off_its_instep(footing.ankles[side], feet[side], toes[side], soles, ground)
+        tip, length = ankle + to_toe, np.linalg.norm(to_toe, axis=1, keepdims=True)
+        knees = knees + firm * heel * (ankle + shank * normalized(knees - ankle) - knees)
+        pinned = _on_both(knees, shank, tip, length, ankle)
+        shin = normalized((1.0 - toe) * normalized(ankle - knees) + toe * normalized(pinned - knees))
+        placed = ankle + firm * (knees + shank * shin - ankle)
+        by_toe = toe * (1.0 - firm) / np.maximum(toe * (1.0 - firm) + firm * (1.0 - toe), 1e-9)
+        placed = placed + by_toe * (tip + length * normalized(placed - tip) - placed)
+        turned = normalized(tip - ankle - toe * (placed - ankle))
+        feet[side] = shortest_arc(normalized(to_toe), turned) @ feet[side]
+        for _ in range(RAISES):
+            raised = _kept_above(placed, feet[side], toes[side], soles, states, ground, frame_rate)
+            swung = shank * (normalized(raised - knees) - normalized(placed - knees))
+            placed = raised + firm * (placed + swung - raised)
+        ankles[side] = np.concatenate([placed, knees, firm], axis=1)
+        bent = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], CRAWLING_REACH, comforts[side])
+        comforts[side] += freedom(states != 0, frame_rate) * (bent - comforts[side])
+        comforts[side] = _eased_off(comforts[side], firm[:, 0])
+    return replace(footing, ankles=ankles, feet=feet, toes=toes, comforts=comforts)
+
+
+def _let_go_of_knees(
+    hold: Hold,
+    footing: Footing,
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> None:
+    """Knees of a settled body face their places while they stand, and ease there and back, in place."""
+    side = hold.point.side
+    ankles, comforts = footing.ankles[side], footing.comforts[side]
+    hips, pelvises = np.ascontiguousarray(positions[:, body.layout.hip(side)]), rotations[:, 0]
+    leg = motion.channels, body.rows, side, comforts
+    angles = np.zeros((motion.frame_count, 3))
+    knee_swivels(*leg, ankles, hips, pelvises, angles[:, 0])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], hold.standing, [False]]).astype(np.int8)))
+    for first, past in edges.reshape(-1, 2):
+        whole = np.unwrap(angles[first:past, 0])
+        angles[first:past, 0] = whole - 2.0 * np.pi * np.round(np.median(whole) / (2.0 * np.pi))
+    free = eased(np.where(hold.standing[:, None], angles, 0.0), hold.standing, motion.frame_rate)[:, 0]
+    standing = ankles[hold.standing]
+    face_knees(*leg, free, hips, pelvises, ankles)
+    ankles[hold.standing] = standing
+
+
+def _kept_above(
+    ankles: FloatArray,
+    feet: FloatArray,
+    toes: FloatArray,
+    soles: FloatArray,
+    states: NDArray[np.int64],
+    ground: Ground,
+    frame_rate: float,
+) -> FloatArray:
+    """(F, 3) ``ankles`` of who kneels, raised off the plane of the ground below them; ``toes`` bend up, in place."""
+    under = np.column_stack([ankles[:, :2], averaged(ground.height_at(ankles)[:, None], EASE, frame_rate)])
+    tilts = averaged(tilts_of(ground.normal_at(ankles)), EASE, frame_rate)
+    turns = Rotation.from_rotvec(tilts).as_matrix()
+    back = np.swapaxes(turns, 1, 2)
+    places, bent = np.einsum("fij,fj->fi", back, ankles - under), back @ toes
+    keep_above(soles, states, 0.0, frame_rate, places, back @ feet, bent)
+    toes[:] = turns @ bent
+    raised = under + np.einsum("fij,fj->fi", turns, places)
+    flying = states[:, None] == 0
+    return np.asarray(raised + np.where(flying, _off_its_instep(raised, feet, toes, soles, ground), 0.0))
+
+
+def _off_its_instep(
+    ankles: FloatArray, feet: FloatArray, toes: FloatArray, soles: FloatArray, ground: Ground
+) -> FloatArray:
+    """(F, 3) by how much feet whose soles look up are raised off their toes, so that these are not in the ground.
+
+    METHOD (7).
+    """
+    forward, left, down, height, _, length = np.broadcast_to(soles, (len(feet), 6)).T
+    joint = ankles + np.einsum("fij,fj->fi", feet, np.column_stack([forward, left, down]))
+    tip = joint + np.einsum("fij,fj->fi", toes, np.column_stack([length, 0.0 * length, -height - down]))
+    normals = ground.normal_at(joint)
+    above = (tip[:, 2] - ground.height_at(tip)) * normals[:, 2]
+    share = np.clip(above / INSTEP_ROOM, -1.0, 1.0)
+    lack = INSTEP_ROOM * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-above - INSTEP_ROOM, 0.0)
+    upside = smoothstep(np.clip(-8.0 * np.einsum("fk,fk->f", feet[..., 2], normals), 0.0, 1.0))
+    return np.asarray((upside * lack)[:, None] * normals)
+
+
+def _eased_off(comforts: FloatArray, share: FloatArray) -> FloatArray:
+    """Legs' comforts where a ``share`` of ease lets them stretch further."""
+    return np.asarray(comforts + share * np.maximum(LYING_REACH - comforts, 0.0))
+
+
+def _on_both(
+    first: FloatArray, first_radius: FloatArray, second: FloatArray, second_radius: FloatArray, wish: FloatArray
+) -> FloatArray:
+    """(F, 3) the points nearest to ``wish`` at given distances from two points; between them where there are none."""
+    line = second - first
+    apart = np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
+    along = line / apart
+    share = (apart**2 + first_radius**2 - second_radius**2) / (2.0 * apart)
+    middle = first + share * along
+    radius = np.sqrt(np.maximum(first_radius**2 - share**2, 0.0))
+    away = wish - middle
+    away = away - np.sum(away * along, axis=1, keepdims=True) * along
+    return np.asarray(middle + radius * normalized(away))
+
+
+def _arms(
+    holds: dict[ContactPoint, Hold],
+    motion: NormalizedMotion,
+    body: AnyMorphology,
+    positions: FloatArray,
+    rotations: FloatArray,
+) -> Arms:
+    """Where the arms of a settled body go."""
+    layout, count = body.layout, len(positions)
+    comforts, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
+    wrists = np.stack([positions[:, layout.wrist(side)] for side in range(2)])
+    hands = np.stack([rotations[:, layout.spine_count + 5 + 4 * side] for side in range(2)])
+    bends = np.ones((2, count))
+    for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
+        if point not in holds:
+            continue
+        hold = holds[point]
+        own, standing[side] = wrists[side].copy(), hold.standing
+        wrists[side] = hold.displaced(own, motion.frame_rate)
+        hands[side] = laid_hands(hold, body, hands[side], motion.frame_rate)
+        placed = hold.standing | (wrists[side] != own).any(axis=1)
+        free = freedom(hold.standing, motion.frame_rate) * freedom(~placed, motion.frame_rate)
+        stretch = reach_of(motion, body, side) / lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
+        comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - SWINGING_ARM, 0.0), 0.0)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], placed, [False]]).astype(np.int8)))
+        for first, past in edges.reshape(-1, 2):
+            bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
+    return Arms(wrists, hands, bends, comforts, standing)

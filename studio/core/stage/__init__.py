@@ -1,0 +1,1 @@
+"""The stage: what performers play, where they stand, the props beside them."""

@@ -1,0 +1,201 @@
+"""A behaviour: a state machine that says what a performer plays while the stage runs live.
+
+States play clips; a transition leads from one to another when all of its conditions hold. One behaviour may be played
+by many, each against a partner of its own.
+
+``advance`` is all that there is to running one. It is small, and a pure function of values that the project stores, so
+no library of state machines is behind it: those keep the current state in objects of their own.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import Condition, DistanceCondition, Senses
+from studio.core.stage.manners import Manner
+from studio.core.stage.whom import Gap, Whom, reference_of
+
+LONGEST_BLEND = 5.0
+"""Seconds that one state may take to go over into another."""
+
+
+@dataclass(frozen=True)
+class State:
+    """Plays ``clip``, whose start on the stage does not count; without one it holds the pose that it finds.
+
+    ``loop`` plays the clip again and again until a transition leads away, else its last frame is held. ``event`` is
+    sent to the partner when the state begins. What is asked of the clip by its id is asked in this state; ``manners``
+    come on top. ``place`` is where the diagram shows it.
+    """
+
+    name: str
+    clip: Clip | None = None
+    loop: bool = True
+    manners: tuple[Manner, ...] = ()
+    event: str = ""
+    place: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", self.name.strip())
+        object.__setattr__(self, "event", self.event.strip())
+        if not self.name:
+            raise ValueError("A state needs a name.")
+        if not all(math.isfinite(number) for number in self.place):
+            raise ValueError(f"'{self.name}': a place in the diagram is two finite numbers.")
+
+
+@dataclass(frozen=True)
+class Transition:
+    """From the state named ``source`` to the one named ``target`` when all ``conditions`` hold.
+
+    ``blend`` seconds take one over into the other; 0 as many as that needs.
+    """
+
+    source: str
+    target: str
+    conditions: tuple[Condition, ...]
+    blend: float = 0.0
+
+    def __post_init__(self) -> None:
+        where = f"'{self.source}' to '{self.target}'"
+        if not self.conditions:
+            raise ValueError(f"{where}: a transition needs a condition, or it would not wait at all.")
+        if not (math.isfinite(self.blend) and 0.0 <= self.blend <= LONGEST_BLEND):
+            raise ValueError(f"{where}: a blend takes 0 to {LONGEST_BLEND:g} seconds, got {self.blend}.")
+
+
+@dataclass(frozen=True)
+class Role:
+    """A performer that plays a behaviour, and who its partner is: nobody where that is empty."""
+
+    performer_id: str
+    partner_id: str = ""
+
+    def __post_init__(self) -> None:
+        if self.performer_id == self.partner_id:
+            raise ValueError("Nobody is its own partner. Choose another performer.")
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """States by their names, transitions in the order in which they are tried, and who plays it.
+
+    Raises ValueError for a name that two states have, a transition from or to no state, a start that is none, and a
+    performer with two roles.
+    """
+
+    name: str
+    states: tuple[State, ...]
+    transitions: tuple[Transition, ...] = ()
+    start: str = ""
+    cast: tuple[Role, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.states:
+            raise ValueError(f"'{self.name}': a behaviour needs a state to begin in.")
+        names = [state.name for state in self.states]
+        object.__setattr__(self, "start", self.start or names[0])
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"'{self.name}': two states are called '{name}'. Rename one of them.")
+        if self.start not in names:
+            raise ValueError(f"'{self.name}' would begin in '{self.start}', which is none of its states.")
+        for each in self.transitions:
+            for end in (each.source, each.target):
+                if end not in names:
+                    raise ValueError(
+                        f"'{self.name}': the transition from '{each.source}' to '{each.target}' needs a state"
+                        f" called '{end}', and there is none."
+                    )
+        players = [role.performer_id for role in self.cast]
+        if len(set(players)) < len(players):
+            raise ValueError(f"'{self.name}': a performer plays a behaviour in one role only.")
+
+    def state(self, name: str) -> State | None:
+        """The state of that name, or None."""
+        return next((each for each in self.states if each.name == name), None)
+
+    def role_of(self, performer_id: str) -> Role | None:
+        """The role of a performer, or None where it does not play this."""
+        return next((each for each in self.cast if each.performer_id == performer_id), None)
+
+    def transitions_from(self, name: str) -> tuple[Transition, ...]:
+        """Those that lead away from a state, in the order in which they are tried."""
+        return tuple(each for each in self.transitions if each.source == name)
+
+    def gaps_from(self, name: str) -> tuple[Gap, ...]:
+        """What has to be measured to know whether a transition leads away from a state."""
+        conditions = (each for transition in self.transitions_from(name) for each in transition.conditions)
+        return tuple(dict.fromkeys(each.gap for each in conditions if isinstance(each, DistanceCondition)))
+
+    @property
+    def references(self) -> tuple[tuple[str, str], ...]:
+        """(collection, id) of all that it names: motions, performers, props."""
+        motions = [("motions", each.clip.motion_id) for each in self.states if each.clip]
+        players = [("performers", key) for role in self.cast for key in (role.performer_id, role.partner_id) if key]
+        meant = [reference for whom in self._meant for reference in reference_of(whom)]
+        return tuple(dict.fromkeys((*motions, *players, *meant)))
+
+    @property
+    def _meant(self) -> list[Whom]:
+        conditions = [each for transition in self.transitions for each in transition.conditions]
+        manners = [each.whom for state in self.states for each in state.manners]
+        return [*(each.gap.whom for each in conditions if isinstance(each, DistanceCondition)), *manners]
+
+
+@dataclass(frozen=True)
+class Running:
+    """Where a performer is in its behaviour: for how many ``seconds`` in a state, and by which transition it came."""
+
+    state: str
+    seconds: float = 0.0
+    through: Transition | None = None
+
+
+def begun(behaviour: Behaviour) -> Running:
+    """Where everybody begins."""
+    return Running(behaviour.start)
+
+
+def advance(behaviour: Behaviour, running: Running, senses: Senses) -> Running:
+    """Where a performer is ``senses.step`` seconds later.
+
+    The transitions from its state are tried in their order; the first of which all conditions hold leads away, at 0
+    seconds of the next state, and no second one in the same frame. A state that the behaviour does not have any more
+    begins again at the start.
+    """
+    if behaviour.state(running.state) is None:
+        return begun(behaviour)
+    seconds = running.seconds + senses.step
+    for each in behaviour.transitions_from(running.state):
+        if all(condition.holds(senses, seconds) for condition in each.conditions):
+            return Running(each.target, through=each)
+    return replace(running, seconds=seconds)
+
+
+def without(behaviour: Behaviour, collection: str, entity_id: str) -> Behaviour:
+    """The behaviour once an entity is gone that it names.
+
+    States go on without the clip of a motion; roles, manners and transitions that were about a performer or a prop go,
+    and who has lost its partner plays on without one.
+    """
+    gone = (collection, entity_id)
+    states = tuple(
+        replace(
+            state,
+            clip=None if state.clip and ("motions", state.clip.motion_id) == gone else state.clip,
+            manners=tuple(each for each in state.manners if gone not in reference_of(each.whom)),
+        )
+        for state in behaviour.states
+    )
+    transitions = tuple(
+        each
+        for each in behaviour.transitions
+        if not any(isinstance(one, DistanceCondition) and gone in reference_of(one.gap.whom) for one in each.conditions)
+    )
+    cast = tuple(
+        replace(role, partner_id="") if ("performers", role.partner_id) == gone else role
+        for role in behaviour.cast
+        if ("performers", role.performer_id) != gone
+    )
+    return replace(behaviour, states=states, transitions=transitions, cast=cast)

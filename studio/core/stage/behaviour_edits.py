@@ -1,0 +1,107 @@
+"""Edits of a behaviour: each takes one and returns another.
+
+What cannot be raises ValueError, as a ``Behaviour`` does.
+"""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from studio.core.names import free_name
+from studio.core.stage.behaviour import Behaviour, Role, State, Transition
+from studio.core.stage.conditions import ClipEndCondition
+
+
+def with_state(behaviour: Behaviour, state: State) -> Behaviour:
+    """One more state, under a name that is free."""
+    name = free_name(state.name, {each.name for each in behaviour.states})
+    return replace(behaviour, states=(*behaviour.states, replace(state, name=name)))
+
+
+def with_copies(behaviour: Behaviour, names: Collection[str], away: tuple[float, float]) -> Behaviour:
+    """Copies of some states beside them, with the transitions that lead from one of these to another."""
+    copied = behaviour
+    called: dict[str, str] = {}
+    for state in behaviour.states:
+        if state.name in names:
+            place = state.place[0] + away[0], state.place[1] + away[1]
+            copied = with_state(copied, replace(state, place=place))
+            called[state.name] = copied.states[-1].name
+    between = [
+        replace(each, source=called[each.source], target=called[each.target])
+        for each in behaviour.transitions
+        if each.source in called and each.target in called
+    ]
+    return replace(copied, transitions=(*copied.transitions, *between))
+
+
+def with_state_put(behaviour: Behaviour, name: str, state: State) -> Behaviour:
+    """Another state in the place of the one called ``name``; where it is called otherwise, transitions follow."""
+
+    def now(each: str) -> str:
+        return state.name if each == name else each
+
+    states = tuple(state if each.name == name else each for each in behaviour.states)
+    ends = tuple(replace(each, source=now(each.source), target=now(each.target)) for each in behaviour.transitions)
+    return replace(behaviour, states=states, transitions=ends, start=now(behaviour.start))
+
+
+def without_states(behaviour: Behaviour, names: Collection[str]) -> Behaviour:
+    """Without some states and all transitions from and to them; the first one left is where it begins then."""
+    states = tuple(each for each in behaviour.states if each.name not in names)
+    if not states:
+        raise ValueError(f"'{behaviour.name}' keeps one state to begin in. Remove the whole behaviour instead.")
+    kept = tuple(each for each in behaviour.transitions if not {each.source, each.target} & set(names))
+    start = states[0].name if behaviour.start in names else behaviour.start
+    return replace(behaviour, states=states, transitions=kept, start=start)
+
+
+def connected(behaviour: Behaviour, source: str, target: str) -> Behaviour:
+    """One more transition, when the clip ends, until it is told otherwise."""
+    new = Transition(source, target, (ClipEndCondition(),))
+    return replace(behaviour, transitions=(*behaviour.transitions, new))
+
+
+def with_transition_put(behaviour: Behaviour, place: int, transition: Transition) -> Behaviour:
+    """Another transition in the place of one."""
+    transitions = list(behaviour.transitions)
+    transitions[place] = transition
+    return replace(behaviour, transitions=tuple(transitions))
+
+
+def without_transitions(behaviour: Behaviour, places: Collection[int]) -> Behaviour:
+    """Without those in some places."""
+    kept = tuple(each for place, each in enumerate(behaviour.transitions) if place not in places)
+    return replace(behaviour, transitions=kept)
+
+
+def order_of(behaviour: Behaviour, place: int) -> tuple[int, int]:
+    """As which of its state's transitions one is tried, from 1, and how many that has."""
+    source = behaviour.transitions[place].source
+    places = [k for k, each in enumerate(behaviour.transitions) if each.source == source]
+    return places.index(place) + 1, len(places)
+
+
+def tried_earlier(behaviour: Behaviour, place: int) -> tuple[Behaviour, int]:
+    """A transition before the one of its state that is tried before it, and its place then."""
+    source = behaviour.transitions[place].source
+    before = [k for k in range(place) if behaviour.transitions[k].source == source]
+    if not before:
+        return behaviour, place
+    order = list(behaviour.transitions)
+    order[before[-1]], order[place] = order[place], order[before[-1]]
+    return replace(behaviour, transitions=tuple(order)), before[-1]
+
+
+def played_by(behaviour: Behaviour, performer_id: str, partner_id: str = "") -> Behaviour:
+    """A performer among those who play it, against that partner."""
+    role = Role(performer_id, partner_id)
+    if behaviour.role_of(performer_id) is None:
+        return replace(behaviour, cast=(*behaviour.cast, role))
+    return replace(
+        behaviour, cast=tuple(role if each.performer_id == performer_id else each for each in behaviour.cast)
+    )
+
+
+def not_played_by(behaviour: Behaviour, performer_id: str) -> Behaviour:
+    """A performer no more among those who play it."""
+    return replace(behaviour, cast=tuple(each for each in behaviour.cast if each.performer_id != performer_id))

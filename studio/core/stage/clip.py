@@ -1,0 +1,54 @@
+"""A clip: a used stretch of a motion, as somebody plays it."""
+
+import math
+from dataclasses import dataclass
+
+from studio.core.plausible import PLACE, TIME
+
+SLOWEST, FASTEST, MOST_REPEATS = 0.1, 10.0, 1000
+"""Times as fast as it was captured, and times that a clip may play."""
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A used stretch of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds.
+
+    It plays ``speed`` times as fast, ``repeats`` times, as seen in a mirror when ``mirrored``. ``joined`` begins it
+    where the clip before has ended; ``turn`` (radians) then turns it about its root, ``offset`` moves it, in leg
+    lengths, since a clip has no body. ``ease`` is how many seconds it takes over in where it overlaps nothing; 0 as
+    many as that needs.
+    """
+
+    motion_id: str
+    first: int
+    last: int
+    start: float = 0.0
+    id: str = ""
+    """By which a scope names it; a copy that keeps it is the same clip on another performer."""
+    speed: float = 1.0
+    repeats: int = 1
+    mirrored: bool = False
+    joined: bool = True
+    turn: float = 0.0
+    offset: tuple[float, float] = (0.0, 0.0)
+    ease: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.first <= self.last:
+            raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
+        if not math.isfinite(self.start):
+            raise ValueError(f"A clip begins at a finite time, not at {self.start}.")
+        TIME.check((self.start, self.ease))
+        if not (math.isfinite(self.speed) and SLOWEST <= self.speed <= FASTEST):
+            raise ValueError(f"A clip's speed lies between {SLOWEST:g} and {FASTEST:g}, got {self.speed}.")
+        if not 1 <= self.repeats <= MOST_REPEATS:
+            raise ValueError(f"A clip plays from 1 to {MOST_REPEATS} times, not {self.repeats} times.")
+        if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
+            raise ValueError("A clip's turn and offset are finite numbers.")
+        PLACE.check(self.offset)
+        if not (math.isfinite(self.ease) and self.ease >= 0.0):
+            raise ValueError(f"A clip takes over in some seconds, or 0 for as many as it needs, not in {self.ease}.")
+
+    def length(self, frame_rate: float) -> float:
+        """Seconds on the stage that a motion of ``frame_rate`` plays, all its repeats together."""
+        return self.repeats * (self.last - self.first) / (frame_rate * self.speed)

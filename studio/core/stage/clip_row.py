@@ -1,0 +1,80 @@
+"""Edits of what performers play: trim, split, and the row of clips that comes of it.
+
+A clip of one id is one clip on all who play it, as one motion is: an edit is of all of them.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+from studio.core.project import Performer, Project
+from studio.core.stage.clip import Clip
+
+ClipEdit = Callable[[Clip], Sequence[Clip]]
+"""What stands in a clip's place: nothing, the clip otherwise, or several."""
+
+
+def players_of(project: Project, clip_id: str) -> dict[str, Performer]:
+    """The performers in whose rows a clip is, by id."""
+    return {key: each for key, each in project.performers.items() if any(clip.id == clip_id for clip in each.all_clips)}
+
+
+def edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Performer:
+    """A performer with a clip of its row or layers edited, the row in the order in which its clips begin."""
+    row = [new for clip in performer.clips for new in (edit(clip) if clip.id == clip_id else (clip,))]
+    layers = [
+        replace(layer, clip=new)
+        for layer in performer.layers
+        for new in (edit(layer.clip) if layer.clip.id == clip_id else (layer.clip,))
+    ]
+    return in_order(replace(performer, layers=tuple(layers)), row)
+
+
+def in_order(performer: Performer, row: Sequence[Clip]) -> Performer:
+    """A performer that plays ``row``."""
+    return replace(performer, clips=tuple(sorted(row, key=lambda clip: clip.start)))
+
+
+def frame_at(clip: Clip, frame_rate: float, time: float) -> float:
+    """The frame of the motion that plays at a time of the stage, not rounded, as if the clip had no ends."""
+    return clip.first + (time - clip.start) * clip.speed * frame_rate
+
+
+def begun_at(clip: Clip, frame_rate: float, frame: int) -> Clip:
+    """The clip from another frame on, which plays when it did; at most to its last one."""
+    frame = min(max(frame, 0), clip.last)
+    return replace(clip, first=frame, start=clip.start + (frame - clip.first) / (frame_rate * clip.speed))
+
+
+def ended_at(clip: Clip, frame: int, frame_count: int) -> Clip:
+    """The clip to another last frame, of a motion of ``frame_count``."""
+    return replace(clip, last=max(min(frame, frame_count - 1), clip.first))
+
+
+def split(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> tuple[Clip, ...]:
+    """A clip as two at ``time`` (seconds of the stage) that play as the one did.
+
+    Where that is within a repeat, those before and after it are clips of their own. The first keeps the id, ``names``
+    are those of the others. Raises ValueError where the clip does not play then, or ends.
+    """
+    length = clip.last - clip.first
+    played = round((time - clip.start) * clip.speed * frame_rate)
+    if not 0 < played < clip.repeats * length:
+        raise ValueError("A clip is split between its first frame and its last. Move the playhead into it.")
+    whole, cut = divmod(played, length)
+    first, middle, last, rest = clip.first, clip.first + cut, clip.last, clip.repeats - whole
+    stretches = [(first, last, whole), (first, last, rest)]
+    if cut:
+        stretches = [(first, last, whole), (first, middle, 1), (middle, last, 1), (first, last, rest - 1)]
+    parts: list[Clip] = []
+    start = clip.start
+    for begin, end, repeats in stretches:
+        if repeats:
+            part = replace(clip, first=begin, last=end, repeats=repeats, start=start)
+            parts.append(following(part, next(names)) if parts else part)
+            start += part.length(frame_rate)
+    return tuple(parts)
+
+
+def following(clip: Clip, clip_id: str) -> Clip:
+    """A clip of its own that goes on where the one before it ends."""
+    return replace(clip, id=clip_id, joined=True, turn=0.0, offset=(0.0, 0.0))

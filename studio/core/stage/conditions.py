@@ -1,0 +1,111 @@
+"""Conditions of a transition, and what a performer senses in a frame by which they hold or do not."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from studio.core.plausible import PLACE, TIME
+from studio.core.stage.whom import Gap
+
+
+@dataclass(frozen=True)
+class Senses:
+    """What a performer knows in one frame of the stage.
+
+    ``step``: seconds since the frame before. ``gaps``: how wide those are that are measured (``Behaviour.gaps_from``
+    says which are asked for); one that is not there, for want of a partner, fulfils no condition. ``clip_ended``: the
+    state's clip has played its last frame. ``events`` and ``keys``: the names of what came since the frame before.
+    """
+
+    step: float = 0.0
+    gaps: Mapping[Gap, float] = field(default_factory=dict)
+    clip_ended: bool = False
+    events: frozenset[str] = frozenset()
+    keys: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class DistanceCondition:
+    """A gap is narrower than ``distance``, or wider where not ``closer``."""
+
+    kind: ClassVar[str] = "distance"
+    gap: Gap = Gap()
+    distance: float = 1.0
+    closer: bool = True
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.distance) and self.distance >= 0.0):
+            raise ValueError(f"A distance is zero or more, got {self.distance}.")
+        PLACE.check(self.distance)
+
+    def holds(self, senses: Senses, seconds: float) -> bool:
+        """Whether it does in this frame."""
+        apart = senses.gaps.get(self.gap)
+        return apart is not None and (apart < self.distance if self.closer else apart > self.distance)
+
+
+@dataclass(frozen=True)
+class TimeCondition:
+    """The state has lasted for ``seconds``."""
+
+    kind: ClassVar[str] = "time"
+    seconds: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.seconds) and self.seconds >= 0.0):
+            raise ValueError(f"A state lasts for zero or more seconds, not for {self.seconds}.")
+        TIME.check(self.seconds)
+
+    def holds(self, senses: Senses, seconds: float) -> bool:
+        """Whether it does ``seconds`` after the state began."""
+        return seconds >= self.seconds
+
+
+@dataclass(frozen=True)
+class ClipEndCondition:
+    """The state's clip has ended: once through, also where it loops."""
+
+    kind: ClassVar[str] = "clip_end"
+
+    def holds(self, senses: Senses, seconds: float) -> bool:
+        """Whether it does in this frame."""
+        return senses.clip_ended
+
+
+@dataclass(frozen=True)
+class EventCondition:
+    """An event of that name has come: a partner's state sends one when it begins, or somebody outside does."""
+
+    kind: ClassVar[str] = "event"
+    event: str
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "event", self.event.strip())
+        if not self.event:
+            raise ValueError("An event needs a name, such as 'attack'.")
+
+    def holds(self, senses: Senses, seconds: float) -> bool:
+        """Whether it does in this frame."""
+        return self.event in senses.events
+
+
+@dataclass(frozen=True)
+class KeyCondition:
+    """A key of the keyboard was pressed: a letter, a digit, or a name such as Space; letters are capitals."""
+
+    kind: ClassVar[str] = "key"
+    key: str
+
+    def __post_init__(self) -> None:
+        key = self.key.strip()
+        object.__setattr__(self, "key", key.upper() if len(key) == 1 else key)
+        if not key:
+            raise ValueError("A key is a letter, a digit, or a name such as Space.")
+
+    def holds(self, senses: Senses, seconds: float) -> bool:
+        """Whether it does in this frame."""
+        return self.key in senses.keys
+
+
+Condition = DistanceCondition | TimeCondition | ClipEndCondition | EventCondition | KeyCondition

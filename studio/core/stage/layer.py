@@ -1,0 +1,60 @@
+"""A layer: a clip that plays over a part of the body of who plays something else."""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from studio.core.stage.clip import Clip
+
+
+class Region(StrEnum):
+    """A part of the body that a layer has; the legs carry the hips."""
+
+    WHOLE = "whole body"
+    UPPER_BODY = "upper body"
+    TRUNK = "trunk"
+    HEAD = "head"
+    ARMS = "arms"
+    LEFT_ARM = "left arm"
+    RIGHT_ARM = "right arm"
+    LEGS = "legs"
+
+    @property
+    def parts(self) -> frozenset["Region"]:
+        """The smallest regions that it is made of."""
+        match self:
+            case Region.WHOLE:
+                return Region.UPPER_BODY.parts | {Region.LEGS}
+            case Region.UPPER_BODY:
+                return frozenset((Region.TRUNK, Region.HEAD, Region.LEFT_ARM, Region.RIGHT_ARM))
+            case Region.ARMS:
+                return frozenset((Region.LEFT_ARM, Region.RIGHT_ARM))
+        return frozenset((self,))
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A ``clip`` over what a performer's row plays, with so much ``weight`` on a ``region`` of the body.
+
+    It comes in ``fade_in`` and goes in ``fade_out`` seconds, 0 as many as it needs to jolt no joint. ``additive`` adds
+    how the clip differs from its frame ``reference``, -1 for its first one, to what plays.
+    """
+
+    clip: Clip
+    region: Region = Region.UPPER_BODY
+    weight: float = 1.0
+    fade_in: float = 0.0
+    fade_out: float = 0.0
+    additive: bool = False
+    reference: int = -1
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "region", Region(self.region))
+        if not (math.isfinite(self.weight) and 0.0 <= self.weight <= 1.0):
+            raise ValueError(f"A layer's weight lies between 0 and 1, got {self.weight}.")
+        if not all(math.isfinite(seconds) and seconds >= 0.0 for seconds in (self.fade_in, self.fade_out)):
+            raise ValueError("A layer fades in some seconds, or in 0 for as many as it needs, and not in fewer.")
+        if self.reference < -1:
+            raise ValueError(
+                f"A layer differs from a frame of its motion, or from its first one, not {self.reference}."
+            )

@@ -1,0 +1,105 @@
+"""Manners: how a performer plays a state beside its clip, and what that asks of the body.
+
+``KeepDistance`` moves the performer over the ground; the other ones are constraints, made by ``asked_by``.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.position import PositionConstraint
+from studio.core.plausible import PLACE
+from studio.core.stage.whom import FollowPartner, Gap, Whom, followed_by
+
+HEAD = BodyPoint(BodyPart.HEAD, (0.0, 0.0, 0.05))
+FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
+FOREARM = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
+WHOLE = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
+"""All the time that a clip plays, in seconds of its motion."""
+
+
+@dataclass(frozen=True)
+class KeepDistance:
+    """Steps so that the gap to ``whom`` over the ground is ``distance``, give or take ``room``, and faces it.
+
+    Both in metres, or in ``legs``, as a ``Gap``.
+    """
+
+    kind: ClassVar[str] = "keep_distance"
+    whom: Whom = FollowPartner()
+    distance: float = 1.2
+    room: float = 0.1
+    legs: bool = False
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.distance) and self.distance > 0.0):
+            raise ValueError(f"A distance to keep is more than zero, got {self.distance}.")
+        if not (math.isfinite(self.room) and self.room >= 0.0):
+            raise ValueError(f"Room about a distance is zero or more, got {self.room}.")
+        PLACE.check((self.distance, self.room))
+
+    @property
+    def gap(self) -> Gap:
+        """What it keeps."""
+        return Gap(self.whom, legs=self.legs)
+
+
+@dataclass(frozen=True)
+class LeanAway:
+    """Brings ``point`` by the trunk at least ``metres`` away from a point of ``whom``: the head from a fist."""
+
+    kind: ClassVar[str] = "lean_away"
+    whom: Whom = FollowPartner(FIST)
+    point: BodyPoint = HEAD
+    metres: float = 0.3
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.metres) and self.metres > 0.0):
+            raise ValueError(f"A distance to lean away is more than zero metres, got {self.metres}.")
+        PLACE.check(self.metres)
+
+
+@dataclass(frozen=True)
+class Meet:
+    """Brings ``point`` to a point of ``whom`` while ``activation`` says, in seconds of the clip's motion.
+
+    A forearm that wards off meets the fist, a fist that strikes meets the head.
+    """
+
+    kind: ClassVar[str] = "meet"
+    whom: Whom = FollowPartner(FIST)
+    point: BodyPoint = FOREARM
+    activation: ActivationCurve = WHOLE
+    chain: Chain = Chain()
+
+
+Manner = KeepDistance | LeanAway | Meet
+LEANING = Chain(clavicle=0.0, trunk=1.0)
+
+
+def asked_by(manners: tuple[Manner, ...], motion_id: str, partner_id: str, name: str) -> tuple[Constraint, ...]:
+    """The constraints that manners of a state called ``name`` are, of its motion, for one with that partner.
+
+    To meet comes before to lean away; what needs a partner asks nothing of who has none (an empty id).
+    """
+    asked: list[Constraint] = []
+    for place, manner in enumerate(manners):
+        followed = followed_by(manner.whom, partner_id)
+        title = f"{name} {place + 1}"
+        if followed is not None and isinstance(manner, Meet):
+            meeting = PositionConstraint(
+                motion_id, title, manner.point, manner.chain, 0, manner.activation, target=followed
+            )
+            asked.append(meeting)
+        elif followed is not None and isinstance(manner, LeanAway):
+            size = (2.0 * manner.metres,) * 3
+            leaning = AreaConstraint(
+                motion_id, title, manner.point, LEANING, 1, WHOLE,
+                shape=AreaShape.SPHERE, centre=followed, size=size,
+            )  # fmt: skip
+            asked.append(leaning)
+    return tuple(asked)

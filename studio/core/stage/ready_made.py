@@ -1,0 +1,86 @@
+"""Behaviours that are ready made: each adds to one what a fighter does, about the state in which it begins."""
+
+from dataclasses import replace
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.stage import behaviour_edits as edits
+from studio.core.stage.behaviour import Behaviour, State, Transition
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import (
+    ClipEndCondition,
+    Condition,
+    DistanceCondition,
+    EventCondition,
+    KeyCondition,
+    TimeCondition,
+)
+from studio.core.stage.manners import FIST, HEAD, WHOLE, KeepDistance, LeanAway, Meet
+from studio.core.stage.whom import FollowPartner, Gap
+
+REACH, NEAR, ROOM = 1.42, 1.65, 0.12
+"""Leg lengths: of two who fight from each other, from which on one strikes, and how exactly they keep that."""
+ATTACK = "attack"
+"""What a strike tells the partner."""
+TO_HEAD = Gap(FollowPartner(FIST), HEAD, flat=False)
+SUDDEN, CALM = 0.15, 0.3
+"""Seconds in which one answers an attack, and in which one comes back to guard."""
+LEAN, AGAIN = 0.35, 0.15
+"""Metres that the head keeps from a fist, and by how much more the fist has to go before it comes back."""
+ACROSS, DOWN = 288.0, 152.0
+"""From one state to the next in the diagram."""
+
+
+def on_guard(clip: Clip | None) -> Behaviour:
+    """One state, in which all begins."""
+    return Behaviour("Fighter", (State("Guard", clip),))
+
+
+def keeping_distance(behaviour: Behaviour) -> Behaviour:
+    """At the start it keeps at striking distance of its partner; what it kept before is forgotten."""
+    start = _start(behaviour)
+    others = tuple(each for each in start.manners if not isinstance(each, KeepDistance))
+    state = replace(start, manners=(KeepDistance(FollowPartner(), REACH, ROOM, legs=True), *others))
+    return edits.with_state_put(behaviour, start.name, state)
+
+
+def striking(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
+    """It strikes once when a key is pressed and its partner is near enough, and tells the partner."""
+    state = State("Strike", clip, loop=False, event=ATTACK)
+    near = DistanceCondition(Gap(legs=True), NEAR)
+    return _answering(behaviour, state, (KeyCondition(key), near), (ClipEndCondition(),), (-1.0, 0.0))
+
+
+def warding_off(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE) -> Behaviour:
+    """It wards off what its partner strikes with, once it is told of an attack: ``when`` in seconds of the motion."""
+    state = State("Ward off", clip, loop=False, manners=(Meet(activation=when),))
+    return _answering(behaviour, state, (EventCondition(ATTACK),), (ClipEndCondition(),), (1.0, 0.0))
+
+
+def leaning_away(behaviour: Behaviour) -> Behaviour:
+    """It leans away from its partner's fist while that is near its head, and plays on what it does at the start."""
+    state = State("Lean away", _start(behaviour).clip, manners=(LeanAway(metres=LEAN),))
+    near = DistanceCondition(TO_HEAD, LEAN)
+    far = DistanceCondition(TO_HEAD, LEAN + AGAIN, closer=False)
+    return _answering(behaviour, state, (near,), (TimeCondition(CALM), far), (0.0, 1.0))
+
+
+def _answering(
+    behaviour: Behaviour,
+    state: State,
+    there: tuple[Condition, ...],
+    back: tuple[Condition, ...],
+    aside: tuple[float, float],
+) -> Behaviour:
+    """A state that the start leads to and that leads back; it stands beside the start in the diagram."""
+    start = _start(behaviour)
+    x, y = start.place
+    while any(abs(each.place[0] - x) < 200.0 and abs(each.place[1] - y) < 80.0 for each in behaviour.states):
+        x, y = x + aside[0] * ACROSS, y + aside[1] * DOWN
+    more = edits.with_state(behaviour, replace(state, place=(x, y)))
+    name = more.states[-1].name
+    ways = (Transition(start.name, name, there, SUDDEN), Transition(name, start.name, back, CALM))
+    return replace(more, transitions=(*more.transitions, *ways))
+
+
+def _start(behaviour: Behaviour) -> State:
+    return next(each for each in behaviour.states if each.name == behaviour.start)

@@ -1,0 +1,125 @@
+"""Edits of behaviours: each is one undo step."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from studio.core.errors import StudioError
+from studio.core.names import free_name
+from studio.core.project import Project
+from studio.core.stage import behaviour_edits as edits
+from studio.core.stage.behaviour import Behaviour
+from studio.document.editing import EditedProject
+
+BehaviourEdit = Callable[[Behaviour], Behaviour]
+BESIDE = (48.0, 72.0)
+"""Where a copy stands in the diagram, beside what it is of."""
+PARTS = ("states", "transitions")
+"""What is selected within a behaviour, by keys of ``Project.states`` and ``Project.transitions``."""
+
+
+def state_key(behaviour_id: str, name: str) -> str:
+    """By which a state is selected."""
+    return f"{behaviour_id}/{name}"
+
+
+def transition_key(behaviour_id: str, place: int) -> str:
+    """By which a transition is selected."""
+    return f"{behaviour_id}/{place}"
+
+
+def behaviour_with(project: Project, collection: str, key: str) -> str | None:
+    """The id of the behaviour that a state or a transition is of; None where there is none."""
+    for behaviour_id, behaviour in project.behaviours.items():
+        names = (
+            [each.name for each in behaviour.states] if collection == "states" else range(len(behaviour.transitions))
+        )
+        if any(key == f"{behaviour_id}/{name}" for name in names):
+            return behaviour_id
+    return None
+
+
+def place_of(key: str) -> int:
+    """The place of a transition among those of its behaviour."""
+    return int(key.rpartition("/")[2])
+
+
+def shown_behaviour(document: EditedProject) -> str | None:
+    """The behaviour that is worked on: one that is selected, or a part of it is, else the active performer's."""
+    project = document.project
+    for collection, key in reversed(document.selection.items):
+        if collection == "behaviours" and key in project.behaviours:
+            return key
+        if collection in PARTS and (found := behaviour_with(project, collection, key)):
+            return found
+    return project.behaviour_of(document.active_performer_id or "")
+
+
+def edit_behaviour(
+    document: EditedProject, behaviour_id: str, edit: BehaviourEdit, text: str, gesture: int | None = None
+) -> None:
+    """Put what ``edit`` makes of a behaviour in its place. Raises StudioError where that raises ValueError."""
+    try:
+        new = edit(document.project.behaviours[behaviour_id])
+    except ValueError as error:
+        raise StudioError(str(error)) from error
+    document.replace("behaviours", behaviour_id, new, text, gesture)
+
+
+def let_play(document: EditedProject, performer_id: str, behaviour_id: str | None, partner_id: str = "") -> None:
+    """A performer plays that behaviour against that partner, and no other one; None to play its clips as they lie."""
+    name = document.project.performers[performer_id].name
+    chosen = document.project.behaviours[behaviour_id].name if behaviour_id else "its clips"
+    text = f"Let {name} play {chosen}"
+    with document.group(text):
+        for key, behaviour in document.project.behaviours.items():
+            if key == behaviour_id:
+                edit_behaviour(document, key, lambda old: edits.played_by(old, performer_id, partner_id), text)
+            elif behaviour.role_of(performer_id):
+                edit_behaviour(document, key, lambda old: edits.not_played_by(old, performer_id), text)
+
+
+def add_behaviour(document: EditedProject, performer_id: str, behaviour: Behaviour, partner_id: str = "") -> str:
+    """A new behaviour that a performer plays from now on; its id."""
+    named = replace(
+        behaviour, name=free_name(behaviour.name, {each.name for each in document.project.behaviours.values()})
+    )
+    with document.group(f"Add behaviour {named.name}"):
+        behaviour_id = document.add("behaviours", named, "Add behaviour")
+        let_play(document, performer_id, behaviour_id, partner_id)
+    return behaviour_id
+
+
+def make_own(document: EditedProject, performer_id: str, behaviour_id: str) -> str:
+    """A behaviour that several play as one performer's own from now on; its id there."""
+    project = document.project
+    behaviour = project.behaviours[behaviour_id]
+    role = behaviour.role_of(performer_id)
+    with document.group(f"{project.performers[performer_id].name} has its own {behaviour.name}"):
+        copied = replace(behaviour, cast=())
+        return add_behaviour(document, performer_id, copied, role.partner_id if role else "")
+
+
+def duplicate_states(document: EditedProject, states: Iterable[str]) -> list[str]:
+    """Copies of states in their behaviours; the copies' keys."""
+    chosen, made = set(states), []
+    with document.group("Duplicate states"):
+        for key, behaviour in document.project.behaviours.items():
+            names = {each.name for each in behaviour.states if state_key(key, each.name) in chosen}
+            if names:
+                copied = edits.with_copies(behaviour, names, BESIDE)
+                edit_behaviour(document, key, lambda _, copied=copied: copied, "Duplicate states")  # type: ignore[misc]
+                made += [state_key(key, each.name) for each in copied.states[len(behaviour.states) :]]
+    return made
+
+
+def remove_parts(document: EditedProject, states: Iterable[str], transitions: Iterable[str], text: str) -> None:
+    """Take states, with all that leads from and to them, and transitions out of their behaviours."""
+    names, places = set(states), set(transitions)
+    with document.group(text):
+        for key, behaviour in document.project.behaviours.items():
+            own = {place for place in range(len(behaviour.transitions)) if transition_key(key, place) in places}
+            gone = {each.name for each in behaviour.states if state_key(key, each.name) in names}
+            if own:
+                edit_behaviour(document, key, lambda old, own=own: edits.without_transitions(old, own), text)  # type: ignore[misc]
+            if gone:
+                edit_behaviour(document, key, lambda old, gone=gone: edits.without_states(old, gone), text)  # type: ignore[misc]

@@ -1,0 +1,70 @@
+"""Performers that a live input drives: their pose comes from there, and the solver asks of it what their clips ask."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from studio.core.errors import StudioError
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.project import Project
+from studio.core.solver.performers.rows import frame_count_of, timing_of
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
+
+PoseSource = Callable[[], NormalizedMotion | None]
+"""The newest pose, as a motion that is still; None while there is none."""
+
+
+class Driven:
+    """The newest pose of every performer that is driven, on its own body."""
+
+    def __init__(self, prepare: Prepare) -> None:
+        self._prepare = prepare
+        self._sources: dict[str, PoseSource] = {}
+        self._shown: dict[str, AdaptedMotion] = {}
+        self._requests: dict[str, tuple[Wanted, AdaptRequest]] = {}
+        self.problems: dict[str, str] = {}
+        """Why a performer cannot play what comes in, in a sentence."""
+
+    def drive(self, performer_id: str, source: PoseSource | None) -> None:
+        """Let a source drive a performer; with None its clips play again."""
+        for held in (self._sources, self._shown, self._requests, self.problems):
+            held.pop(performer_id, None)
+        if source is not None:
+            self._sources[performer_id] = source
+
+    def get(self, performer_id: str) -> AdaptedMotion | None:
+        """What a performer does now by what drives it; None where nothing does, or nothing has come."""
+        return self._shown.get(performer_id)
+
+    def bring(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:
+        """Solve the newest pose of all who are driven, as all is asked at ``seconds`` of the stage."""
+        for key, source in self._sources.items():
+            pose = source() if key in project.performers else None
+            if pose is None:
+                self._shown.pop(key, None)
+                continue
+            try:
+                self._shown[key] = self._solved(project, key, seconds, pose, results)
+                self.problems.pop(key, None)
+            except StudioError as error:
+                self.problems[key] = str(error)
+
+    def _solved(
+        self, project: Project, key: str, seconds: float, pose: NormalizedMotion, results: Mapping[str, AdaptedMotion]
+    ) -> AdaptedMotion:
+        from studio.live.driving import driven  # loads the solver
+
+        performer = project.performers[key]
+        if not performer.clips:
+            body = project.characters[performer.character_id].morphology
+            ground = project.ground.seen_from(performer.position, performer.heading)
+            return driven(AdaptRequest(pose, body, ground=ground), 0, pose)
+        known = results.get(key)
+        wanted = wanted_of(project, key, (key,), results.get)
+        if wanted is None or known is None:
+            raise StudioError(f"{performer.name} follows somebody who is not solved yet.")
+        if key not in self._requests or self._requests[key][0] != wanted:
+            self._requests[key] = wanted, player_of(project, key, wanted, self._prepare).request
+        row = round(timing_of(project, performer).frame_at(seconds))
+        row = min(max(row, 0), frame_count_of(project, performer) - 1)
+        return replace(driven(self._requests[key][1], row, pose), composite=known.composite)

@@ -1,0 +1,229 @@
+"""LivePlay: the document's stage played live on a worker, a frame at a time, while everything may be edited."""
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import QObject, Qt, Signal
+
+from studio.core.errors import StudioError
+from studio.core.project import Project
+from studio.core.solver.performers.performing import Prepare
+from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.clip import Clip
+from studio.document.document import Document
+from studio.engine.tasks import PATIENCE, join_all
+
+if TYPE_CHECKING:
+    from studio.live.stage import LiveStage
+
+STEP = 1.0 / 60.0
+"""Seconds from one step to the next where there is time for it; a step that took longer is as long as it took."""
+ANSWERING = 2.0
+"""Seconds for which the window waits for an answer at most; a step takes a hundredth of that."""
+LONGEST = 0.1
+"""Seconds of the stage in one step at most: what the machine missed is not made up for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """One step of the stage: a frame of every performer, to be read by ``staged``, and in which states they are."""
+
+    seconds: float
+    staged: Project
+    results: Mapping[str, AdaptedMotion]
+    states: Mapping[str, str]
+    failures: Mapping[str, str]
+
+
+class LivePlay(QObject):
+    """Begins, feeds and ends the worker. The document's newest project is taken in with the next step."""
+
+    running_changed = Signal(bool)
+    recording_changed = Signal(bool)
+    recorded = Signal(object)
+    """A ``Take`` that has ended."""
+    stepped = Signal()
+    """``moment`` is a newer one; several steps may be one signal."""
+    state_changed = Signal(str, str)
+    """A performer has come into a state of its behaviour; an empty one where it has none any more."""
+    _made = Signal()
+    _broken = Signal(object)
+
+    def __init__(self, document: Document, prepare: Prepare, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.moment: Moment | None = None
+        self.recording = False
+        self._document, self._prepare = document, prepare
+        self._worker: _Worker | None = None
+        self._told: dict[str, str] = {}
+        self._failed: dict[str, str] = {}
+        self._made.connect(self._take, Qt.ConnectionType.QueuedConnection)
+        self._broken.connect(self._break, Qt.ConnectionType.QueuedConnection)
+        document.entity_changed.connect(self._feed)
+        document.project_opened.connect(self.end)
+
+    @property
+    def running(self) -> bool:
+        """Whether the stage plays live."""
+        return self._worker is not None
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of the stage; where it does not play, of the playhead."""
+        return self._document.playhead.time if self.moment is None else self.moment.seconds
+
+    def begin(self) -> None:
+        """Everybody begins with what it plays at the playhead."""
+        from studio.live.stage import LiveStage  # here: it loads kernels
+
+        if self._worker is None:
+            self._document.playhead.pause()
+            stage = LiveStage(self._document.project, self._prepare, self._document.playhead.time)
+            self._worker = _Worker(stage, self._made.emit, self._broken.emit)
+            self._worker.start()
+            self.running_changed.emit(True)
+
+    def record(self) -> None:
+        """Begin to record; while that is done, end it."""
+        if self.recording:
+            self._end_recording()
+        elif self._worker is not None:
+            self.recording = True
+            self._order(lambda stage: stage.record())
+            self.recording_changed.emit(True)
+
+    def _end_recording(self) -> None:
+        worker, self.recording = self._worker, False
+        if worker is not None:
+            take = worker.ask(lambda stage: stage.recorded())
+            self.recording_changed.emit(False)
+            if take is not None:
+                self.recorded.emit(take)
+
+    def end(self) -> None:
+        """Stop, and end a recording; the playhead is where it was."""
+        if self.recording:
+            self._end_recording()
+        worker, self._worker, self.moment = self._worker, None, None
+        if worker is not None:
+            worker.stop()
+            for key in self._told:
+                self.state_changed.emit(key, "")
+            self._told, self._failed = {}, {}
+            self.running_changed.emit(False)
+
+    def start(self, performer_id: str, clip: Clip) -> None:
+        """Let a performer go over to a clip."""
+        self._order(lambda stage: stage.start(performer_id, clip))
+
+    def send(self, event: str) -> None:
+        """Tell all behaviours of an event."""
+        self._order(lambda stage: stage.send(event))
+
+    def press(self, key: str) -> None:
+        """Tell all behaviours of a key."""
+        self._order(lambda stage: stage.press(key))
+
+    def close(self) -> None:
+        """Stop, and leave the document."""
+        self.end()
+        self._document.entity_changed.disconnect(self._feed)
+        self._document.project_opened.disconnect(self.end)
+
+    def _order(self, order: "Callable[[LiveStage], None]") -> None:
+        if self._worker is not None:
+            self._worker.orders.append(order)
+
+    def _feed(self, _collection: str, _entity_id: str) -> None:
+        if self._worker is not None:
+            self._worker.project = self._document.project
+
+    def _take(self) -> None:
+        worker = self._worker
+        if worker is None:
+            return
+        self.moment = worker.take()
+        if self.moment is None:
+            return
+        for key in {*self._told, *self.moment.states}:
+            state = self.moment.states.get(key, "")
+            if self._told.get(key, "") != state:
+                self._told[key] = state
+                self.state_changed.emit(key, state)
+        for key, sentence in self.moment.failures.items():
+            if self._failed.get(key) != sentence:
+                self._document.problem.emit(sentence)
+        self._failed = dict(self.moment.failures)
+        self.stepped.emit()
+
+    def _break(self, error: Exception) -> None:
+        self.end()
+        if not isinstance(error, StudioError):
+            raise error
+        self._document.problem.emit(str(error))
+
+
+class _Worker:
+    """Steps the stage along the clock, in a thread of its own."""
+
+    def __init__(self, stage: "LiveStage", made: Callable[[], object], broken: Callable[[Exception], object]) -> None:
+        self.project = stage.project
+        self.orders: deque[Callable[[LiveStage], None]] = deque()
+        self._stage, self._made, self._broken = stage, made, broken
+        self._newest: Moment | None = None
+        self._seen = True
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="live stage", daemon=True)
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def stop(self) -> None:
+        self._stopped.set()
+        join_all([self._thread], PATIENCE)
+
+    def take(self) -> Moment | None:
+        """The newest moment."""
+        self._seen = True
+        return self._newest
+
+    def ask(self, question: "Callable[[LiveStage], Any]") -> Any:
+        """What the stage answers between two steps; None where it has broken."""
+        answers: list[Any] = []
+        answered = threading.Event()
+
+        def order(stage: "LiveStage") -> None:
+            answers.append(question(stage))
+            answered.set()
+
+        self.orders.append(order)
+        answered.wait(ANSWERING)
+        return answers[0] if answers else None
+
+    def _run(self) -> None:
+        try:
+            last, dt = time.monotonic(), 0.0
+            while not self._stopped.is_set():
+                self._newest = self._step(dt)
+                if self._seen:
+                    self._seen = False
+                    self._made()
+                self._stopped.wait(max(last + STEP - time.monotonic(), 0.0))
+                now = time.monotonic()
+                last, dt = now, min(now - last, LONGEST)
+        except Exception as error:  # noqa: BLE001 - told on the window's thread
+            if not self._stopped.is_set():
+                self._broken(error)
+
+    def _step(self, dt: float) -> Moment:
+        stage = self._stage
+        stage.project = self.project
+        while self.orders:
+            self.orders.popleft()(stage)
+        results = stage.step(dt)
+        states = {key: each.state for key, each in stage.running.items()}
+        return Moment(stage.seconds, stage.staged, results, states, dict(stage.failures))

@@ -1,0 +1,38 @@
+"""A clip opened for correction: what its take does, for whoever looks at it and says what it is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.sticks import bone_pairs
+from studio.core.normalized.realize import realize
+from studio.library.assistant import body_track
+from studio.library.library import LibraryClip
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class OpenedClip:
+    """``points`` (F, P, 3) of the whole take on its actor's body, joined by ``pairs`` (B, 2); ``speeds`` (4, F) of the
+    ends of the limbs about the hips, in limb lengths a second.
+    """
+
+    clip: LibraryClip
+    points: FloatArray
+    pairs: NDArray[np.intp]
+    speeds: FloatArray
+
+    @classmethod
+    def of(cls, clip: LibraryClip) -> "OpenedClip":
+        """Pose the take and read the speeds off it, as the assistant does."""
+        body, motion = clip.actor.body, clip.take.motion
+        points, rotations = realize(motion, body, play=True)
+        track = body_track(points, rotations, body, motion.frame_rate)
+        return cls(clip, points, bone_pairs(body.layout), np.array([limb.speed for limb in track.limbs]))
+
+    @property
+    def frame_rate(self) -> float:
+        """Frames a second of the take."""
+        return self.clip.take.motion.frame_rate

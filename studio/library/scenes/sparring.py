@@ -1,0 +1,87 @@
+"""Sparring: two fighters that keep their distance, strike on a key, ward off and lean away, by their behaviours."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.mesh import hand_shapes
+from studio.core.project import Performer, Project
+from studio.core.stage import behaviour_edits as edits
+from studio.core.stage.behaviour import Behaviour, Role, State, Transition
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import ClipEndCondition, Condition, DistanceCondition, EventCondition, KeyCondition
+from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway, Meet
+from studio.core.stage.whom import FollowPartner
+from studio.library.scenes.stagehand import RATE, around, bodies, material
+
+PUNCH = 181
+"""Frame of the capture at which the arm is stretched most."""
+FIRST, LAST, CALM = 140, 230, 240
+"""Frames at which a punch begins and ends, and from which on the fighter only stands on guard."""
+HIT = (PUNCH - FIRST) / RATE
+"""Seconds from the beginning of a punch to its hit."""
+APART = 1.25
+"""Metres from one to the other."""
+NEAR = 1.7
+"""Metres from which a punch is worth while."""
+CLEAR = 0.3
+"""Metres that a head keeps from a fist."""
+BEFORE_CHEST = BodyPoint(BodyPart.THORAX, (0.24, 0.0, 0.0))
+LOW, HIGH = "low punch", "high punch"
+KEYS = {"adult_woman": ("X", "C"), "tall_man": ("N", "M")}
+"""By fighter the keys of a low and of a high punch."""
+REACHING = Chain(trunk=1.0, root=1.0)
+
+
+def sparring() -> Project:
+    """The scene; StudioError where a bundled file cannot be read."""
+    stuff = material(rest=("Guard", "straight_punch"), punch=("Punch", "straight_punch"))
+    people = {key: replace(each, grip=hand_shapes.FIST) for key, each in bodies(5).items() if key in KEYS}
+    performers, behaviours = {}, {}
+    for place, (key, other) in enumerate((tuple(KEYS), tuple(KEYS)[::-1])):
+        guard = Clip("rest", CALM, CALM + 99, id=f"{key} guard")
+        x, heading = place * APART, place * math.pi
+        performers[key] = Performer(people[key].name, key, (guard,), (x, 0.0), heading)
+        behaviours[key] = replace(fighter(*KEYS[key], upright_head(people[other].morphology)), cast=(Role(key, other),))
+    return Project(stuff.captures, stuff.motions, people, performers, contacts=stuff.contacts, behaviours=behaviours)
+
+
+def upright_head(body: Morphology) -> BodyPoint:
+    """Where the head of a body is that does not lean: a point of its pelvis, which leaning does not move."""
+    height = float(np.linalg.norm(body.spine, axis=1).sum()) + body.neck + 0.5 * body.head
+    return BodyPoint(BodyPart.PELVIS, (0.1, 0.0, height))
+
+
+def fighter(low: str, high: str, head: BodyPoint) -> Behaviour:
+    """On guard until a key lets it punch, at the chest or at the ``head``, or its partner does."""
+    guard = Clip("rest", CALM, CALM + 99, id="guard")
+    punch, answer = Clip("punch", FIRST, LAST, id="punch"), Clip("rest", CALM, CALM + 60, id="answer")
+    met = CALM + round(HIT * RATE)
+    at_chest = Meet(FollowPartner(BEFORE_CHEST), FIST, around(PUNCH), REACHING)
+    at_head = Meet(FollowPartner(head), FIST, around(PUNCH), REACHING)
+    behaviour = Behaviour("Fighter", (State("Guard", guard, manners=(KeepDistance(distance=APART),)),))
+    near = DistanceCondition(distance=NEAR)
+    for state, conditions in (
+        (State("Ward off", answer, False, (Meet(FollowPartner(FIST), FOREARM, around(met, 9)),), "", (288.0, -104.0)),
+         (EventCondition(LOW),)),
+        (State("Lean away", answer, False, (LeanAway(FollowPartner(FIST), HEAD, CLEAR),), "", (288.0, 104.0)),
+         (EventCondition(HIGH),)),
+        (State("Low punch", punch, False, (at_chest,), LOW, (-288.0, -104.0)), (KeyCondition(low), near)),
+        (State("High punch", punch, False, (at_head,), HIGH, (-288.0, 104.0)), (KeyCondition(high), near)),
+    ):  # fmt: skip
+        behaviour = _with_answer(behaviour, state, conditions)
+    return behaviour
+
+
+def _with_answer(behaviour: Behaviour, state: State, conditions: tuple[Condition, ...]) -> Behaviour:
+    """A state that the guard goes over to, and back when its clip has ended."""
+    more = edits.with_state(behaviour, state)
+    ways = (
+        Transition("Guard", state.name, conditions, 0.2),
+        Transition(state.name, "Guard", (ClipEndCondition(),), 0.3),
+    )
+    return replace(more, transitions=(*more.transitions, *ways))

@@ -1,0 +1,115 @@
+"""Behaviours while a stage plays live: what performers sense, and which state they are in."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.project import Project
+from studio.core.solver.adapt import place_of
+from studio.core.solver.performers.props import Holder, stage_track
+from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.behaviour import Behaviour, Role, Running, State
+from studio.core.stage.clip import SLOWEST, Clip
+from studio.core.stage.conditions import Senses
+from studio.core.stage.manners import asked_by
+from studio.core.stage.placement import Placement
+from studio.core.stage.scope import Scope
+from studio.core.stage.whom import Gap, Whom, followed_by
+
+FloatArray = NDArray[np.float64]
+
+SLOWING = 0.5
+"""Seconds in which a body comes to rest that holds the pose it finds."""
+
+
+@dataclass(frozen=True)
+class Act:
+    """What a state lets a performer play, and what is asked of it besides; who ``steps`` lifts its feet to begin it."""
+
+    clip: Clip
+    asked: tuple[Constraint, ...] = ()
+    steps: bool = False
+
+    @property
+    def again(self) -> "Act":
+        """The same once more, where it has led."""
+        return replace(self, clip=replace(self.clip, turn=0.0, offset=(0.0, 0.0)), steps=False)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """The stage as it was seen last, at ``seconds``, and where each performer is in its behaviour."""
+
+    project: Project
+    results: Mapping[str, AdaptedMotion]
+    running: Mapping[str, Running]
+    seconds: float
+
+    def place_of(self, whom: Whom, role: Role) -> FloatArray | None:
+        """(3,) of whoever is meant in a role, on the stage; None for who is not there."""
+        follow = followed_by(whom, role.partner_id)
+        if isinstance(follow, FollowPerformer):
+            result = self.results.get(follow.performer_id)
+            if result is None:
+                return None
+            return Placement.of(self.project.performers[follow.performer_id]).to_stage(
+                place_of(follow.point, result)[0]
+            )
+        prop = self.project.props.get(follow.prop_id) if follow else None
+        if follow is None or prop is None:
+            return None
+        held = self.results.get(prop.holder or "")
+        holder = Holder(held, [0.0], Placement.of(self.project.performers[prop.holder or ""])) if held else None
+        track = stage_track(prop, [self.seconds], holder)
+        offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
+        return np.asarray(track.places[0] + track.rotations[0] @ offset)
+
+    def unit_of(self, gap: Gap, role: Role) -> float:
+        """Metres in which a gap is counted in a role: one, or the mean leg length of both."""
+        if not gap.legs:
+            return 1.0
+        follow = followed_by(gap.whom, role.partner_id)
+        keys = [role.performer_id, *([follow.performer_id] if isinstance(follow, FollowPerformer) else [])]
+        bodies = [self.project.characters[self.project.performers[key].character_id] for key in keys]
+        return sum(each.morphology.leg_length for each in bodies) / len(bodies)
+
+    def state_of(self, key: str) -> tuple[State, Role] | None:
+        """The state that a performer is in, and its role; None for who has no behaviour."""
+        behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
+        state = behaviour.state(self.running[key].state) if behaviour and key in self.running else None
+        role = behaviour.role_of(key) if behaviour else None
+        return (state, role) if state and role else None
+
+
+def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, frame_rate: float) -> Act:
+    """What begins with a state, for who plays frame ``frame`` of the clip ``playing`` as it begins."""
+    if state.clip is not None:
+        goes_on = replace(playing, start=0.0, first=0, ease=0.0) == replace(state.clip, start=0.0, first=0, ease=0.0)
+        first = frame if goes_on and state.clip.first <= frame < state.clip.last else state.clip.first
+        clip = replace(state.clip, first=first, joined=True, ease=blend)
+    else:  # slower and slower, until the last frame is held
+        last = frame + max(round(SLOWEST * SLOWING * frame_rate), 1)
+        clip = replace(
+            playing, first=frame, last=last, speed=SLOWEST, repeats=1, turn=0.0, offset=(0.0, 0.0), ease=blend
+        )
+    asked = asked_by(state.manners, clip.motion_id, role.partner_id, state.name)
+    return Act(clip, tuple(replace(each, scope=Scope(role.performer_id)) for each in asked))
+
+
+def senses_of(seen: Seen, behaviour: Behaviour, role: Role, heard: Senses) -> Senses:
+    """What a performer senses: ``heard``, and how far all is that its state asks about, where all were last.
+
+    ``heard.gaps`` is not looked at; a gap to who is not there is left out.
+    """
+    gaps: dict[Gap, float] = {}
+    for gap in behaviour.gaps_from(seen.running[role.performer_id].state):
+        own = seen.place_of(FollowPerformer(role.performer_id, gap.point), role)
+        other = seen.place_of(gap.whom, role)
+        if own is not None and other is not None:
+            metres = float(np.linalg.norm((other - own)[: 2 if gap.flat else 3]))
+            gaps[gap] = metres / seen.unit_of(gap, role)
+    return replace(heard, gaps=gaps)

@@ -1,0 +1,75 @@
+"""Keeping at a distance while a stage plays live: when a performer steps, and where to."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.kernels import layout as at
+from studio.core.normalized.compose import Composite
+from studio.core.stage.behaviour import Role, State
+from studio.core.stage.manners import KeepDistance
+from studio.core.stage.placement import Placement
+from studio.core.stage.whom import PELVIS, followed_by
+from studio.live.acting import Act, Seen
+from studio.live.stepping import STEP_SECONDS
+
+FloatArray = NDArray[np.float64]
+
+LONGEST_STEP, WIDEST_TURN = 0.4, 0.7
+"""Metres and radians of one step."""
+TURNED_ENOUGH = 0.25
+"""Radians by which it may face elsewhere than it wants to."""
+SETTLING = 0.3
+"""Seconds after something has begun, and after a step, in which nobody steps."""
+
+
+def step_of(seen: Seen, key: str, act: Act, composite: Composite, frame: int) -> Act | None:
+    """What a performer begins to play so that it stands as its state wants; None where it stands well.
+
+    It plays ``frame`` of the ``composite`` that ``act`` let it play.
+    """
+    found = seen.state_of(key)
+    kept = _kept(found[0]) if found else None
+    if found is None or kept is None or seen.seconds < act.clip.start + SETTLING + STEP_SECONDS * act.steps:
+        return None
+    role, project = found[1], seen.project
+    whom, own = seen.place_of(kept.whom, role), seen.place_of(FollowPerformer(key, PELVIS), role)
+    if whom is None or own is None:
+        return None
+    placement = Placement.of(project.performers[key])
+    away = (whom - own)[:2]
+    apart = max(float(np.linalg.norm(away)), 1e-9)
+    looks = float(composite.motion.channels[frame, at.YAW]) + placement.heading - _stance(act, composite, frame)
+    turn = (math.atan2(away[1], away[0]) - looks + math.pi) % (2.0 * math.pi) - math.pi
+    unit = seen.unit_of(kept.gap, role)
+    wrong = apart - unit * kept.distance
+    if abs(turn) <= TURNED_ENOUGH and abs(wrong) <= unit * kept.room:
+        return None
+    wrong *= 0.5 if _comes_too(seen, key, kept, role) else 1.0
+    leg = project.characters[project.performers[key].character_id].morphology.leg_length
+    way = float(np.clip(wrong, -LONGEST_STEP, LONGEST_STEP)) * away / (apart * leg)
+    x, y, _ = (placement.rotation.T @ [*way, 0.0]).tolist()
+    turned = float(np.clip(turn, -WIDEST_TURN, WIDEST_TURN))
+    return replace(act, clip=replace(act.clip, turn=turned, offset=(x, y), ease=STEP_SECONDS), steps=True)
+
+
+def _kept(state: State) -> KeepDistance | None:
+    return next((each for each in state.manners if isinstance(each, KeepDistance)), None)
+
+
+def _stance(act: Act, composite: Composite, frame: int) -> float:
+    """How the pelvis of a clip is turned against where it looks: fighters stand half sideways."""
+    yaws = composite.playing(frame).piece.motion.channels[act.clip.first : act.clip.last + 1, at.YAW]
+    return float(np.median(yaws)) * (-1.0 if act.clip.mirrored else 1.0)
+
+
+def _comes_too(seen: Seen, key: str, kept: KeepDistance, role: Role) -> bool:
+    """Whether the one whom it keeps off keeps off it as well: then each goes half of the way."""
+    whom = followed_by(kept.whom, role.partner_id)
+    found = seen.state_of(whom.performer_id) if isinstance(whom, FollowPerformer) else None
+    other = _kept(found[0]) if found else None
+    back = followed_by(other.whom, found[1].partner_id) if found and other else None
+    return isinstance(back, FollowPerformer) and back.performer_id == key

@@ -1,0 +1,324 @@
+"""A stage that plays live: every performer a frame at a time, solver in the loop, what comes next decided as it plays.
+
+Nothing of it is known beforehand but the clips. The project may be another one at any step: targets, priorities,
+ground, bodies, who is there. In each step performers are solved leaders first, those who follow each other in sweeps
+that begin where the last step ended, so a step costs about the same whenever it is done.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.constraints.target import follows_of
+from studio.core.errors import StudioError
+from studio.core.project import Performer, Project
+from studio.core.solver.adapt import hold
+from studio.core.solver.asking.tracks import Track, Tracks
+from studio.core.solver.performers.circles import Paths, Player, paths_of, solve_circle
+from studio.core.solver.performers.performing import Prepare
+from studio.core.solver.performers.stage import followed_by, in_order, tracks_of
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.behaviour import Running, advance, begun
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import Senses
+from studio.core.stage.placement import Placement
+from studio.live.acting import Act, Seen, act_of, senses_of
+from studio.live.keeping import step_of
+from studio.live.playing import Playing, asked_anew, own_row, restood, taken_over
+from studio.live.take import Begun, Take
+
+SWEEPS, FIRST_SWEEPS = 4, 6
+"""Times that those who follow each other are solved again in a step at most; more in their first one."""
+SOON = 1.0 / 60.0
+"""Seconds before the end of a clip, for each performer, in which what comes next may begin."""
+BEGUN_A_STEP = 1
+"""Clips that begin in one step, of all performers together: who is left begins in the next one."""
+
+
+@dataclass
+class _Part:
+    """One performer's part while it plays."""
+
+    playing: Playing
+    row: tuple[Clip, ...]
+    """The project's own row and layers when it began: other ones begin anew."""
+    frame: int = 0
+    act: Act | None = None
+    """What took over; None while its own row plays."""
+    wish: Act | None = None
+    begun: Begun | None = None
+    tracks: Tracks = field(default_factory=dict)
+    result: AdaptedMotion | None = None
+
+
+class LiveStage:
+    """``step`` it; ``project`` may be replaced before any step, and ``start`` lets a performer play a clip.
+
+    ``results`` are one frame of each performer, in its motion's space, ``failures`` why others have none. Who has a
+    behaviour is let play by it; ``send`` and ``press`` tell behaviours of events and keys.
+    """
+
+    def __init__(self, project: Project, prepare: Prepare, seconds: float = 0.0) -> None:
+        """Everybody begins with its own row, as the timeline has it at ``seconds`` of the stage."""
+        self.seconds = seconds
+        self.results: dict[str, AdaptedMotion] = {}
+        self.failures: dict[str, str] = {}
+        self._prepare = prepare
+        self._parts: dict[str, _Part] = {}
+        self._paths: dict[tuple[str, ...], tuple[Paths, Paths]] = {}
+        self.running: dict[str, Running] = {}
+        """Where each performer is in its behaviour, of those that have one."""
+        self._events: dict[str, frozenset[str]] = {}
+        self._sent: frozenset[str] = frozenset()
+        self._keys: frozenset[str] = frozenset()
+        self.project = self._seen = self._staged = project
+        self._step = 0.0
+        self._recorded: list[tuple[str, Begun]] | None = None
+        self._given: list[tuple[float, Project]] = []
+        self._recorded_from = 0.0
+
+    @property
+    def staged(self) -> Project:
+        """The project in which everybody's row is what it plays now: by it the ``results`` are to be read."""
+        return self._staged
+
+    def playing(self, key: str) -> Clip | None:
+        """The clip that a performer plays now; None before its first step."""
+        part = self._parts.get(key)
+        return None if part is None else _clip_of(part)
+
+    def start(self, key: str, clip: Clip, blend: float = 0.0) -> None:
+        """Let a performer go over to a clip, where its body is, in ``blend`` seconds; 0 in as many as that needs."""
+        if key in self._parts:
+            self._parts[key].wish = Act(replace(clip, ease=blend, joined=True))
+
+    def send(self, event: str) -> None:
+        """Everybody's behaviour hears of an event in the next step."""
+        self._sent |= {event}
+
+    def press(self, key: str) -> None:
+        """Everybody's behaviour hears of a key in the next step."""
+        self._keys |= {key}
+
+    def record(self) -> None:
+        """Keep what is played from now on, for ``recorded``."""
+        self._recorded_from, self._given = self.seconds, [(self.seconds, self.project)]
+        self._recorded = [(key, part.begun) for key, part in self._parts.items() if part.begun is not None]
+
+    def recorded(self) -> Take | None:
+        """What was played since ``record``; None where nothing was recorded. The recording ends."""
+        recorded, self._recorded = self._recorded, None
+        if recorded is None:
+            return None
+        return Take(self._recorded_from, self.seconds, tuple(recorded), tuple(self._given))
+
+    def step(self, dt: float) -> Mapping[str, AdaptedMotion]:
+        """``dt`` seconds later: one frame of every performer that is seen, by its id."""
+        self.seconds, self._step = self.seconds + dt, dt
+        self.failures.clear()
+        self._take_project()
+        self._act()
+        self._begin_clips()
+        for part in self._parts.values():
+            part.frame = part.playing.frame_at(self.seconds)
+        solved: dict[str, AdaptedMotion] = {}
+        for circle in in_order(self._staged, self._parts):
+            try:
+                solved |= self._solved(circle, solved)
+            except StudioError as error:
+                self.failures |= dict.fromkeys(circle, str(error))
+        for key, result in solved.items():
+            self._parts[key].result = result
+        self.results = solved
+        return solved
+
+    # What plays
+
+    def _take_project(self) -> None:
+        """Go on with the project as it is now."""
+        given, seen = self.project, self._seen
+        players = {key: each for key, each in given.performers.items() if _plays(given, each)}
+        for key in self._parts.keys() - players.keys():
+            del self._parts[key]
+        if given is seen and players.keys() == self._parts.keys():
+            return
+        if self._recorded is not None:
+            self._given.append((self.seconds, given))
+        self._seen, self._staged = given, _staged(given, self._parts)
+        for key, performer in players.items():
+            try:
+                self._take_performer(key, performer, seen)
+            except StudioError as error:
+                self._parts.pop(key, None)
+                self.failures[key] = str(error)
+
+    def _take_performer(self, key: str, performer: Performer, seen: Project) -> None:
+        part, given = self._parts.get(key), self._staged
+        before = seen.performers.get(key)
+        if part is None or (part.act is None and part.row != performer.all_clips):
+            self._parts[key] = _Part(own_row(given, key, self._prepare), performer.all_clips)
+            self._note(key)
+        elif before is None or _stands_otherwise(given, seen, performer, before):
+            part.playing, part.row = restood(given, key, part.playing, self._prepare), performer.all_clips
+        else:
+            part.playing, part.row = asked_anew(given, key, part.playing), performer.all_clips
+
+    def _act(self) -> None:
+        """Let behaviours go on: who comes into another state wishes to play what that lets it play, or to step."""
+        events, self._events = self._events, {}
+        sent, keys, self._sent, self._keys = self._sent, self._keys, frozenset(), frozenset()
+        seen = Seen(self.project, self.results, dict(self.running), self.seconds)
+        for key, part in self._parts.items():
+            behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
+            role = behaviour.role_of(key) if behaviour else None
+            if behaviour is None or role is None:
+                self.running.pop(key, None)
+                continue
+            before, after = self.running.get(key), begun(behaviour)
+            if before is not None:
+                ends = part.wish is None and self._ends(part)
+                heard = Senses(self._step, {}, ends, events.get(key, frozenset()) | sent, keys)
+                after = advance(behaviour, before, senses_of(seen, behaviour, role, heard))
+            self.running[key] = after
+            state = behaviour.state(after.state)
+            if state is not None and (before is None or after.seconds == 0.0):
+                clip = _clip_of(part)
+                frame = round(_motion_frame(part))
+                blend = after.through.blend if after.through else 0.0
+                part.wish = act_of(state, role, blend, clip, frame, self.project.frame_rate_of(clip))
+                if state.event and role.partner_id:
+                    self._events[role.partner_id] = self._events.get(role.partner_id, frozenset()) | {state.event}
+            elif part.wish is None and part.act is not None:
+                part.wish = step_of(seen, key, part.act, part.playing.composite, part.frame)
+
+    def _ends(self, part: _Part) -> bool:
+        """Whether what a performer plays is about to end: everybody may need a step to begin what comes."""
+        left = part.playing.composite.timing.end - self.seconds
+        return left < min(self._step, SOON) * len(self._parts)
+
+    def _next(self, key: str, part: _Part) -> Act | None:
+        """What comes by itself: a state's clip again, or the first clip of a row; None where the last pose is held."""
+        behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
+        state = behaviour.state(self.running[key].state) if behaviour and key in self.running else None
+        if state is not None:
+            if part.act is None or state.clip is None or not state.loop:
+                return None
+            again = part.act.again
+            return replace(again, clip=replace(again.clip, first=state.clip.first))
+        return Act(replace(part.row[0], joined=True, turn=0.0, offset=(0.0, 0.0)))
+
+    def _begin_clips(self) -> None:
+        """Let clips take over that are wished for, or that come where what plays is about to end."""
+        waiting = []
+        for key, part in self._parts.items():
+            if part.result is not None and part.wish is None and self._ends(part):
+                part.wish = self._next(key, part)
+            if part.result is not None and part.wish is not None:
+                waiting.append(key)
+        for key in waiting[:BEGUN_A_STEP]:
+            part = self._parts[key]
+            assert part.wish is not None
+            act, part.wish = replace(part.wish, clip=replace(part.wish.clip, start=self.seconds)), None
+            staged = _staged(self.project, self._parts, {key: act})
+            part.playing = taken_over(staged, key, part.playing, part.frame, part.tracks, self._prepare, act.steps)
+            part.act, self._staged = act, staged
+            self._note(key)
+
+    def _note(self, key: str) -> None:
+        """Remember what a performer has just begun."""
+        part = self._parts[key]
+        composite, act = part.playing.composite, part.act
+        if act is None:
+            part.begun = Begun(self.seconds, part.row, composite.played, composite.timing, own=True)
+        else:
+            part.begun = Begun(self.seconds, (act.clip,), composite.played[1:], composite.timing, act.asked)
+        if self._recorded is not None:
+            self._recorded.append((key, part.begun))
+
+    # Where they are
+
+    def _solved(self, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion]) -> dict[str, AdaptedMotion]:
+        """One frame of performers who follow each other, mostly of one alone, after all whom they follow."""
+        players = {key: self._player(key, circle, solved) for key in circle}
+        if not any(_follow_each_other(each.request.constraints, circle) for each in players.values()):
+            self._paths.pop(circle, None)
+            return {key: self._frame(key, each.request) for key, each in players.items()}
+        unasked = dict(paths_of(players, {key: self._unasked(key) for key in circle}))
+        expected = self._expected(circle, unasked)
+        found = solve_circle(players, self._frame, expected, SWEEPS if expected else FIRST_SWEEPS)
+        self._paths[circle] = found.paths, unasked
+        for key, request in found.requests.items():
+            self._parts[key].tracks = request.tracks
+        return dict(found.results)
+
+    def _player(self, key: str, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion]) -> Player:
+        part = self._parts[key]
+        playing, frame = part.playing, part.frame
+        constraints = playing.active(frame)
+        followed = followed_by(self._staged, key, solved.get, circle, constraints)
+        if followed is None:
+            raise StudioError(f"'{self._staged.performers[key].name}' follows somebody who cannot be adapted.")
+        part.tracks = tracks_of(followed, playing.composite.at(frame))
+        standing = playing.standing
+        request = AdaptRequest(
+            standing.motion, standing.morphology, standing.contacts, constraints, standing.ground, part.tracks
+        )
+        return Player(request, playing.composite, Placement.of(self._staged.performers[key]), frame)
+
+    def _frame(self, key: str, request: AdaptRequest) -> AdaptedMotion:
+        part = self._parts[key]
+        posed = hold(part.playing.solvable, request.constraints, part.frame, part.frame, request.tracks)
+        return replace(posed, composite=part.playing.composite)
+
+    def _unasked(self, key: str) -> AdaptedMotion:
+        part = self._parts[key]
+        return hold(part.playing.standing, (), part.frame, part.frame)
+
+    def _expected(self, circle: tuple[str, ...], unasked: Paths) -> Paths:
+        """Where all are expected that is followed: as far from where it would be unasked as in the last step."""
+        known, last = self._paths.get(circle, ({}, {}))
+        expected = dict(unasked) if known else {}
+        for name in expected.keys() & known.keys() & last.keys():
+            places = unasked[name].places + known[name].places - last[name].places
+            expected[name] = Track(places, known[name].rotations)
+        return expected
+
+
+def _plays(project: Project, performer: Performer) -> bool:
+    return bool(performer.visible and performer.clips and not project.missing_references(performer))
+
+
+def _clip_of(part: _Part) -> Clip:
+    place = part.playing.composite.playing(part.frame).piece.origin[0]
+    return part.act.clip if part.act else part.row[place]
+
+
+def _motion_frame(part: _Part) -> float:
+    """The frame of its motion that a performer plays."""
+    composite = part.playing.composite
+    return float(composite.playing(part.frame).motion_frames(np.array([part.frame]), composite.timing)[0])
+
+
+def _staged(project: Project, parts: Mapping[str, _Part], begun: Mapping[str, Act] = MappingProxyType({})) -> Project:
+    """``project`` in which performers play what took over from their rows, and what has just ``begun``."""
+    acts = {key: part.act for key, part in parts.items() if part.act is not None} | dict(begun)
+    rows = [(key, replace(project.performers[key], clips=(act.clip,), layers=()), None) for key, act in acts.items()]
+    asked = [(f"{key} {each.name}", each, None) for key, act in acts.items() for each in act.asked]
+    staged = project.with_entities("performers", rows)
+    return staged.with_entities("constraints", asked) if asked else staged
+
+
+def _stands_otherwise(project: Project, before: Project, performer: Performer, was: Performer) -> bool:
+    """Whether a performer stands otherwise than before, before anything is asked of it."""
+    bodies = [given.characters[each.character_id] for given, each in ((project, performer), (before, was))]
+    manners = [(each.position, each.heading, each.limited, each.clears) for each in (performer, was)]
+    return bodies[0] is not bodies[1] or project.ground is not before.ground or manners[0] != manners[1]
+
+
+def _follow_each_other(constraints: Iterable[Constraint], circle: tuple[str, ...]) -> bool:
+    follows = (follow for each in constraints for follow in follows_of(each))
+    return any(isinstance(each, FollowPerformer) and each.performer_id in circle for each in follows)

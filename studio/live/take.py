@@ -1,0 +1,206 @@
+"""A take: what was played live, as clips with constraints that stay editable."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from studio.core.constraints.base import Constraint, Vector
+from studio.core.constraints.keyed import KeyedPlace
+from studio.core.constraints.position import PositionConstraint
+from studio.core.kernels import layout as at
+from studio.core.normalized.joining import Planar
+from studio.core.normalized.mirror import mirrored
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.pieces import Played
+from studio.core.project import Entity, Project
+from studio.core.stage.clip import Clip
+from studio.core.stage.scope import Scope
+from studio.core.stage.timing import Timing
+
+STILL = 0.1
+"""Seconds after which a target that is moved again stood still until then."""
+Edit = tuple[str, str, Entity]
+"""Collection, id and what is put there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """What a performer began to play at ``since`` seconds: clips, where they are in one motion, what they ask."""
+
+    since: float
+    clips: tuple[Clip, ...]
+    played: tuple[Played, ...]
+    timing: Timing
+    asked: tuple[Constraint, ...] = ()
+    own: bool = False
+    """Whether it is the performer's own row."""
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """From ``begin`` to ``end`` seconds of the stage: what each performer began, and the projects that were given."""
+
+    begin: float
+    end: float
+    begun: tuple[tuple[str, Begun], ...]
+    given: tuple[tuple[float, Project], ...]
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A clip of a take, the clip that it is of, and what a behaviour asked in it."""
+
+    performer_id: str
+    clip: Clip
+    source: Clip
+    asked: tuple[Constraint, ...]
+
+
+def edits_of(
+    take: Take, project: Project, motion_of: Callable[[str], NormalizedMotion], names: Iterator[str]
+) -> list[Edit]:
+    """What makes ``project`` play the take: rows, and what is asked in them; ``names`` are new ids.
+
+    Raises StudioError where a motion cannot be had.
+    """
+    recorded = [each for key in project.performers for each in _row(take, key, project, motion_of, names)]
+    edits: list[Edit] = []
+    for key, performer in project.performers.items():
+        row = tuple(each.clip for each in recorded if each.performer_id == key)
+        if row:
+            begun = [each for whose, each in take.begun if whose == key]
+            layers = performer.layers if all(each.own for each in begun) else ()
+            edits.append(("performers", key, replace(performer, clips=row, layers=layers)))
+    edits += _contacts(recorded, project, names)
+    return edits + _constraints(take, recorded, project, names)
+
+
+def _row(
+    take: Take, key: str, project: Project, motion_of: Callable[[str], NormalizedMotion], names: Iterator[str]
+) -> Iterator[Recorded]:
+    """The clips of one performer, each where it stood, until another one took over.
+
+    What played when the take began begins when it did, and what played at its end plays on: how a body stands has to
+    do with what comes before and after.
+    """
+    begun = [each for whose, each in take.begun if whose == key]
+    for each, after in zip(begun, [*begun[1:], None], strict=True):
+        begin = -math.inf if each.own else each.since
+        end = math.inf if after is None else after.since - 1.0 / each.timing.frame_rate
+        for played in each.played:
+            source = each.clips[played.piece.origin[0]]
+            if source.motion_id not in project.motions:
+                continue
+            clip = _trimmed(source, played, each.timing, begin, end, motion_of(source.motion_id))
+            if clip is not None:
+                yield Recorded(key, replace(clip, id=next(names)), source, each.asked)
+
+
+def _trimmed(
+    source: Clip, played: Played, timing: Timing, begin: float, end: float, motion: NormalizedMotion
+) -> Clip | None:
+    """What of a piece plays between two times, standing where the piece did; None where nothing does."""
+    piece = played.piece
+    begun = timing.stage_time(max(played.first, timing.first))
+    starts, ends = max(begun, begin), min(timing.stage_time(min(played.last, timing.last)), end)
+    if ends < starts - 1e-9:
+        return None
+    frames = (
+        round(piece.first + (seconds - piece.start) * piece.speed * motion.frame_rate) for seconds in (starts, ends)
+    )
+    first, last = (min(max(frame, 0), motion.frame_count - 1) for frame in frames)
+    place = _about(played.placement, motion, first, piece.mirrored)
+    return replace(
+        source, first=first, last=max(last, first), start=starts, repeats=1, joined=False, turn=place.turn,
+        offset=place.offset, ease=piece.ease if starts == begun else 0.0,
+    )  # fmt: skip
+
+
+def _about(placement: Planar, motion: NormalizedMotion, first: int, is_mirrored: bool) -> Planar:
+    """``placement`` as a turn about the root in frame ``first`` and a way, as a clip has it."""
+    shown = mirrored(motion) if is_mirrored else motion
+    place = shown.channels[first, at.HIPS : at.HIPS + 2]
+    c, s = np.cos(placement.turn), np.sin(placement.turn)
+    turned = np.array([c * place[0] - s * place[1], s * place[0] + c * place[1]])
+    x, y = (turned + placement.offset - place).tolist()
+    return Planar(placement.turn, (x, y))
+
+
+def _contacts(recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
+    """What stands in a clip alone stands in what was recorded of it."""
+    return [
+        ("contacts", next(names), replace(contact, scope=Scope(clip_id=each.clip.id)))
+        for each in recorded
+        for contact in project.contacts.values()
+        if contact.scope.clip_id and contact.scope.clip_id == each.source.id
+    ]
+
+
+def _constraints(take: Take, recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
+    """What is asked of the clips: what was asked of their sources alone, what behaviours asked, targets that moved."""
+    edits: list[Edit] = []
+    moved = _moved(take, project)
+    for key, constraint in project.constraints.items():
+        concerned = [each for each in recorded if _concerns(constraint, each)]
+        path = moved.get(key)
+        if path is None and not constraint.scope.clip_id:
+            continue
+        if path is not None and len(concerned) == 1 and not constraint.scope.clip_id:
+            edits.append(("constraints", key, _keyed(constraint, path, concerned[0].clip, project)))
+            continue
+        for each in concerned:
+            own = _keyed(constraint, path, each.clip, project) if path is not None else constraint
+            edits.append(("constraints", next(names), replace(own, scope=Scope(clip_id=each.clip.id))))
+        if path is not None and not constraint.scope.clip_id:
+            edits.append(("constraints", key, replace(constraint, enabled=False)))
+    edits += [
+        ("constraints", next(names), replace(asked, scope=Scope(clip_id=each.clip.id)))
+        for each in recorded
+        for asked in each.asked
+    ]
+    return edits
+
+
+def _concerns(constraint: Constraint, each: Recorded) -> bool:
+    return constraint.motion_id == each.clip.motion_id and constraint.scope.includes(each.performer_id, each.source.id)
+
+
+Path = list[tuple[float, Vector]]
+"""Seconds of the stage, and where a target was from then on."""
+
+
+def _moved(take: Take, project: Project) -> dict[str, Path]:
+    """The targets that were moved while it was recorded, by the constraints' ids."""
+    paths: dict[str, Path] = {}
+    for key in project.constraints:
+        path: Path = []
+        for seconds, given in take.given:
+            target = _place(given.constraints.get(key))
+            if target is not None and (not path or path[-1][1] != target):
+                if path and seconds - path[-1][0] > STILL:
+                    path.append((seconds - STILL / 2, path[-1][1]))
+                path.append((seconds, target))
+        if len(path) > 1 and _place(project.constraints[key]) is not None:
+            paths[key] = path
+    return paths
+
+
+def _place(constraint: Constraint | None) -> Vector | None:
+    target: Any = constraint.target if isinstance(constraint, PositionConstraint) else None
+    return target if isinstance(target, tuple) else None
+
+
+def _keyed(constraint: Constraint, path: Path, clip: Clip, project: Project) -> Constraint:
+    """The constraint with its target keyed along ``path`` in the seconds of a clip's motion."""
+    rate = project.frame_rate_of(clip)
+    times: list[float] = []
+    values: list[Vector] = []
+    for seconds, place in path:
+        time = clip.first / rate + (seconds - clip.start) * clip.speed
+        if not times or time > times[-1]:
+            times.append(time)
+            values.append(place)
+    return replace(constraint, target=KeyedPlace(tuple(times), tuple(values)))  # type: ignore[call-arg]

@@ -1,0 +1,1 @@
+"""Behaviours: the diagram of states and transitions, and the forms of its parts."""

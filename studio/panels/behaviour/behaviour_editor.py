@@ -1,0 +1,90 @@
+"""The form of a behaviour: its name, where it begins, and who plays it."""
+
+from PySide6.QtWidgets import QLineEdit, QListWidget
+
+from studio.core.errors import StudioError
+from studio.core.stage.behaviour import Behaviour
+from studio.document.behaviours import make_own, state_key
+from studio.document.document import Document
+from studio.engine.live import Live
+from studio.panels.editor import Editor
+from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
+
+
+class BehaviourEditor(Editor):
+    """A behaviour as a whole; its states are listed for who works without a mouse."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Behaviour")
+        self._name = QLineEdit()
+        self._name.editingFinished.connect(self._rename)
+        section.add_row("Name", self._name)
+        self._start = Choice("Begins in", ())
+        self._start.chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
+        section.add_row("Begins in", self._start)
+        self._players = labelled("", "value")
+        self._players.setWordWrap(True)
+        section.add_row("Played by", self._players)
+        self._own = press_button("", self._make_own)
+        self._own.setToolTip("Edits of a behaviour are of all who play it. A behaviour of its own is edited alone.")
+        section.add_wide(self._own)
+        section.add_wide(press_button("Delete behaviour", self._delete))
+        self.column.addWidget(section)
+        states = Section("States")
+        self._states = QListWidget()
+        self._states.setAccessibleName("States")
+        self._states.itemActivated.connect(lambda item: self._select(item.text()))
+        self._states.itemClicked.connect(lambda item: self._select(item.text()))
+        states.add_wide(self._states)
+        self.column.addWidget(states)
+        self.finish()
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """It names performers."""
+        return super().concerns(collection, entity_id) or collection == "performers"
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        behaviour: Behaviour | None = self.entity
+        if behaviour is None:
+            return
+        if not self._name.hasFocus() or not self._name.isModified():
+            self._name.setText(behaviour.name)
+        names = [each.name for each in behaviour.states]
+        self._start.offer([(name, name) for name in names])
+        self._start.show_value(behaviour.start)
+        called = {key: each.name for key, each in self.document.project.performers.items()}
+        roles = [
+            called[role.performer_id] + (f" against {called[role.partner_id]}" if role.partner_id else "")
+            for role in behaviour.cast
+        ]
+        self._players.setText("\n".join(roles) or "nobody yet")
+        active = self.document.active_performer_id or ""
+        self._own.setVisible(len(behaviour.cast) > 1 and behaviour.role_of(active) is not None)
+        self._own.setText(f"Make it {called[active]}'s own" if active else "")
+        if names != [self._states.item(row).text() for row in range(self._states.count())]:
+            self._states.clear()
+            self._states.addItems(names)
+            self._states.setFixedHeight(ROW_HEIGHT * len(names) + 4)
+
+    def _rename(self) -> None:
+        name = self._name.text().strip()
+        self._name.setModified(False)
+        if self.entity is not None and name and name != self.entity.name:
+            self.change(f"Rename {self.entity.name}", name=name)
+
+    def _make_own(self) -> None:
+        performer_id = self.document.active_performer_id or ""
+        made = make_own(self.document, performer_id, self.entity_id)
+        self.document.selection.set(("performers", performer_id), ("behaviours", made))
+
+    def _delete(self) -> None:
+        try:
+            self.document.remove("behaviours", self.entity_id, f"Delete {self.entity.name}")
+        except StudioError as error:
+            self.document.problem.emit(str(error))
+
+    def _select(self, name: str) -> None:
+        performers = [item for item in self.document.selection.items if item[0] == "performers"]
+        self.document.selection.set(*performers, ("states", state_key(self.entity_id, name)))

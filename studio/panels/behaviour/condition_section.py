@@ -1,0 +1,132 @@
+"""What a transition waits for, one condition of it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtWidgets import QLineEdit
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.project import Project
+from studio.core.stage.conditions import (
+    ClipEndCondition,
+    Condition,
+    DistanceCondition,
+    EventCondition,
+    KeyCondition,
+    TimeCondition,
+)
+from studio.core.stage.whom import PELVIS, Whom
+from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
+from studio.panels.fields import Choice, NumberField, Section, press_button
+
+KINDS: dict[str, tuple[str, Condition]] = {
+    "closer": ("Closer than", DistanceCondition()),
+    "farther": ("Farther than", DistanceCondition(closer=False)),
+    "time": ("A time has passed", TimeCondition()),
+    "clip_end": ("The clip has ended", ClipEndCondition()),
+    "event": ("An event", EventCondition("attack")),
+    "key": ("A key", KeyCondition("K")),
+}
+HEAD = BodyPoint(BodyPart.HEAD)
+UNITS = ((False, "Metres"), (True, "Leg lengths"))
+
+
+def kind_of(condition: Condition) -> str:
+    """By which of ``KINDS`` a condition goes."""
+    if isinstance(condition, DistanceCondition):
+        return "closer" if condition.closer else "farther"
+    return condition.kind
+
+
+class ConditionSection(Section):
+    """``put`` takes the condition as the user wants it, and the words of the step; None removes it."""
+
+    def __init__(self, editor: PartEditor, title: str, condition: Condition, put: Callable[[Any, str], None]) -> None:
+        super().__init__(title)
+        self._condition, self._put = condition, put
+        remove = press_button("Remove", lambda: put(None, "Remove condition"), "link")
+        remove.setAccessibleName(f"Remove condition: {title}")
+        self.head.addWidget(remove)
+        self._kind = Choice("Waits for", [(key, text) for key, (text, _) in KINDS.items()])
+        self._kind.chosen.connect(self._set_kind)
+        self.add_row("Waits for", self._kind)
+        match condition:
+            case DistanceCondition():
+                self._add_distance(editor)
+            case TimeCondition():
+                field = NumberField("Seconds", "s", 0.0, 3600.0, 0.05)
+                self._seconds = editor.bind(field, lambda seconds: self._set("Set time", seconds=seconds))
+                self.add_row("Time", self._seconds)
+            case EventCondition() | KeyCondition():
+                self._add_name(condition)
+
+    def show_condition(self, condition: Condition, project: Project) -> None:
+        """Show what the document says; it is of the kind that this was made for."""
+        self._condition = condition
+        self._kind.show_value(kind_of(condition))
+        match condition:
+            case DistanceCondition():
+                self._distance.show_value(condition.distance)
+                self._distance.setSuffix(f" {condition.gap.unit}")
+                self._legs.show_value(condition.gap.legs)
+                self._flat.show_value(condition.gap.flat)
+                self._point.show_point(condition.gap.point)
+                for widget in (self._point, self._point_caption):
+                    widget.setVisible(not condition.gap.flat)
+                self._whom.show_whom(condition.gap.whom, project, with_point=not condition.gap.flat)
+            case TimeCondition():
+                self._seconds.show_value(condition.seconds)
+            case EventCondition():
+                self._name.setText(condition.event)
+            case KeyCondition():
+                self._name.setText(condition.key)
+
+    def _add_distance(self, editor: PartEditor) -> None:
+        self._distance = editor.bind(
+            NumberField("Distance", "m", 0.0, 100.0, 0.05), lambda far: self._set("Set distance", distance=far)
+        )
+        self.add_row("Distance", self._distance)
+        self._legs = Choice("Counted in", UNITS)
+        self._legs.setToolTip(
+            "Leg lengths are the mean of both bodies', so that one behaviour fits bodies of any size."
+        )
+        self._legs.chosen.connect(lambda legs: self._set_gap(legs=legs))
+        self.add_row("Counted in", self._legs)
+        self._flat = Choice("Measured", [(True, "Over the ground"), (False, "From point to point")])
+        self._flat.chosen.connect(lambda flat: self._set_gap(flat=flat, point=PELVIS if flat else HEAD))
+        self.add_row("Measured", self._flat)
+        self._point = PointChoice("Own point", lambda point: self._set_gap(point=point))
+        self._point_caption = self.add_row("Own point", self._point)
+        self._whom = WhomRows(self, "To", self._set_whom)
+
+    def _add_name(self, condition: Condition) -> None:
+        is_key = isinstance(condition, KeyCondition)
+        self._name = QLineEdit()
+        self._name.setToolTip(
+            "A letter, a digit, or a name such as Space." if is_key
+            else "An event that a partner's state sends when it begins, or that comes from outside."
+        )  # fmt: skip
+        self._name.editingFinished.connect(lambda: self._rename("key" if is_key else "event"))
+        self.add_row("Key" if is_key else "Event", self._name)
+
+    def _rename(self, field: str) -> None:
+        if self._name.text().strip() != getattr(self._condition, field):
+            self._set(f"Set {field}", **{field: self._name.text()})
+
+    def _set_kind(self, kind: Any) -> None:
+        new = KINDS[kind][1]
+        if isinstance(new, DistanceCondition) and isinstance(self._condition, DistanceCondition):
+            new = replace(self._condition, closer=new.closer)
+        self._put(lambda: new, "Choose condition")
+
+    def _set(self, text: str, **values: Any) -> None:
+        self._put(lambda: replace(self._condition, **values), text)
+
+    def _set_gap(self, **values: Any) -> None:
+        assert isinstance(self._condition, DistanceCondition)
+        self._set("Set distance", gap=replace(self._condition.gap, **values))
+
+    def _set_whom(self, whom: Whom) -> None:
+        self._set_gap(whom=whom)

@@ -1,0 +1,365 @@
+"""The diagram of a behaviour: boxes are dragged, arrows drawn from their edges; every change is an undo step."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QContextMenuEvent, QKeyEvent, QMouseEvent, QPainter, QPen, QResizeEvent, QWheelEvent
+from PySide6.QtWidgets import QFrame, QGraphicsScene, QGraphicsView, QLineEdit, QMenu
+
+from studio.core.errors import StudioError
+from studio.core.project import Project
+from studio.core.stage import behaviour_edits as edits
+from studio.core.stage.behaviour import Behaviour, State
+from studio.document import colours
+from studio.document.behaviours import BehaviourEdit, edit_behaviour, state_key, transition_key
+from studio.document.document import Document
+from studio.document.selection import Item
+from studio.panels.behaviour import gestures
+from studio.panels.behaviour.figures import Arrow, Box, StateItem, TransitionItem, bow_of
+from studio.panels.behaviour.words import clip_words, condition_words, manner_words
+
+SCENE = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
+GRID = 24.0
+ZOOM, SMALLEST, LARGEST = 1.0015, 0.25, 2.5
+MARGIN = 16.0
+
+
+class Diagram(QGraphicsView):
+    """Shows one behaviour and keeps no copy of it."""
+
+    def __init__(self, document: Document) -> None:
+        super().__init__()
+        self.document, self.behaviour_id = document, ""
+        self.running: dict[str, str] = {}
+        """By performer the state that it is in while the stage runs."""
+        self.states: dict[str, StateItem] = {}
+        self.arrows: list[TransitionItem] = []
+        self.gesture: gestures.Gesture | None = None
+        self._renaming: QLineEdit | None = None
+        self._whole = True
+        """Whether all of it is in view, as long as nobody zooms or pans."""
+        self.setScene(QGraphicsScene(SCENE, self))
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setBackgroundBrush(QColor(colours.WELL))
+        self.setAccessibleName("Diagram of the behaviour")
+        for bars in (self.setHorizontalScrollBarPolicy, self.setVerticalScrollBarPolicy):
+            bars(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setTransformationAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
+        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.FullViewportUpdate)
+        self.setMouseTracking(True)
+        self.viewport().setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+
+    @property
+    def behaviour(self) -> Behaviour | None:
+        """The behaviour as it is now."""
+        return self.document.project.behaviours.get(self.behaviour_id)
+
+    def show_behaviour(self, behaviour_id: str) -> None:
+        """Draw it; one that was not shown before is brought into view whole."""
+        other = behaviour_id != self.behaviour_id
+        self.behaviour_id = behaviour_id
+        if other:
+            self.leave_gesture()
+        self.refresh()
+        if other:
+            self.fit()
+
+    def refresh(self) -> None:
+        """Draw everything again."""
+        scene, behaviour = self.scene(), self.behaviour
+        for item in (*self.states.values(), *self.arrows, *(each.words for each in self.arrows)):
+            scene.removeItem(item)
+        self.states, self.arrows = {}, []
+        if behaviour is None:
+            return
+        for state in behaviour.states:
+            self.states[state.name] = StateItem(self._box(behaviour, state))
+        self.arrows = [TransitionItem(arrow) for arrow in self._arrows(behaviour)]
+        for item in (*self.arrows, *(each.words for each in self.arrows), *self.states.values()):
+            scene.addItem(item)
+
+    def fit(self) -> None:
+        """Bring all of it into view, no larger than it is."""
+        area = QRectF()
+        for item in (*self.states.values(), *self.arrows, *(each.words for each in self.arrows)):
+            area = area.united(item.boundingRect())
+        room = self.viewport().rect().adjusted(0, 0, -1, -1)
+        area.adjust(-MARGIN, -MARGIN, MARGIN, MARGIN)
+        scale = min(room.width() / area.width(), room.height() / area.height(), 1.0)
+        self.resetTransform()
+        self.scale(max(scale, SMALLEST), max(scale, SMALLEST))
+        self.centerOn(area.center())
+        self._whole = True
+
+    def edit(self, edit: BehaviourEdit, text: str, gesture: int | None = None) -> bool:
+        """Change the behaviour; what cannot be is said in a sentence. Whether it could be."""
+        try:
+            edit_behaviour(self.document, self.behaviour_id, edit, text, gesture)
+        except StudioError as error:
+            self.document.problem.emit(str(error))
+            return False
+        return True
+
+    def add_state(self, place: QPointF | None = None) -> str:
+        """A new state, there or in the middle of what is seen, selected; its name."""
+        found = place or self._free_place()
+        before = self.behaviour
+        if before is None:
+            return ""
+        new = State("State", place=(round(found.x(), 1), round(found.y(), 1)))
+        if not self.edit(lambda old: edits.with_state(old, new), "Add state"):
+            return ""
+        name = self.document.project.behaviours[self.behaviour_id].states[-1].name
+        self.select(("states", state_key(self.behaviour_id, name)))
+        return name
+
+    def connect_states(self, source: str, target: str) -> None:
+        """A new transition, selected so that its form says when it leads away."""
+        if self.edit(lambda old: edits.connected(old, source, target), f"Add transition to {target}"):
+            last = len(self.document.project.behaviours[self.behaviour_id].transitions) - 1
+            self.select(("transitions", transition_key(self.behaviour_id, last)))
+
+    def select(self, *items: Item) -> None:
+        """Select parts, or for none the whole behaviour, together with the body that it is seen of."""
+        document = self.document
+        active = document.active_performer_id
+        bodies = [("performers", active)] if active else []
+        document.selection.set(*bodies, *(items or [("behaviours", self.behaviour_id)]))
+
+    def rename(self, name: str) -> None:
+        """Let a state's name be typed in its box."""
+        self._end_renaming()
+        rect = self.mapFromScene(self.states[name].rect).boundingRect()
+        field = QLineEdit(name, self.viewport())
+        field.setAccessibleName("Name of the state")
+        field.setGeometry(rect.left(), rect.top(), max(rect.width(), 120), 26)
+        field.selectAll()
+        field.show()
+        field.setFocus()
+        self._renaming = field
+        field.editingFinished.connect(lambda: self._renamed(name, field))
+
+    def _renamed(self, name: str, field: QLineEdit) -> None:
+        if self._renaming is not field:
+            return
+        self._end_renaming()
+        new, behaviour = field.text().strip(), self.behaviour
+        state = behaviour.state(name) if behaviour else None
+        if state is not None and new and new != name:
+            renamed = self.edit(lambda old: edits.with_state_put(old, name, replace(state, name=new)), f"Rename {name}")
+            if renamed:
+                self.select(("states", state_key(self.behaviour_id, new)))
+
+    def _end_renaming(self) -> None:
+        field, self._renaming = self._renaming, None
+        if field is not None:
+            field.hide()
+            field.deleteLater()
+
+    # What is under the mouse
+
+    def state_at(self, place: QPointF) -> StateItem | None:
+        """The box there."""
+        return next((item for item in reversed(self.states.values()) if item.takes(place)), None)
+
+    def arrow_at(self, place: QPointF) -> TransitionItem | None:
+        """The arrow there; its words come before what lies under them."""
+        arrows = sorted(self.arrows, key=lambda item: not item.label.contains(place))
+        return next((item for item in arrows if item.takes(place)), None)
+
+    def item_at(self, place: QPointF) -> Item | None:
+        """What is selected by a click there."""
+        state = self.state_at(place)
+        if state is not None:
+            return "states", state_key(self.behaviour_id, state.box.name)
+        arrow = self.arrow_at(place)
+        return ("transitions", transition_key(self.behaviour_id, arrow.arrow.place)) if arrow else None
+
+    # Mouse
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin to move, to connect, to select in a rectangle, or to pan."""
+        self._end_renaming()
+        if self.behaviour is None or self.gesture is not None:
+            return
+        place = self.mapToScene(event.position().toPoint())
+        self.gesture = gestures.begun(self, event, place)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Go on with what was begun; else show what would be taken."""
+        place = self.mapToScene(event.position().toPoint())
+        if self.gesture is not None:
+            self.gesture.move(event, place)
+            return
+        over, arrow = self.state_at(place), self.arrow_at(place)
+        for item in self.states.values():
+            item.ready = item is over and item.on_rim(place)
+        for each in self.arrows:
+            each.hovered = over is None and each is arrow
+        ready = over is not None and over.ready
+        shape = Qt.CursorShape.CrossCursor if ready else Qt.CursorShape.ArrowCursor
+        self.viewport().setCursor(shape)
+        self.viewport().setToolTip("Drag to another state to make a transition" if ready else "")
+        self.viewport().update()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Do what was meant."""
+        gesture, self.gesture = self.gesture, None
+        if gesture is not None:
+            gesture.release(event, self.mapToScene(event.position().toPoint()))
+        self.viewport().update()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """A box: its name is typed. Beside everything: a new state."""
+        if event.button() is not Qt.MouseButton.LeftButton or self.behaviour is None:
+            return
+        place = self.mapToScene(event.position().toPoint())
+        state = self.state_at(place)
+        if state is not None:
+            self.rename(state.box.name)
+        elif self.arrow_at(place) is None and (name := self.add_state(place)):
+            self.rename(name)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom about the mouse; sideways, or with Shift, pan."""
+        turned = event.angleDelta()
+        if turned.x() or event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
+            self.pan(QPoint((turned.x() or turned.y()) // 2, 0))
+            return
+        factor = min(max(ZOOM ** turned.y() * self.transform().m11(), SMALLEST), LARGEST) / self.transform().m11()
+        mouse = event.position().toPoint()
+        before = self.mapToScene(mouse)
+        self.scale(factor, factor)
+        moved = self.mapFromScene(before) - mouse
+        self.pan(-moved)
+
+    def pan(self, pixels: QPoint) -> None:
+        """Move what is seen."""
+        self._whole = False
+        for bar, way in ((self.horizontalScrollBar(), pixels.x()), (self.verticalScrollBar(), pixels.y())):
+            bar.setValue(bar.value() - way)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """What was in view whole stays so."""
+        super().resizeEvent(event)
+        if self._whole:
+            self.fit()
+
+    def leave_gesture(self) -> bool:
+        """Leave what was begun; whether there was anything."""
+        gesture, self.gesture = self.gesture, None
+        if gesture is not None:
+            gesture.cancel()
+            self.viewport().update()
+        return gesture is not None
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """What can be done with what is under the mouse."""
+        if self.behaviour is None:
+            return
+        place = self.mapToScene(event.pos())
+        item = self.item_at(place)
+        if item is not None and item not in self.document.selection:
+            self.select(item)
+        menu = QMenu(self)
+        for text, run in self._choices(place):
+            menu.addAction(text).triggered.connect(lambda _=False, run=run: run())
+        menu.exec(event.globalPos())
+
+    def _choices(self, place: QPointF) -> list[tuple[str, Callable[[], object]]]:
+        state, arrow = self.state_at(place), self.arrow_at(place)
+        if state is not None:
+            name = state.box.name
+            begin = lambda: self.edit(lambda old: replace(old, start=name), f"Begin in {name}")  # noqa: E731
+            gone = lambda: self.edit(lambda old: edits.without_states(old, {name}), f"Delete {name}")  # noqa: E731
+            return [("Begin here", begin), ("Rename", lambda: self.rename(name)), ("Delete", gone)]
+        if arrow is not None:
+            number, target = arrow.arrow.place, self.document.project.behaviours[self.behaviour_id]
+            text = f"Delete transition to {target.transitions[number].target}"
+            return [("Delete", lambda: self.edit(lambda old: edits.without_transitions(old, {number}), text))]
+        return [("Add state here", lambda: self.add_state(place)), ("Show all", self.fit)]
+
+    def event(self, event: QEvent) -> bool:
+        """While something is dragged, Esc leaves that, and nothing else of the window."""
+        mine = isinstance(event, QKeyEvent) and self.gesture is not None and event.key() == Qt.Key.Key_Escape
+        if mine and event.type() == QEvent.Type.ShortcutOverride:
+            event.accept()
+            return True
+        return bool(super().event(event))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc leaves a gesture, F2 renames; other keys are the window's, not a scroll area's."""
+        chosen = [item for item in self.states.values() if item.box.selected]
+        if event.key() == Qt.Key.Key_Escape and self.leave_gesture():
+            return
+        if event.key() == Qt.Key.Key_F2 and len(chosen) == 1:
+            self.rename(chosen[0].box.name)
+            return
+        event.ignore()
+
+    # What is drawn
+
+    def drawBackground(self, painter: QPainter, area: QRectF | object) -> None:
+        """Dots on a grid, which show how far it is zoomed."""
+        super().drawBackground(painter, area)  # type: ignore[arg-type]
+        if self.transform().m11() < 0.5:
+            return
+        seen = self.mapToScene(self.viewport().rect()).boundingRect()
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(colours.CONTROL), 1.8))
+        across = range(int(seen.left() // GRID), int(seen.right() // GRID) + 1)
+        for row in range(int(seen.top() // GRID), int(seen.bottom() // GRID) + 1):
+            painter.drawPoints([QPointF(column * GRID, row * GRID) for column in across])
+
+    def drawForeground(self, painter: QPainter, area: QRectF | object) -> None:
+        """What a gesture shows."""
+        if self.gesture is not None:
+            self.gesture.paint(painter)
+
+    def _box(self, behaviour: Behaviour, state: State) -> Box:
+        project = self.document.project
+        active = self.document.active_performer_id
+        inside = [role.performer_id for role in behaviour.cast if self.running.get(role.performer_id) == state.name]
+        own = active if active in inside else None
+        return Box(
+            state.name,
+            clip_words(state, project),
+            tuple(manner_words(each, project) for each in state.manners),
+            state.place,
+            state.name == behaviour.start,
+            ("states", state_key(self.behaviour_id, state.name)) in self.document.selection,
+            colour_of(project, own) if own else "",
+            tuple(colour_of(project, key) for key in inside if key != own),
+        )
+
+    def _arrows(self, behaviour: Behaviour) -> list[Arrow]:
+        ways = [(each.source, each.target) for each in behaviour.transitions]
+        arrows = []
+        for place, each in enumerate(behaviour.transitions):
+            order, count = edits.order_of(behaviour, place)
+            words = [condition_words(one, self.document.project) for one in each.conditions]
+            words[0] = f"{order}  {words[0]}" if count > 1 else words[0]
+            returns = each.source != each.target and (each.target, each.source) in ways
+            bow = bow_of(ways[:place].count(ways[place]), returns)
+            arrows.append(
+                Arrow(
+                    place, self.states[each.source].rect, self.states[each.target].rect, tuple(words), bow,
+                    ("transitions", transition_key(self.behaviour_id, place)) in self.document.selection,
+                )
+            )  # fmt: skip
+        return arrows
+
+    def _free_place(self) -> QPointF:
+        """The middle of what is seen, or beside what stands there."""
+        place = self.mapToScene(self.viewport().rect().center())
+        while any(abs(item.box.place[0] - place.x()) < 20.0 and abs(item.box.place[1] - place.y()) < 20.0
+                  for item in self.states.values()):  # fmt: skip
+            place += QPointF(GRID, GRID)
+        return place
+
+
+def colour_of(project: Project, performer_id: str) -> str:
+    """The colour of a performer's character."""
+    return project.characters[project.performers[performer_id].character_id].colour

@@ -1,0 +1,276 @@
+"""What the diagram of a behaviour is drawn of: boxes of states, and arrows between them with what they wait for."""
+
+import math
+from dataclasses import dataclass
+
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPainterPathStroker, QPen, QPolygonF
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+
+from studio.document import colours
+
+WIDTHS = (132.0, 220.0)
+"""The narrowest and the widest box."""
+TITLE, LINE, PADDING = 20.0, 15.0, 9.0
+RADIUS = 5.0
+RIM = 7.0
+"""How far from its edge inwards, and half as far outwards, a box is taken to draw an arrow from."""
+BOW, NEXT_BOW = 22.0, 34.0
+"""How far the way there is from the way back, and from another way there."""
+ARROW, REACH = 9.0, 12.0
+ALONG = 0.58
+"""How far along its way the words stand: there and back do not meet."""
+LOOP = 44.0
+GLOW = 4
+
+
+def font(pixels: int, bold: bool = False) -> QFont:
+    """The application's type in a size."""
+    made = QFont()
+    made.setPixelSize(pixels)
+    if bold:
+        made.setWeight(QFont.Weight.DemiBold)
+    return made
+
+
+@dataclass(frozen=True)
+class Box:
+    """A state as it is shown: ``lit`` is the colour of the performer that is in it, ``dots`` those of others."""
+
+    name: str
+    plays: str
+    manners: tuple[str, ...]
+    place: tuple[float, float]
+    starts: bool = False
+    selected: bool = False
+    lit: str = ""
+    dots: tuple[str, ...] = ()
+
+    @property
+    def rect(self) -> QRectF:
+        """Where it stands in the scene."""
+        lines = (self.plays, *self.manners)
+        title = QFontMetricsF(font(13, bold=True)).horizontalAdvance(self.name) + 10.0 * len(self.dots)
+        widest = max(title, *(QFontMetricsF(font(11)).horizontalAdvance(each) for each in lines))
+        width = min(max(widest + 2 * PADDING + 6.0, WIDTHS[0]), WIDTHS[1])
+        height = TITLE + LINE * len(lines) + PADDING + 3.0
+        return QRectF(self.place[0] - width / 2, self.place[1] - height / 2, width, height)
+
+
+class StateItem(QGraphicsItem):
+    """The box of a state; ``ready`` shows the rim that an arrow can be drawn from."""
+
+    def __init__(self, box: Box) -> None:
+        super().__init__()
+        self.box, self.rect, self.ready = box, box.rect, False
+        self.setZValue(2.0)
+
+    def boundingRect(self) -> QRectF:
+        """With its glow, the rim and the mark of the start."""
+        return self.rect.adjusted(-30.0, -12.0, 12.0, 12.0)
+
+    def on_rim(self, place: QPointF) -> bool:
+        """Whether an arrow is drawn from there, rather than the box moved."""
+        inner = self.rect.adjusted(RIM, RIM, -RIM, -RIM)
+        return self.takes(place) and not inner.contains(place)
+
+    def takes(self, place: QPointF) -> bool:
+        """Whether the mouse is on it."""
+        return self.rect.adjusted(-RIM / 2, -RIM / 2, RIM / 2, RIM / 2).contains(place)
+
+    def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
+        """The box and its words."""
+        box, rect = self.box, self.rect
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for step in range(GLOW if box.lit else 0):
+            grown = rect.adjusted(-step * 2.0, -step * 2.0, step * 2.0, step * 2.0)
+            painter.setPen(QPen(_faint(box.lit, 0.34 - 0.07 * step), 2.5))
+            painter.drawRoundedRect(grown, RADIUS + step * 2.0, RADIUS + step * 2.0)
+        ground = colours.SELECTED_ROW if box.selected else colours.CONTROL
+        painter.setBrush(QColor(colours.mixed(ground, box.lit, 0.35) if box.lit else ground))
+        edge = colours.SELECTED_HANDLE if box.selected else box.lit or "#3f4852"
+        painter.setPen(QPen(QColor(edge), 1.6 if box.selected or box.lit else 1.0))
+        painter.drawRoundedRect(rect, RADIUS, RADIUS)
+        if self.ready:
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.setPen(QPen(QColor(colours.kind_colour("position")), 2.0))
+            painter.drawRoundedRect(rect.adjusted(-2, -2, 2, 2), RADIUS + 2, RADIUS + 2)
+        self._paint_start(painter)
+        self._paint_words(painter)
+        self._paint_dots(painter)
+
+    def _paint_start(self, painter: QPainter) -> None:
+        if self.box.starts:
+            colour = QColor(colours.TEXT_SECOND)
+            tip = QPointF(self.rect.left() - 2.0, self.rect.center().y())
+            painter.setPen(QPen(colour, 1.5))
+            painter.setBrush(colour)
+            painter.drawEllipse(tip - QPointF(22.0, 0.0), 4.0, 4.0)
+            painter.drawLine(QLineF(tip - QPointF(18.0, 0.0), tip - QPointF(6.0, 0.0)))
+            _paint_head(painter, tip, 0.0)
+
+    def _paint_words(self, painter: QPainter) -> None:
+        inner = self.rect.adjusted(PADDING, 5.0, -PADDING, 0.0)
+        title = QRectF(inner.left(), inner.top(), inner.width() - 10.0 * len(self.box.dots), TITLE)
+        _write(painter, title, self.box.name, font(13, bold=True), colours.TEXT)
+        inks = (colours.TEXT_SECOND, *(colours.kind_colour("distance") for _ in self.box.manners))
+        for place, (text, ink) in enumerate(zip((self.box.plays, *self.box.manners), inks, strict=True)):
+            line = QRectF(inner.left(), inner.top() + TITLE + place * LINE, inner.width(), LINE)
+            _write(painter, line, text, font(11), ink)
+
+    def _paint_dots(self, painter: QPainter) -> None:
+        painter.setPen(Qt.PenStyle.NoPen)
+        for place, colour in enumerate(self.box.dots):
+            painter.setBrush(QColor(colour))
+            centre = QPointF(self.rect.right() - PADDING - 3.0 - 10.0 * place, self.rect.top() + 14.0)
+            painter.drawEllipse(centre, 3.5, 3.5)
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """A transition as it is shown: from box to box, so far aside of the straight line."""
+
+    place: int
+    source: QRectF
+    target: QRectF
+    words: tuple[str, ...]
+    bow: float
+    selected: bool = False
+
+
+class TransitionItem(QGraphicsItem):
+    """The arrow of a transition; what it waits for stands on its ``words``, above all arrows."""
+
+    def __init__(self, arrow: Arrow) -> None:
+        super().__init__()
+        self.arrow, self.hovered = arrow, False
+        self._path, self._angle = _way(arrow)
+        self.label = _label(arrow, self._path.pointAtPercent(ALONG))
+        self.words = WordsItem(self)
+        self.setZValue(1.1 if arrow.selected else 1.0)
+
+    def boundingRect(self) -> QRectF:
+        """The way and its head."""
+        return self._path.boundingRect().adjusted(-REACH, -REACH, REACH, REACH)
+
+    def takes(self, place: QPointF) -> bool:
+        """Whether the mouse is on it."""
+        stroker = QPainterPathStroker()
+        stroker.setWidth(REACH)
+        return self.label.contains(place) or stroker.createStroke(self._path).contains(place)
+
+    def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
+        """The way."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        ink = QColor(self.ink)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(ink, 2.0 if self.arrow.selected else 1.4))
+        painter.drawPath(self._path)
+        painter.setBrush(ink)
+        _paint_head(painter, self._path.currentPosition(), self._angle)
+
+    @property
+    def ink(self) -> str:
+        """Its colour."""
+        if self.arrow.selected:
+            return colours.SELECTED_HANDLE
+        return colours.TEXT_SECOND if self.hovered else "#66707c"
+
+
+class WordsItem(QGraphicsItem):
+    """What a transition waits for."""
+
+    def __init__(self, of: TransitionItem) -> None:
+        super().__init__()
+        self._of = of
+        self.setZValue(3.0 if of.arrow.selected else 1.5)
+
+    def boundingRect(self) -> QRectF:
+        """The words and their edge."""
+        return self._of.label.adjusted(-1.0, -1.0, 1.0, 1.0)
+
+    def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
+        """The words on their ground."""
+        arrow, label = self._of.arrow, self._of.label
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        framed = arrow.selected or self._of.hovered
+        painter.setPen(QPen(QColor(self._of.ink), 1.0) if framed else Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(colours.SELECTED_ROW if arrow.selected else colours.PANEL))
+        painter.drawRoundedRect(label, 4.0, 4.0)
+        for place, text in enumerate(arrow.words):
+            line = QRectF(label.left() + 6.0, label.top() + 2.0 + place * LINE, label.width(), LINE)
+            _write(painter, line, text, font(11), colours.TEXT if arrow.selected else colours.TEXT_SECOND)
+
+
+def bow_of(order: int, returns: bool) -> float:
+    """How far aside the ``order``-th way from one box to another goes, where there is a way back or none."""
+    return (BOW if returns else 0.0) + NEXT_BOW * order
+
+
+def towards(rect: QRectF, place: QPointF) -> QPointF:
+    """Where the line from the middle of a box to a place leaves the box."""
+    centre = rect.center()
+    dx, dy = place.x() - centre.x(), place.y() - centre.y()
+    share = max(abs(dx) / (rect.width() / 2 + 2.0), abs(dy) / (rect.height() / 2 + 2.0), 1e-6)
+    return QPointF(centre.x() + dx / share, centre.y() + dy / share)
+
+
+def _label(arrow: Arrow, middle: QPointF) -> QRectF:
+    """Where the words stand: on a straight line, and outside of a bent one, so that those of two do not meet."""
+    metrics = QFontMetricsF(font(11))
+    width = max(metrics.horizontalAdvance(each) for each in arrow.words) + 12.0
+    height = LINE * len(arrow.words) + 4.0
+    aside = _aside(arrow)
+    share = 1.0 if arrow.bow else 0.0
+    middle = middle + QPointF(aside.x() * (width / 2 - 8.0), aside.y() * (height / 2 - 4.0)) * share
+    return QRectF(middle.x() - width / 2, middle.y() - height / 2, width, height)
+
+
+def _aside(arrow: Arrow) -> QPointF:
+    """Which way a bent line goes aside, one long."""
+    line = QLineF(arrow.source.center(), arrow.target.center())
+    length = max(line.length(), 1e-6)
+    return QPointF(-line.dy() / length, line.dx() / length)
+
+
+def _way(arrow: Arrow) -> tuple[QPainterPath, float]:
+    """The path, and the angle at which it arrives."""
+    if arrow.source == arrow.target:
+        return _loop(arrow)
+    start, end = arrow.source.center(), arrow.target.center()
+    control = (start + end) / 2 + _aside(arrow) * arrow.bow * 2.0
+    begin, finish = towards(arrow.source, control), towards(arrow.target, control)
+    path = QPainterPath(begin)
+    path.quadTo(control, finish)
+    angle = math.atan2(finish.y() - control.y(), finish.x() - control.x())
+    return path, angle
+
+
+def _loop(arrow: Arrow) -> tuple[QPainterPath, float]:
+    rect, height = arrow.source, LOOP + arrow.bow
+    begin = QPointF(rect.center().x() - rect.width() / 6, rect.top() - 2.0)
+    finish = QPointF(rect.center().x() + rect.width() / 6, rect.top() - 2.0)
+    path = QPainterPath(begin)
+    path.cubicTo(begin + QPointF(-24.0, -height), finish + QPointF(24.0, -height), finish)
+    return path, math.radians(112.0)
+
+
+def _paint_head(painter: QPainter, tip: QPointF, angle: float) -> None:
+    back = [QPointF(math.cos(angle + turn), math.sin(angle + turn)) * ARROW for turn in (2.7, -2.7)]
+    painter.save()
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.drawPolygon(QPolygonF([tip, tip + back[0], tip + back[1]]))
+    painter.restore()
+
+
+def _faint(colour: str, share: float) -> QColor:
+    made = QColor(colour)
+    made.setAlphaF(share)
+    return made
+
+
+def _write(painter: QPainter, rect: QRectF, text: str, face: QFont, ink: str) -> None:
+    painter.setFont(face)
+    painter.setPen(QColor(ink))
+    shown = QFontMetricsF(face).elidedText(text, Qt.TextElideMode.ElideRight, rect.width())
+    painter.drawText(rect, int(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft), shown)

@@ -1,0 +1,177 @@
+"""What a drag in the diagram does: moves states, connects them, selects in a rectangle, or pans."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen
+
+from studio.core.stage.behaviour import Behaviour
+from studio.document import colours
+from studio.document.behaviours import state_key
+from studio.panels.behaviour.figures import StateItem, towards
+
+if TYPE_CHECKING:
+    from studio.panels.behaviour.diagram import Diagram
+
+SNAP = 8.0
+STARTS = 3
+"""Pixels by which the mouse has to move before a press is a drag."""
+
+
+class Gesture:
+    """From the press of a button to its release."""
+
+    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
+        self.view, self.begin, self.now = view, place, place
+        self._pressed = event.position()
+        self.dragged = False
+
+    def move(self, event: QMouseEvent, place: QPointF) -> None:
+        """The mouse has moved."""
+        self.now = place
+        self.dragged = self.dragged or (event.position() - self._pressed).manhattanLength() >= STARTS
+        if self.dragged:
+            self.drag(event)
+        self.view.viewport().update()
+
+    def drag(self, event: QMouseEvent) -> None:
+        """Go on with it."""
+
+    def release(self, event: QMouseEvent, place: QPointF) -> None:
+        """The button is up."""
+
+    def cancel(self) -> None:
+        """Leave all as it was."""
+
+    def paint(self, painter: QPainter) -> None:
+        """Show what is meant."""
+
+
+def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> Gesture | None:
+    """The gesture that a press there begins."""
+    left = event.button() is Qt.MouseButton.LeftButton
+    alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
+    if event.button() is Qt.MouseButton.MiddleButton or (left and alt):
+        return Panning(view, event, place)
+    if not left:
+        return None
+    state = view.state_at(place)
+    if state is not None and state.on_rim(place):
+        return Connecting(view, event, place, state)
+    item = view.item_at(place)
+    if item is None:
+        return Framing(view, event, place)
+    if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+        view.document.selection.toggle(item)
+    elif item not in view.document.selection:
+        view.select(item)
+    return Moving(view, event, place) if state is not None else None
+
+
+class Moving(Gesture):
+    """The selected states go with the mouse, on a grid; one undo step."""
+
+    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
+        super().__init__(view, event, place)
+        assert view.behaviour is not None
+        self._before: Behaviour = view.behaviour
+        self._number = view.document.new_gesture()
+
+    def drag(self, event: QMouseEvent) -> None:
+        """Put them there; as far as the mouse has gone."""
+        way = self.now - self.begin
+        selection, behaviour_id = self.view.document.selection, self.view.behaviour_id
+        names = {e.name for e in self._before.states if ("states", state_key(behaviour_id, e.name)) in selection}
+        places = {
+            each.name: (_snapped(each.place[0] + way.x()), _snapped(each.place[1] + way.y()))
+            for each in self._before.states
+            if each.name in names
+        }
+
+        def moved(old: Behaviour) -> Behaviour:
+            return replace(old, states=tuple(replace(s, place=places.get(s.name, s.place)) for s in old.states))
+
+        text = f"Move {next(iter(names))}" if len(names) == 1 else f"Move {len(names)} states"
+        self.view.edit(moved, text, self._number)
+
+    def cancel(self) -> None:
+        """Back to where they were."""
+        self.view.edit(lambda _: self._before, "Move", self._number)
+
+
+class Connecting(Gesture):
+    """An arrow from a box to the mouse; on another box it is a transition, beside all one to a new state."""
+
+    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF, source: StateItem) -> None:
+        super().__init__(view, event, place)
+        self._source = source.box.name
+
+    def release(self, event: QMouseEvent, place: QPointF) -> None:
+        """Make the transition; a click on the rim, or back on the box, only selects."""
+        target = self.view.state_at(place)
+        if not self.dragged or (target is not None and target.box.name == self._source):
+            self.view.select(("states", state_key(self.view.behaviour_id, self._source)))
+            return
+        if target is not None:
+            self.view.connect_states(self._source, target.box.name)
+            return
+        document = self.view.document
+        with document.group("Add state and transition"):
+            name = self.view.add_state(place)
+            self.view.connect_states(self._source, name)
+
+    def paint(self, painter: QPainter) -> None:
+        """The arrow so far."""
+        source, target = self.view.states[self._source], self.view.state_at(self.now)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 2.0, Qt.PenStyle.DashLine))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        end = self.now
+        if target is not None and target is not source:
+            end = towards(target.rect, source.rect.center())
+            painter.drawRoundedRect(target.rect.adjusted(-3, -3, 3, 3), 7, 7)
+        painter.drawLine(towards(source.rect, end), end)
+        painter.setBrush(QColor(colours.SELECTED_HANDLE))
+        painter.drawEllipse(end, 3.0, 3.0)
+
+
+class Framing(Gesture):
+    """A rectangle that selects the states in it; a click selects the whole behaviour."""
+
+    def release(self, event: QMouseEvent, place: QPointF) -> None:
+        """Select them."""
+        area = QRectF(self.begin, place).normalized()
+        inside = [name for name, item in self.view.states.items() if self.dragged and area.intersects(item.rect)]
+        self.view.select(*(("states", state_key(self.view.behaviour_id, name)) for name in inside))
+
+    def paint(self, painter: QPainter) -> None:
+        """The rectangle."""
+        if self.dragged:
+            painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 1.0, Qt.PenStyle.DotLine))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawRect(QRectF(self.begin, self.now).normalized())
+
+
+class Panning(Gesture):
+    """What is seen goes with the mouse."""
+
+    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
+        super().__init__(view, event, place)
+        self._last = event.position()
+        view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+
+    def drag(self, event: QMouseEvent) -> None:
+        """Pan by as much as the mouse has moved."""
+        self.view.pan((event.position() - self._last).toPoint())
+        self._last = event.position()
+
+    def release(self, event: QMouseEvent, place: QPointF) -> None:
+        """The hand lets go."""
+        self.view.viewport().setCursor(Qt.CursorShape.ArrowCursor)
+
+
+def _snapped(number: float) -> float:
+    return SNAP * round(number / SNAP)

@@ -1,0 +1,108 @@
+"""In what manner a state is played, one of its manners."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QCheckBox
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.project import Project
+from studio.core.stage.manners import WHOLE, KeepDistance, LeanAway, Manner, Meet
+from studio.core.stage.whom import Whom
+from studio.panels.behaviour.condition_section import UNITS
+from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
+from studio.panels.fields import Choice, NumberField, Section, press_button
+
+TITLES: dict[type, str] = {KeepDistance: "Keeps its distance", LeanAway: "Leans away", Meet: "Meets"}
+FAR = 100.0
+TIMES = ("start", "full", "full_end", "end")
+FIRST = ActivationCurve(0.0, 0.2, 0.8, 1.0)
+"""When a point meets another, until it is told otherwise: seconds of the motion."""
+
+
+class MannerSection(Section):
+    """``put`` takes a maker of the manner as the user wants it, and the words of the step; None removes it."""
+
+    def __init__(self, editor: PartEditor, manner: Manner, put: Callable[[Any, str], None]) -> None:
+        super().__init__(TITLES[type(manner)])
+        self._manner, self._put = manner, put
+        remove = press_button("Remove", lambda: put(None, f"Remove {TITLES[type(manner)].lower()}"), "link")
+        remove.setAccessibleName(f"Remove manner: {TITLES[type(manner)]}")
+        self.head.addWidget(remove)
+        self._editor = editor
+        self._numbers: dict[str, NumberField] = {}
+        self._times: list[NumberField] = []
+        if not isinstance(manner, KeepDistance):
+            self._point = PointChoice("Own point", lambda point: self._set(point=point))
+            self.add_row("Own point", self._point)
+        self._whom = WhomRows(self, "Whom" if isinstance(manner, Meet) else "From", self._set_whom)
+        match manner:
+            case KeepDistance():
+                self._add_number("Distance", "distance")
+                self._add_number("Give or take", "room")
+                self._legs = Choice("Counted in", UNITS)
+                self._legs.chosen.connect(lambda legs: self._set(legs=legs))
+                self.add_row("Counted in", self._legs)
+            case LeanAway():
+                self._add_number("At least", "metres")
+            case Meet():
+                self._add_times()
+
+    def show_manner(self, manner: Manner, project: Project) -> None:
+        """Show what the document says; it is of the kind that this was made for."""
+        self._manner = manner
+        self._whom.show_whom(manner.whom, project, with_point=not isinstance(manner, KeepDistance))
+        for name, field in self._numbers.items():
+            field.show_value(getattr(manner, name))
+        if not isinstance(manner, KeepDistance):
+            self._point.show_point(manner.point)
+        if isinstance(manner, KeepDistance):
+            self._legs.show_value(manner.legs)
+            for field in self._numbers.values():
+                field.setSuffix(f" {manner.gap.unit}")
+        if isinstance(manner, Meet):
+            whole = manner.activation == WHOLE
+            with QSignalBlocker(self._always):
+                self._always.setChecked(whole)
+            for field, time in zip(self._times, TIMES, strict=True):
+                field.setEnabled(not whole)
+                field.show_value(getattr(FIRST if whole else manner.activation, time))
+
+    def _add_number(self, label: str, name: str) -> None:
+        field = NumberField(label, "m", 0.0, FAR, 0.05)
+        self._numbers[name] = self._editor.bind(field, lambda metres: self._set(**{name: metres}))
+        self.add_row(label, field)
+
+    def _add_times(self) -> None:
+        self._always = QCheckBox("as long as the clip plays")
+        self._always.setAccessibleName("Meets as long as the clip plays")
+        self._always.toggled.connect(lambda on: self._set(activation=WHOLE if on else FIRST))
+        self.add_row("When", self._always)
+        for label, names in (("Comes in  s", TIMES[:2]), ("Goes in  s", TIMES[2:])):
+            fields = [NumberField(f"{label} {name.replace('_', ' ')}", "", -FAR, FAR, 0.05) for name in names]
+            for field, name in zip(fields, names, strict=True):
+                field.setToolTip("Seconds of the motion. Drag sideways to change.")
+                self._editor.bind(field, partial(self._set_time, name))
+            self._times += fields
+            self.add_row(label, *fields)
+
+    def _set_time(self, name: str, seconds: float) -> None:
+        assert isinstance(self._manner, Meet)
+        before = self._manner.activation
+        start, full, end, gone = (seconds if each == name else getattr(before, each) for each in TIMES)
+        self._put(
+            lambda: replace(self._manner, activation=ActivationCurve(start, full, end, gone, before.shape)), self._words
+        )
+
+    def _set(self, **values: Any) -> None:
+        self._put(lambda: replace(self._manner, **values), self._words)
+
+    def _set_whom(self, whom: Whom) -> None:
+        self._set(whom=whom)
+
+    @property
+    def _words(self) -> str:
+        return f"Change how it {TITLES[type(self._manner)].lower()}"

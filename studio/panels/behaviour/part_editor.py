@@ -1,0 +1,106 @@
+"""What the forms of a state and of a transition have in common: both are parts of a behaviour."""
+
+from collections.abc import Callable
+from typing import Any
+
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import FollowPerformer, FollowProp
+from studio.core.errors import StudioError
+from studio.core.project import Project
+from studio.core.stage.behaviour import Behaviour
+from studio.core.stage.whom import PELVIS, FollowPartner, Whom
+from studio.document.behaviours import BehaviourEdit, behaviour_with, edit_behaviour
+from studio.panels.behaviour.words import point_choices, point_name
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, Section
+
+
+class PartEditor(Editor):
+    """The form of a part of a behaviour."""
+
+    @property
+    def behaviour_id(self) -> str:
+        """The behaviour that it is a part of; an empty id once it is gone."""
+        return behaviour_with(self.document.project, self.collection, self.entity_id) or ""
+
+    @property
+    def behaviour(self) -> Behaviour:
+        """The behaviour as it is now."""
+        return self.document.project.behaviours[self.behaviour_id]
+
+    def edit(self, edit: BehaviourEdit, text: str) -> bool:
+        """Change the behaviour; what cannot be is said in a sentence. Whether it could be."""
+        try:
+            edit_behaviour(self.document, self.behaviour_id, edit, text, self._gesture)
+        except StudioError as error:
+            self.document.problem.emit(str(error))
+            self.refresh()
+            return False
+        return True
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """Behaviours name performers, props and motions."""
+        return collection in ("behaviours", "performers", "props", "motions")
+
+
+class PointChoice(Choice):
+    """A point of a body; one without a name of its own is added when it is shown."""
+
+    def __init__(self, name: str, put: Callable[[Any], None]) -> None:
+        super().__init__(name, point_choices())
+        self.chosen.connect(put)
+
+    def show_point(self, point: BodyPoint) -> None:
+        """Show what the document says."""
+        if not self.offers(point):
+            self.add(point, point_name(point).capitalize())
+        self.show_value(point)
+
+
+class WhomRows:
+    """Rows that say whom something is about, and which point of it; ``put`` takes what the user chooses."""
+
+    def __init__(self, section: Section, label: str, put: Callable[[Whom], None]) -> None:
+        self._whom: Whom = FollowPartner()
+        self._put = put
+        self._choice = Choice(label, ())
+        self._choice.chosen.connect(self._chosen)
+        section.add_row(label, self._choice)
+        self._point = PointChoice("Its point", lambda point: put(_at(self._whom, point)))
+        self._caption = section.add_row("Its point", self._point)
+
+    def show_whom(self, whom: Whom, project: Project, with_point: bool = True) -> None:
+        """Show what the document says; a prop has no points, nor has what is measured over the ground."""
+        self._whom = whom
+        point = getattr(whom, "point", PELVIS)
+        choices: list[tuple[object, str]] = [(("partner", ""), "Partner")]
+        choices += [(("performers", key), each.name) for key, each in project.performers.items()]
+        choices += [(("props", key), each.name) for key, each in project.props.items()]
+        self._choice.offer(choices)
+        self._choice.show_value(_who(whom))
+        self._point.show_point(point)
+        for widget in (self._point, self._caption):
+            widget.setVisible(with_point and not isinstance(whom, FollowProp))
+
+    def _chosen(self, value: Any) -> None:
+        kind, key = value
+        point = getattr(self._whom, "point", PELVIS)
+        made: dict[str, Whom] = {
+            "partner": FollowPartner(point),
+            "performers": FollowPerformer(key, point),
+            "props": FollowProp(key),
+        }
+        self._put(made[kind])
+
+
+def _who(whom: Whom) -> tuple[str, str]:
+    match whom:
+        case FollowPerformer():
+            return "performers", whom.performer_id
+        case FollowProp():
+            return "props", whom.prop_id
+    return "partner", ""
+
+
+def _at(whom: Whom, point: BodyPoint) -> Whom:
+    return FollowPerformer(whom.performer_id, point) if isinstance(whom, FollowPerformer) else FollowPartner(point)

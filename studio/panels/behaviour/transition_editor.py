@@ -1,0 +1,117 @@
+"""The form of a transition: from where to where, what it waits for, and how long it blends."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from studio.core.stage import behaviour_edits as edits
+from studio.core.stage.behaviour import LONGEST_BLEND, Transition
+from studio.core.stage.conditions import ClipEndCondition, Condition
+from studio.document.behaviours import place_of, transition_key
+from studio.document.document import Document
+from studio.engine.live import Live
+from studio.panels.behaviour.condition_section import ConditionSection
+from studio.panels.behaviour.part_editor import PartEditor
+from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+
+
+class TransitionEditor(PartEditor):
+    """All conditions have to hold; the first transition of a state of which that is so is taken."""
+
+    def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
+        super().__init__(document, live, collection, entity_id)
+        section = Section("Transition")
+        self._source, self._target = Choice("From", ()), Choice("To", ())
+        self._source.chosen.connect(lambda name: self._set("Begin transition elsewhere", source=name))
+        self._target.chosen.connect(lambda name: self._set("Let transition lead elsewhere", target=name))
+        section.add_row("From", self._source)
+        section.add_row("To", self._target)
+        self._blend = self.bind(
+            NumberField("Blend", "s", 0.0, LONGEST_BLEND, 0.05), lambda seconds: self._set("Set blend", blend=seconds)
+        )
+        self._blend.setSpecialValueText("as needed")
+        section.add_row("Blend", self._blend)
+        self._order = labelled("", "value")
+        self._earlier = press_button("Try earlier", self._try_earlier)
+        self._earlier.setToolTip("Of the transitions from one state the first one that can be taken is taken.")
+        section.add_row("Tried", self._order, self._earlier)
+        self.column.addWidget(section)
+        self._kinds: tuple[type, ...] = ()
+        self._conditions: list[ConditionSection] = []
+        self._box = QVBoxLayout()
+        self.column.addLayout(self._box)
+        below = QWidget()
+        row = QVBoxLayout(below)
+        row.setContentsMargins(SIDE, 12, SIDE, 0)
+        row.addWidget(press_button("Add condition", self._add))
+        row.addWidget(labelled("All conditions have to hold in the same frame.", "hint"))
+        self.column.addWidget(below)
+        self.finish()
+
+    @property
+    def place(self) -> int:
+        """Which transition of its behaviour it is."""
+        return place_of(self.entity_id)
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        transition: Transition | None = self.entity
+        if transition is None:
+            return
+        names = [(each.name, each.name) for each in self.behaviour.states]
+        for choice, name in ((self._source, transition.source), (self._target, transition.target)):
+            choice.offer(names)
+            choice.show_value(name)
+        self._blend.show_value(transition.blend)
+        order, count = edits.order_of(self.behaviour, self.place)
+        self._order.setText(f"{order} of {count}")
+        self._earlier.setEnabled(order > 1)
+        kinds = tuple(type(each) for each in transition.conditions)
+        if kinds != self._kinds:
+            self._make_sections(transition.conditions)
+            self._kinds = kinds
+        for section, condition in zip(self._conditions, transition.conditions, strict=True):
+            section.show_condition(condition, self.document.project)
+
+    def _make_sections(self, conditions: tuple[Condition, ...]) -> None:
+        for old in self._conditions:
+            self._box.removeWidget(old)
+            old.hide()
+            old.deleteLater()
+        self._conditions = [
+            ConditionSection(self, "And when" if place else "When", each, self._putter(place))
+            for place, each in enumerate(conditions)
+        ]
+        for section in self._conditions:
+            self._box.addWidget(section)
+
+    def _putter(self, place: int) -> Callable[[Any, str], None]:
+        def put(make: Callable[[], Condition] | None, text: str) -> None:
+            conditions = list(self.entity.conditions)
+            if make is None:
+                del conditions[place]
+                self._set(text, conditions=tuple(conditions))
+            else:
+                self._set_by(text, lambda: (*conditions[:place], make(), *conditions[place + 1 :]))
+
+        return put
+
+    def _add(self) -> None:
+        self._set("Add condition", conditions=(*self.entity.conditions, ClipEndCondition()))
+
+    def _try_earlier(self) -> None:
+        new, place = edits.tried_earlier(self.behaviour, self.place)
+        performers = [item for item in self.document.selection.items if item[0] == "performers"]
+        behaviour_id = self.behaviour_id
+        if self.edit(lambda _: new, "Try transition earlier"):
+            self.document.selection.set(*performers, ("transitions", transition_key(behaviour_id, place)))
+
+    def _set_by(self, text: str, make: Callable[[], tuple[Condition, ...]]) -> None:
+        transition, place = self.entity, self.place
+        self.edit(lambda old: edits.with_transition_put(old, place, replace(transition, conditions=make())), text)
+
+    def _set(self, text: str, **values: Any) -> None:
+        transition, place = self.entity, self.place
+        self.edit(lambda old: edits.with_transition_put(old, place, replace(transition, **values)), text)

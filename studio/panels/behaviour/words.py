@@ -1,0 +1,92 @@
+"""Behaviours in words: what transitions wait for, and in what manner states are played."""
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.project import Project
+from studio.core.stage.behaviour import State
+from studio.core.stage.conditions import (
+    Condition,
+    DistanceCondition,
+    EventCondition,
+    KeyCondition,
+    TimeCondition,
+)
+from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway, Manner
+from studio.core.stage.whom import FollowPartner, Whom
+from studio.engine.point_names import POINTS, point_words
+
+LEFT_FIST = BodyPoint(BodyPart.LEFT_HAND, FIST.offset)
+RIGHT_FOREARM = BodyPoint(BodyPart.RIGHT_FOREARM, FOREARM.offset)
+NAMED = {
+    HEAD: "head",
+    FIST: "right fist",
+    LEFT_FIST: "left fist",
+    RIGHT_FOREARM: "right forearm",
+    FOREARM: "left forearm",
+}
+"""Points of fights that are no joints."""
+
+
+def point_name(point: BodyPoint) -> str:
+    """``right fist``, ``left wrist``."""
+    return NAMED.get(point) or (f"place off {point_words(point)}" if any(point.offset) else point_words(point))
+
+
+def point_choices() -> list[tuple[BodyPoint, str]]:
+    """Every point that has a name, those of fights first."""
+    joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINTS.items()}
+    return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
+
+
+def whom_name(whom: Whom, project: Project) -> str:
+    """The partner, or the name of who or what is meant."""
+    match whom:
+        case FollowPartner():
+            return "partner"
+        case FollowPerformer():
+            performer = project.performers.get(whom.performer_id)
+            return performer.name if performer else "?"
+    prop = project.props.get(whom.prop_id)
+    return prop.name if prop else "?"
+
+
+def condition_words(condition: Condition, project: Project) -> str:
+    """What a transition waits for."""
+    match condition:
+        case DistanceCondition():
+            gap = condition.gap
+            where = whom_name(gap.whom, project)
+            if not gap.flat and isinstance(gap.whom, FollowPartner | FollowPerformer):
+                where = f"{where}'s {point_name(gap.whom.point)}"
+            return f"{where} {'<' if condition.closer else '>'} {condition.distance:.2f} {gap.unit}"
+        case TimeCondition():
+            return f"after {condition.seconds:.2f} s"
+        case EventCondition():
+            return f"on {condition.event}"
+        case KeyCondition():
+            return f"key {condition.key}"
+    return "clip ends"
+
+
+def manner_words(manner: Manner, project: Project) -> str:
+    """In what manner a state is played, for its box."""
+    whom = whom_name(manner.whom, project)
+    match manner:
+        case KeepDistance():
+            return f"keeps {manner.distance:.2f} {manner.gap.unit} from {whom}"
+        case LeanAway():
+            return f"leans {manner.metres:.2f} m from {_point_of(manner.whom)}"
+    return f"{point_name(manner.point)} meets {_point_of(manner.whom)}"
+
+
+def _point_of(whom: Whom) -> str:
+    return point_name(whom.point) if isinstance(whom, FollowPartner | FollowPerformer) else "prop"
+
+
+def clip_words(state: State, project: Project) -> str:
+    """What a state plays."""
+    if state.clip is None:
+        return "holds its pose"
+    motion = project.motions.get(state.clip.motion_id)
+    return f"{motion.name if motion else '?'} · {'loops' if state.loop else 'once'}"

@@ -1,0 +1,231 @@
+"""What a clip of the motion library is: confirmed or corrected on a small timeline, with its pose at each mark."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QPainter, QPaintEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLineEdit, QScrollArea, QVBoxLayout, QWidget
+
+from studio.document import colours
+from studio.library.clips import SEGMENTS, ClipLabel, Kind, Limb
+from studio.panels.clip_line import ClipLine, Mark, with_mark
+from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+from studio.panels.stick_figure import Look, paint_sticks
+
+if TYPE_CHECKING:
+    from studio.library.labelling import OpenedClip
+
+FIGURES, CAPTION = 104, 16
+HINT = "Proposed by the assistant. Drag the marks, choose what it is, and confirm; indexing keeps what you say."
+SAID = "Confirmed. Indexing keeps it."
+
+
+class ClipForm(QScrollArea):
+    """``confirmed`` brings the label that the user gives; ``left`` asks for the results again."""
+
+    confirmed = Signal(object)
+    left = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._steps: list[ClipLabel] = []
+        self._opened: OpenedClip | None = None
+        self.line, self.figures = ClipLine(), Figures()
+        self.limb = Choice("Limb", [(limb, limb.words.capitalize()) for limb in Limb])
+        self.kind = Choice("Kind", [(kind, kind.capitalize()) for kind in Kind])
+        self.segment = Choice("Hits with", [])
+        self.tags = QLineEdit()
+        self.tags.setPlaceholderText("high, spinning")
+        self.tags.setToolTip("Words of your own, with commas between them; `search --tag` finds by them")
+        self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in Mark}
+        self.undo = press_button("Undo", self._undo)
+        self.confirm = press_button("Confirm", self._confirm, "main")
+        self.title, self.hint = labelled("", "title"), labelled(HINT, "hint")
+        self._lay_out()
+        self._connect()
+
+    @property
+    def label(self) -> ClipLabel:
+        """What the form says now."""
+        return self._steps[-1]
+
+    def open(self, opened: "OpenedClip") -> None:
+        """Show a clip; the steps of the one before are forgotten."""
+        self._opened, self._steps = opened, [opened.clip.label]
+        self.title.setText(opened.clip.take.motion.name)
+        self.line.open(opened.speeds, opened.frame_rate, opened.clip.label)
+        for field in self.frames.values():
+            field.setRange(0, opened.speeds.shape[1] - 1)
+        self._show()
+
+    def tell_confirmed(self) -> None:
+        """The catalogue has it."""
+        self.hint.setText(SAID)
+        self.confirm.setEnabled(False)
+
+    # What the user does
+
+    def _connect(self) -> None:
+        self.line.begun.connect(lambda: self._steps.append(self.label))
+        self.line.dragged.connect(self._replace_last)
+        self.line.marked.connect(self.figures.stress)
+        self.limb.chosen.connect(self._choose_limb)
+        self.kind.chosen.connect(lambda kind: self._put(replace(self.label, kind=kind)))
+        self.segment.chosen.connect(lambda segment: self._put(replace(self.label, segment=segment)))
+        self.tags.editingFinished.connect(self._read_tags)
+        for mark, field in self.frames.items():
+            field.begun.connect(lambda: self._steps.append(self.label))
+            field.edited.connect(lambda value, mark=mark: self._set_frame(mark, round(value)))
+
+    def _set_frame(self, mark: Mark, frame: int) -> None:
+        if self._opened is not None:
+            self._replace_last(with_mark(self.label, mark, frame, self._opened.speeds.shape[1]))
+
+    def _choose_limb(self, limb: Limb) -> None:
+        segments = SEGMENTS[limb.is_arm]
+        segment = self.label.segment if self.label.segment in segments else segments[0]
+        swapped = {Kind.PUNCH: Kind.KICK, Kind.KICK: Kind.PUNCH}
+        wrong = Kind.KICK if limb.is_arm else Kind.PUNCH
+        kind = swapped[wrong] if self.label.kind is wrong else self.label.kind
+        self._put(replace(self.label, limb=limb, segment=segment, kind=kind))
+
+    def _read_tags(self) -> None:
+        words = [word.strip() for word in self.tags.text().split(",")]
+        tags = tuple(dict.fromkeys(word for word in words if word))
+        if tags != self.label.tags:
+            self._put(replace(self.label, tags=tags))
+
+    def _put(self, label: ClipLabel) -> None:
+        if label != self.label:
+            self._steps.append(label)
+            self._show()
+
+    def _replace_last(self, label: ClipLabel) -> None:
+        self._steps[-1] = label
+        self._show()
+
+    def _undo(self) -> None:
+        now = self.label
+        while len(self._steps) > 1 and self.label == now:  # a drag that came back is no step
+            self._steps.pop()
+        self._show()
+
+    def _confirm(self) -> None:
+        self.confirmed.emit(replace(self.label, confirmed=True))
+
+    # What it shows
+
+    def _show(self) -> None:
+        label, opened = self.label, self._opened
+        if opened is None:
+            return
+        self.segment.offer([(each, each.capitalize()) for each in SEGMENTS[label.limb.is_arm]])
+        for choice, value in ((self.limb, label.limb), (self.kind, label.kind), (self.segment, label.segment)):
+            choice.show_value(value)
+        if not self.tags.hasFocus() or self._tags_differ():
+            self.tags.setText(", ".join(label.tags))
+        for mark, field in self.frames.items():
+            field.show_value(getattr(label, mark))
+        self.line.show_label(label)
+        self.figures.show_label(opened, label)
+        self.undo.setEnabled(len(self._steps) > 1)
+        self.confirm.setEnabled(True)
+        self.hint.setText(SAID if label.confirmed and len(self._steps) == 1 else HINT)
+
+    def _tags_differ(self) -> bool:
+        return [word.strip() for word in self.tags.text().split(",") if word.strip()] != list(self.label.tags)
+
+    def _lay_out(self) -> None:
+        inside = QWidget()
+        self.setWidget(inside)
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(0, 8, 0, 8)
+        column.setSpacing(8)
+        head = QHBoxLayout()
+        head.setContentsMargins(SIDE - 4, 0, SIDE, 0)
+        back = press_button("‹ Strikes", self.left.emit, "link")
+        back.setAccessibleName("Back to the strikes that were found")
+        head.addWidget(back)
+        head.addStretch(1)
+        head.addWidget(self.undo)
+        head.addWidget(self.confirm)
+        column.addLayout(head)
+        self.title.setContentsMargins(SIDE, 0, SIDE, 0)
+        column.addWidget(self.title)
+        drawn = QVBoxLayout()
+        drawn.setContentsMargins(SIDE, 0, SIDE, 0)
+        drawn.setSpacing(4)
+        drawn.addWidget(self.line)
+        drawn.addWidget(self.figures)
+        column.addLayout(drawn)
+        section = Section("What it is")
+        section.add_row("Limb", self.limb)
+        section.add_row("Kind", self.kind)
+        section.add_row("Hits with", self.segment)
+        section.add_row("Tags", self.tags)
+        section.add_row("Frames", *self.frames.values())
+        column.addWidget(section)
+        self.hint.setContentsMargins(SIDE, 0, SIDE, 0)
+        column.addWidget(self.hint)
+        column.addStretch(1)
+
+
+class Figures(QWidget):
+    """The body at the beginning of the cut, at the hit and at the end, seen so that the limb goes to the right."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setAccessibleName("Pose at the beginning, at the hit and at the end")
+        self.setFixedHeight(FIGURES + CAPTION)
+        self._opened: OpenedClip | None = None
+        self._label: ClipLabel | None = None
+        self._stressed: Mark | None = None
+
+    def sizeHint(self) -> QSize:
+        return QSize(200, FIGURES + CAPTION)
+
+    def show_label(self, opened: "OpenedClip", label: ClipLabel) -> None:
+        """Show the poses at the marks of ``label``."""
+        self._opened, self._label = opened, label
+        self.update()
+
+    def stress(self, mark: Mark | None) -> None:
+        """Show one of them stronger than the others; None for none."""
+        self._stressed = mark
+        self.update()
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        opened, label = self._opened, self._label
+        if opened is None or label is None:
+            return
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            font = painter.font()
+            font.setPixelSize(11)
+            painter.setFont(font)
+            look = self._look(opened, label)
+            width = self.width() / 3.0
+            for column, mark in enumerate(Mark):
+                box = QRectF(column * width, 0.0, width, FIGURES)
+                strong = mark is (self._stressed or Mark.HIT)
+                colour = colours.TEXT if strong else colours.TEXT_THIRD
+                points = opened.points[getattr(label, mark)]
+                paint_sticks(painter, points, opened.pairs, look, box, colour, 2.0)
+                painter.setPen(QColor(colour))
+                words = f"{(getattr(label, mark) - label.hit) / opened.frame_rate:+.2f} s"
+                caption = QRectF(box.left(), FIGURES, width, CAPTION)
+                painter.drawText(caption, Qt.AlignmentFlag.AlignCenter, "hit" if mark is Mark.HIT else words)
+
+    @staticmethod
+    def _look(opened: "OpenedClip", label: ClipLabel) -> Look:
+        layout = opened.clip.actor.body.layout
+        root = layout.collar(label.limb.side) + 1 if label.limb.is_arm else layout.hip(label.limb.side)
+        x, y = (opened.points[label.hit, root + 2, :2] - opened.points[label.hit, root, :2]).tolist()
+        cut = opened.points[label.first : label.last + 1, :, 2]
+        return Look((x, y), max(float(np.max(cut)), 0.5))

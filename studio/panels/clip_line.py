@@ -1,0 +1,207 @@
+"""A clip's own small timeline: how fast the ends of the limbs are, where the clip is cut, and when it hits."""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtWidgets import QWidget
+
+from studio.document import colours
+from studio.library.clips import ClipLabel
+
+HEIGHT, HEAD, FOOT, SIDE = 116, 18, 18, 10
+GRAB = 8.0
+"""Pixels beside a mark within which it is taken."""
+AROUND = 0.75
+"""Seconds that are seen before and after the cut."""
+
+
+class Mark(StrEnum):
+    """What can be dragged."""
+
+    FIRST = "first"
+    HIT = "hit"
+    LAST = "last"
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """Frames ``first`` to ``last`` over ``width`` pixels."""
+
+    first: int
+    last: int
+    width: float
+
+    def x(self, frame: float) -> float:
+        """Pixel of a frame."""
+        return SIDE + (frame - self.first) / max(self.last - self.first, 1) * (self.width - 2 * SIDE)
+
+    def frame(self, x: float) -> int:
+        """The nearest frame to a pixel, among those that are seen."""
+        share = (x - SIDE) / max(self.width - 2 * SIDE, 1.0)
+        return round(self.first + min(max(share, 0.0), 1.0) * (self.last - self.first))
+
+
+class ClipLine(QWidget):
+    """``dragged`` tells each label on the way, ``begun`` the first press of a drag, ``marked`` the mark under the hand.
+
+    More of the take comes into sight when a mark was dragged to the edge and is let go.
+    """
+
+    begun = Signal()
+    dragged = Signal(object)
+    marked = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setAccessibleName("Speed of hands and feet; drag the ends of the cut and the moment of the hit")
+        self.setToolTip("How fast each hand and foot is. Drag the ends of the cut, and the moment of the hit.")
+        self.setMouseTracking(True)
+        self.setFixedHeight(HEIGHT)
+        self._speeds: NDArray[np.float64] = np.zeros((4, 2))
+        self._rate = 30.0
+        self._label: ClipLabel | None = None
+        self._proposed: ClipLabel | None = None
+        self._seen = Seen(0, 1, 100.0)
+        self._held: Mark | None = None
+        self._under: Mark | None = None
+
+    def sizeHint(self) -> QSize:
+        return QSize(200, HEIGHT)
+
+    def open(self, speeds: NDArray[np.float64], rate: float, proposed: ClipLabel) -> None:
+        """Show another take, (4, F) speeds; what it was labelled until now stays to be seen."""
+        self._speeds, self._rate, self._proposed = speeds, rate, proposed
+        self.show_label(proposed)
+
+    def show_label(self, label: ClipLabel) -> None:
+        """Show where it is cut and hits; what is seen stays while a mark is dragged."""
+        self._label = label
+        if self._held is None:
+            self._look()
+        self.update()
+
+    def place_of(self, mark: Mark) -> QPointF:
+        """Where a mark can be taken."""
+        frame = 0 if self._label is None else getattr(self._label, mark)
+        return QPointF(self._seen.x(frame), HEIGHT - FOOT - 6.0 if mark is Mark.HIT else HEAD + 6.0)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take the mark under the mouse."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._held = self._mark_at(event.position().x())
+            if self._held is not None:
+                self.begun.emit()
+                self.marked.emit(self._held)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Drag, or show what could be."""
+        if self._held is None:
+            self._point_at(self._mark_at(event.position().x()))
+            return
+        label = self._label
+        if label is not None:
+            moved = with_mark(label, self._held, self._seen.frame(event.position().x()), self._speeds.shape[1])
+            if moved != label:
+                self.dragged.emit(moved)
+
+    def mouseReleaseEvent(self, _: QMouseEvent) -> None:
+        """More may be seen now."""
+        self._held = None
+        self._look()
+        self.update()
+
+    def leaveEvent(self, _: QEvent) -> None:
+        """Nothing is under the mouse."""
+        self._point_at(None)
+
+    def resizeEvent(self, _: QEvent) -> None:
+        """The same frames over another width."""
+        self._look()
+
+    def _point_at(self, mark: Mark | None) -> None:
+        if mark != self._under:
+            self._under = mark
+            self.setCursor(Qt.CursorShape.ArrowCursor if mark is None else Qt.CursorShape.SizeHorCursor)
+            self.marked.emit(mark)
+            self.update()
+
+    def _mark_at(self, x: float) -> Mark | None:
+        if self._label is None:
+            return None
+        away = {mark: abs(self._seen.x(getattr(self._label, mark)) - x) for mark in (Mark.HIT, Mark.FIRST, Mark.LAST)}
+        nearest = min(away, key=lambda mark: away[mark])
+        return nearest if away[nearest] <= GRAB else None
+
+    def _look(self) -> None:
+        if self._label is not None:
+            beside, end = round(AROUND * self._rate), self._speeds.shape[1] - 1
+            first, last = max(self._label.first - beside, 0), min(self._label.last + beside, end)
+            self._seen = Seen(first, last, float(self.width()))
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        label = self._label
+        if label is None:
+            return
+        with QPainter(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            font = painter.font()
+            font.setPixelSize(11)
+            painter.setFont(font)
+            field = QRectF(0.0, HEAD, self.width(), HEIGHT - HEAD - FOOT)
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(QColor(colours.WELL))
+            painter.drawRoundedRect(field, 5.0, 5.0)
+            begin, end = self._seen.x(label.first), self._seen.x(label.last)
+            painter.setBrush(QColor(colours.SELECTED_ROW))
+            painter.drawRect(QRectF(begin, field.top(), end - begin, field.height()))
+            self._paint_speeds(painter, field, label)
+            self._paint_marks(painter, field, label)
+
+    def _paint_speeds(self, painter: QPainter, field: QRectF, label: ClipLabel) -> None:
+        frames = np.arange(self._seen.first, self._seen.last + 1)
+        most = max(float(self._speeds[:, frames].max()), 1e-6)
+        for limb in [each for each in range(4) if each != label.limb] + [int(label.limb)]:
+            heights = field.bottom() - 3.0 - (field.height() - 8.0) * self._speeds[limb, frames] / most
+            curve = QPolygonF(
+                [QPointF(self._seen.x(frame), y) for frame, y in zip(frames.tolist(), heights, strict=True)]
+            )
+            own = limb == label.limb
+            painter.setPen(QPen(QColor(colours.TEXT if own else colours.TEXT_THIRD), 1.8 if own else 0.7))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawPolyline(curve)
+
+    def _paint_marks(self, painter: QPainter, field: QRectF, label: ClipLabel) -> None:
+        if self._proposed is not None and self._proposed != label:
+            painter.setPen(QPen(QColor(colours.TEXT_THIRD), 1.0, Qt.PenStyle.DotLine))
+            for mark in Mark:
+                x = self._seen.x(getattr(self._proposed, mark))
+                painter.drawLine(QPointF(x, field.top()), QPointF(x, field.bottom()))
+        for mark in Mark:
+            frame = getattr(label, mark)
+            x, strong = self._seen.x(frame), mark in (self._held, self._under)
+            plain = colours.kind_colour("position") if mark is Mark.HIT else colours.TEXT_SECOND
+            colour = QColor(colours.SELECTED_HANDLE if strong else plain)
+            painter.setPen(QPen(colour, 2.0 if strong or mark is Mark.HIT else 1.4))
+            painter.drawLine(QPointF(x, field.top()), QPointF(x, field.bottom()))
+            painter.setBrush(colour)
+            painter.drawEllipse(self.place_of(mark), 4.0, 4.0)
+            painter.setPen(colour)
+            row = QRectF(x - 50.0, HEIGHT - FOOT, 100.0, FOOT) if mark is Mark.HIT else QRectF(x - 50.0, 0, 100.0, HEAD)
+            row.moveLeft(min(max(row.left(), -28.0), self.width() - 72.0))
+            words = f"hit {frame}" if mark is Mark.HIT else str(frame)
+            painter.drawText(row, Qt.AlignmentFlag.AlignCenter, words)
+
+
+def with_mark(label: ClipLabel, mark: Mark, frame: int, frame_count: int) -> ClipLabel:
+    """The label with a mark as near to ``frame`` as the order of the marks, and the take, leave room."""
+    match mark:
+        case Mark.FIRST:
+            return replace(label, first=min(max(frame, 0), label.hit - 1))
+        case Mark.HIT:
+            return replace(label, hit=min(max(frame, label.first + 1), label.last))
+        case Mark.LAST:
+            return replace(label, last=min(max(frame, label.hit), frame_count - 1))

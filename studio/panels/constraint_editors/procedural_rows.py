@@ -1,0 +1,93 @@
+"""The numbers of a place that moves by a rule: rows of the form of a constraint or a prop."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from studio.core.constraints.base import Vector
+from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
+from studio.panels.constraint_editors.vector_row import VectorRow
+from studio.panels.editor import Editor
+from studio.panels.fields import NumberField, Section
+
+RULES = (
+    (CirclePlace.kind, "Goes round a circle"),
+    (PendulumPlace.kind, "Swings as a pendulum"),
+    (NoisePlace.kind, "Wanders at random"),
+)
+_MAKERS = {each.kind: each for each in (CirclePlace, PendulumPlace, NoisePlace)}
+
+
+def ruled(kind: str, place: Vector) -> ProceduralPlace:
+    """A place of one of ``RULES`` about ``place``."""
+    return _MAKERS[kind](centre=place)
+
+
+@dataclass(frozen=True)
+class _Number:
+    """A number of a rule: its field's words, and how much of the rule's own unit is one of the field's."""
+
+    name: str
+    label: str
+    unit: str
+    low: float
+    high: float
+    step: float
+    decimals: int = 2
+    size: float = 1.0
+
+    def field(self) -> NumberField:
+        return NumberField(self.label, self.unit, self.low, self.high, self.step, self.decimals)
+
+
+_DEGREE = math.radians(1.0)
+_NUMBERS = (
+    _Number("radius", "Radius", "m", 0.0, 100.0, 0.01, 3),
+    _Number("tilt", "Tilt", "°", -360.0, 360.0, 1.0, 1, _DEGREE),
+    _Number("length", "Length", "m", 0.0, 100.0, 0.01, 3),
+    _Number("angle", "Swing", "°", 0.0, 180.0, 1.0, 1, _DEGREE),
+    _Number("heading", "Direction", "°", -360.0, 360.0, 1.0, 1, _DEGREE),
+    _Number("seconds", "One round", "s", 0.05, 600.0, 0.05),
+    _Number("since", "Begins at", "s", -600.0, 600.0, 0.05),
+    _Number("seed", "Seed", "", 0, 2**32 - 1, 1, 0),
+)
+
+
+class ProceduralRows:
+    """The rows of whichever rule the value ``field`` of the entity has; none where it has no rule."""
+
+    def __init__(self, editor: Editor, section: Section, field: str) -> None:
+        self._editor, self._field = editor, field
+        self._rows = []
+        for number in _NUMBERS:
+            box = editor.bind(number.field(), partial(self._put_number, number))
+            self._rows.append((number, box, section.add_row(number.label, box)))
+        self._reach = VectorRow(editor, section, "Reach", lambda reach: self._put("Reach", reach=reach))
+        self._reach.set_least(0.0)
+
+    @property
+    def _place(self) -> Any:
+        return getattr(self._editor.entity, self._field)
+
+    def refresh(self) -> None:
+        """Show the numbers that there are."""
+        place = self._place if isinstance(self._place, ProceduralPlace) else None
+        for number, box, caption in self._rows:
+            shown = hasattr(place, number.name)
+            for widget in (box, caption):
+                widget.setVisible(shown)
+            if shown:
+                box.show_value(getattr(place, number.name) / number.size)
+        wanders = isinstance(place, NoisePlace)
+        self._reach.set_visible(wanders, wanders, wanders)
+        if isinstance(place, NoisePlace):
+            self._reach.show_values([abs(way) for way in place.reach])
+
+    def _put_number(self, number: _Number, value: float) -> None:
+        own = round(value) if number.name == "seed" else value * number.size
+        self._put(number.label, **{number.name: own})
+
+    def _put(self, label: str, **values: Any) -> None:
+        place = replace(self._place, **values)
+        self._editor.change(f"{label} of the way of {self._editor.entity.name}", **{self._field: place})

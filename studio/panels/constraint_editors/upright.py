@@ -1,0 +1,54 @@
+"""The form of what keeps upright: which axis, which way, and how far it may lean."""
+
+import math
+
+from PySide6.QtWidgets import QPushButton
+
+from studio.panels.constraint_editors.common import ConstraintEditor
+from studio.panels.constraint_editors.present import turn_now
+from studio.panels.constraint_editors.vector_row import VectorRow
+from studio.panels.fields import NumberField, Section, labelled
+
+MOST = 170.0
+
+
+class UprightEditor(ConstraintEditor):
+    """A cone in degrees, the way it opens, and the axis of the segment that stays in it."""
+
+    def add_kind_rows(self, section: Section) -> None:
+        """Cone, direction, axis, and a button that takes the axis from the pose at the playhead."""
+        self._cone = self.bind(NumberField("Cone", "°", 0.0, MOST, 1.0, 1), self._set_cone)
+        self._cone.setToolTip("How far the axis may lean away from its direction: 0 holds it exactly")
+        section.add_row("Cone", self._cone)
+        self._direction = VectorRow(self, section, "Direction", self._set_direction, unit="")
+        self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")
+        self._take = QPushButton("Take axis from pose")
+        self._take.setToolTip("The axis becomes what points along the direction at the playhead")
+        self._take.clicked.connect(self._take_axis)
+        section.add_wide(self._take)
+        section.add_wide(labelled("Direction in the motion's space, axis in the segment's.", "hint"))
+
+    def refresh(self) -> None:
+        """Fetch everything."""
+        super().refresh()
+        if self.entity is not None:
+            self._cone.show_value(math.degrees(self.entity.cone))
+            self._direction.show_values(self.entity.direction)
+            self._axis.show_values(self.entity.axis)
+
+    def _set_cone(self, degrees: float) -> None:
+        self.change(f"Change cone of {self.entity.name}", cone=math.radians(degrees))
+
+    def _set_direction(self, direction: tuple[float, ...]) -> None:
+        if any(direction):
+            self.change(f"Change direction of {self.entity.name}", direction=direction)
+
+    def _set_axis(self, axis: tuple[float, ...]) -> None:
+        if any(axis):
+            self.change(f"Change axis of {self.entity.name}", axis=axis)
+
+    def _take_axis(self) -> None:
+        turn = turn_now(self, self.entity.point.part)
+        if turn is not None:
+            axis = tuple((turn.T @ self.entity.direction).tolist())
+            self.change(f"Take axis of {self.entity.name} from its pose", axis=axis)

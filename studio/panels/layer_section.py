@@ -1,0 +1,76 @@
+"""What a layer is beyond its clip: on which part of the body, with how much weight, how it fades, whether it adds."""
+
+from typing import Any
+
+from PySide6.QtCore import QSignalBlocker
+from PySide6.QtWidgets import QCheckBox
+
+from studio.core.errors import StudioError
+from studio.core.stage.layer import Region
+from studio.document import clips
+from studio.panels.editor import Editor
+from studio.panels.fields import Choice, NumberField, Section, labelled
+
+PER_CENT = 100.0
+
+
+class LayerSection(Section):
+    """Part of the form of a clip that is a layer."""
+
+    def __init__(self, editor: Editor) -> None:
+        super().__init__("Layer")
+        self._editor = editor
+        self._region = Choice("Plays on", [(region, region.capitalize()) for region in Region])
+        self._region.chosen.connect(lambda region: self._put("Layer on another region", region=region))
+        self.add_row("Plays on", self._region)
+        self._weight = editor.bind(
+            NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),
+            lambda number: self._put("Weight of layer", weight=number / PER_CENT),
+        )
+        self.add_row("Weight", self._weight)
+        self._fades = [
+            editor.bind(
+                NumberField(f"Fades {way}", "s", 0.0, 60.0, 0.05),
+                lambda seconds, name=name: self._put("Fade layer", **{name: seconds}),  # type: ignore[misc]
+            )
+            for way, name in (("in", "fade_in"), ("out", "fade_out"))
+        ]
+        for field in self._fades:
+            field.setSpecialValueText("as needed")
+        self.add_row("In · out", *self._fades)
+        self._additive = QCheckBox("to what plays below it")
+        self._additive.toggled.connect(lambda on: self._put("Add layer to what plays", additive=on))
+        self.add_row("Is added", self._additive)
+        self._reference = editor.bind(
+            NumberField("Differs from frame", "", -1, 1e6, 1, 0),
+            lambda frame: self._put("Reference of layer", reference=round(frame)),
+        )
+        self._reference.setSpecialValueText("its first")
+        self._reference.setToolTip("What is added is how the clip differs from this frame of its motion.")
+        self._reference_row = self.add_row("From frame", self._reference)
+        self.add_wide(labelled("Contacts of feet are those of the clips that have the legs.", "hint"))
+
+    def refresh(self) -> None:
+        """Fetch everything; nothing is shown for a clip of a row."""
+        layer = clips.layer_of(self._editor.document.project, self._editor.entity_id)
+        self.setVisible(layer is not None)
+        if layer is None:
+            return
+        self._region.show_value(layer.region)
+        self._weight.show_value(PER_CENT * layer.weight)
+        for field, seconds in zip(self._fades, (layer.fade_in, layer.fade_out), strict=True):
+            field.show_value(seconds)
+        with QSignalBlocker(self._additive):
+            self._additive.setChecked(layer.additive)
+        self._reference.show_value(layer.reference)
+        for widget in (self._reference, self._reference_row):
+            widget.setVisible(layer.additive)
+
+    def _put(self, text: str, **values: Any) -> None:
+        editor = self._editor
+        words = f"{text} {clips.name_of(editor.document.project, editor.entity)}"
+        try:
+            clips.edit_layer(editor.document, editor.entity_id, words, editor.gesture, **values)
+        except StudioError as error:
+            editor.document.problem.emit(str(error))
+            self.refresh()

@@ -1,0 +1,240 @@
+"""Live: what comes in over the network and what it drives, and what goes out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QFrame,
+    QHBoxLayout,
+    QHeaderView,
+    QLineEdit,
+    QScrollArea,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from studio.document import colours
+from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
+
+OWN_CLIPS, NO_INPUT, NO_PROP = "Its own clips", "Nothing", "No prop yet"
+NO_INPUTS = "Nothing is listened to. Choose a port and press Listen, or replay a recording."
+LIST_HEIGHT = 98
+MIDDLE = Qt.AlignmentFlag.AlignVCenter
+KEY, SENDER = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
+
+
+@dataclass(frozen=True)
+class SenderRow:
+    """Who sends to a port, whether it is listened to, packets a second, seconds since the last (None: never)."""
+
+    address: str
+    on: bool
+    rate: float
+    age: float | None
+
+
+@dataclass(frozen=True)
+class InputRow:
+    """A port or a recording that is replayed: its name, and in ``words`` what it drives, too."""
+
+    key: str
+    name: str
+    words: str
+    rate: float
+    senders: tuple[SenderRow, ...]
+
+
+class LivePanel(QScrollArea):
+    """The dock's content; every signal is something that the user asks for."""
+
+    listen_wanted = Signal(int, str)
+    """Port, address."""
+    replay_wanted = Signal()
+    record_wanted = Signal()
+    close_wanted = Signal(str)
+    sender_switched = Signal(str, str, bool)
+    """Input, address, on."""
+    body_driven = Signal(str, str)
+    """Performer, input; without one its own clips play."""
+    head_tracked = Signal(str, str, str)
+    """Input, names with commas between them, prop; without an input nothing is tracked."""
+    performer_looked_at = Signal(str)
+    streaming_wanted = Signal(bool, str, int)
+    """On, address, first port."""
+
+    def __init__(self, port: int, loopback: str, out_port: int) -> None:
+        super().__init__()
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.port = NumberField("Port", "", 1, 65_535, 1, 0)
+        self.port.show_value(port)
+        self.address = Choice("From", ((loopback, "This computer only"), ("0.0.0.0", "The network, as you allow")))
+        self.address.setToolTip("The network: its senders are listed, and each is heard once you switch it on")
+        self.inputs = self._make_list()
+        self.record = press_button("Record…", self.record_wanted.emit)
+        self.performer, self.body = Choice("Body", ()), Choice("Driven by", ((None, OWN_CLIPS),))
+        self.head, self.prop = Choice("Head from", ((None, NO_INPUT),)), Choice("Drives", ((None, NO_PROP),))
+        self.names = QLineEdit("Head")
+        self.names.setToolTip("One bone, or trackers with commas between them: their middle is taken")
+        self.stream = QCheckBox("Stream shown bodies as VMC")
+        self.out_address, self.out_port = QLineEdit(loopback), NumberField("To port", "", 1, 65_535, 1, 0)
+        self.out_port.show_value(out_port)
+        self.told, self.out_told = labelled(NO_INPUTS, "hint"), labelled("", "hint")
+        self._lay_out()
+        self._connect()
+
+    # What is shown
+
+    def show_inputs(self, rows: Sequence[InputRow], told: str) -> None:
+        """List what is listened to; what is chosen stays chosen, and no row is made anew for a number."""
+        with QSignalBlocker(self.inputs):
+            for place, row in enumerate(rows):
+                top = self.inputs.topLevelItem(place) or QTreeWidgetItem(self.inputs)
+                _fill(top, row.words, row.rate, None)
+                top.setData(0, KEY, row.key)
+                for number, sender in enumerate(row.senders):
+                    item = top.child(number) or QTreeWidgetItem(top)
+                    _fill(item, sender.address, sender.rate, sender.age)
+                    item.setData(0, KEY, row.key)
+                    item.setData(0, SENDER, sender.address)
+                    item.setCheckState(0, Qt.CheckState.Checked if sender.on else Qt.CheckState.Unchecked)
+                for number in range(top.childCount() - 1, len(row.senders) - 1, -1):
+                    top.takeChild(number)
+                top.setExpanded(True)
+            for place in range(self.inputs.topLevelItemCount() - 1, len(rows) - 1, -1):
+                self.inputs.takeTopLevelItem(place)
+        self.told.setText(told if rows else NO_INPUTS)
+        for choice, none in ((self.body, OWN_CLIPS), (self.head, NO_INPUT)):
+            chosen = choice.value if choice.count() else None
+            choice.offer([(None, none), *((row.key, row.name) for row in rows)])
+            choice.show_value(chosen if choice.offers(chosen) else None)
+
+    def offer(self, performers: Sequence[tuple[str, str]], props: Sequence[tuple[str, str]]) -> None:
+        """Whom and what can be driven."""
+        offered: list[tuple[Choice, list[tuple[object, str]]]]
+        offered = [(self.performer, [*performers]), (self.prop, [*props] or [(None, NO_PROP)])]
+        for choice, items in offered:
+            chosen = choice.value if choice.count() else None
+            choice.offer(items)
+            choice.show_value(chosen if choice.offers(chosen) else items[0][0] if items else None)
+
+    def show_driver(self, input_key: str | None) -> None:
+        """What drives the body that is chosen."""
+        self.body.show_value(input_key)
+
+    def show_recording(self, words: str) -> None:
+        """How much is recorded; empty when nothing is."""
+        self.record.setText("Stop recording" if words else "Record…")
+        self.record.setToolTip(words)
+
+    def show_streaming(self, on: bool, words: str) -> None:
+        """Whether bodies go out, and where each goes."""
+        with QSignalBlocker(self.stream):
+            self.stream.setChecked(on)
+        self.out_told.setText(words)
+
+    # How it is made
+
+    def _make_list(self) -> QTreeWidget:
+        made = QTreeWidget()
+        made.setObjectName("live_inputs")
+        made.setAccessibleName("Ports and recordings, and who sends to them")
+        made.setHeaderLabels(["Input", "Packets/s", "Heard"])
+        made.setFixedHeight(LIST_HEIGHT)
+        made.setRootIsDecorated(False)
+        made.setIndentation(14)
+        made.setUniformRowHeights(True)
+        made.header().setStretchLastSection(False)
+        for column in (1, 2):
+            made.headerItem().setTextAlignment(column, MIDDLE | Qt.AlignmentFlag.AlignRight)
+        for column, mode in enumerate((QHeaderView.ResizeMode.Stretch, *2 * [QHeaderView.ResizeMode.ResizeToContents])):
+            made.header().setSectionResizeMode(column, mode)
+        return made
+
+    def _lay_out(self) -> None:
+        inside = QWidget()
+        self.setWidget(inside)
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(0, 0, 0, 8)
+        column.setSpacing(4)
+        coming = Section("Coming in")
+        coming.add_row("Port", self.port, press_button("Listen", self._listen, "main"))
+        coming.add_row("Hear", self.address)
+        coming.add_wide(self.inputs)
+        column.addWidget(coming)
+        buttons = QHBoxLayout()
+        buttons.setContentsMargins(SIDE, 0, SIDE, 0)
+        for button in (
+            press_button("Replay…", self.replay_wanted.emit),
+            self.record,
+            press_button("Close", self._close),
+        ):
+            buttons.addWidget(button, 1)
+        column.addLayout(buttons)
+        for hint in (self.told, self.out_told):
+            hint.setContentsMargins(SIDE, 0, SIDE, 0)
+        column.addWidget(self.told)
+        drives = Section("What it drives")
+        drives.add_row("Body", self.performer)
+        drives.add_row("plays", self.body)
+        drives.add_row("Prop", self.prop)
+        drives.add_row("follows", self.head, self.names)
+        column.addWidget(drives)
+        out = Section("Going out")
+        out.add_wide(self.stream)
+        out.add_row("To", self.out_address, self.out_port)
+        column.addWidget(out)
+        column.addWidget(self.out_told)
+        column.addStretch(1)
+
+    def _connect(self) -> None:
+        self.inputs.itemChanged.connect(self._changed)
+        self.performer.chosen.connect(lambda key: self.performer_looked_at.emit(str(key)))
+        self.body.chosen.connect(lambda key: self.body_driven.emit(str(self.performer.value or ""), key or ""))
+        for field in (self.head, self.prop):
+            field.chosen.connect(lambda _: self._track())
+        self.names.editingFinished.connect(self._track)
+        self.stream.toggled.connect(lambda _: self._stream())
+        self.out_address.editingFinished.connect(self._stream)
+        self.out_port.edited.connect(lambda _: self._stream())
+
+    def _listen(self) -> None:
+        self.listen_wanted.emit(round(self.port.value()), str(self.address.value))
+
+    def _close(self) -> None:
+        item = self.inputs.currentItem() or self.inputs.topLevelItem(0)
+        if item is not None:
+            self.close_wanted.emit(item.data(0, KEY))
+
+    def _changed(self, item: QTreeWidgetItem, column: int) -> None:
+        sender = item.data(0, SENDER)
+        if column == 0 and sender is not None:
+            on = item.checkState(0) == Qt.CheckState.Checked
+            self.sender_switched.emit(item.data(0, KEY), sender, on)
+
+    def _track(self) -> None:
+        self.head_tracked.emit(str(self.head.value or ""), self.names.text(), str(self.prop.value or ""))
+
+    def _stream(self) -> None:
+        self.streaming_wanted.emit(
+            self.stream.isChecked(), self.out_address.text().strip(), round(self.out_port.value())
+        )
+
+
+def _fill(item: QTreeWidgetItem, name: str, rate: float, age: float | None) -> None:
+    heard = "" if age is None else "now" if age < 1.0 else f"{age:.0f} s ago"
+    for column, words in enumerate((name, f"{rate:.0f}", heard)):
+        if item.text(column) != words:
+            item.setText(column, words)
+            side = Qt.AlignmentFlag.AlignRight if column else Qt.AlignmentFlag.AlignLeft
+            item.setTextAlignment(column, MIDDLE | side)
+    quiet = colours.TEXT_SECOND if item.parent() is not None else colours.TEXT
+    item.setForeground(0, QColor(quiet))
+    item.setToolTip(0, name)

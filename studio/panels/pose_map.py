@@ -1,0 +1,171 @@
+"""The poses of the motion library as a map: one figure a group of poses, lines between those that are alike."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QHideEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QShowEvent
+from PySide6.QtWidgets import QWidget
+
+from studio.document import colours
+from studio.panels.stick_figure import Look, paint_sticks
+
+FloatArray = NDArray[np.float64]
+
+CELL, CAPTION, MARGIN = 92.0, 16.0, 8.0
+"""Least pixels of a figure's place across, of the words under it, and round all of them."""
+EMPTY = "The motion library has no clips yet. Add a folder of captures in the Strikes panel."
+FACING = (1.0, 0.35)
+"""How figures are turned: to the right, a little towards the eye."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseGroup:
+    """A group: its most usual pose (P, 3), which way it faces (2,), where it lies (2,), those like it, and words."""
+
+    points: FloatArray
+    forward: FloatArray
+    place: FloatArray
+    links: tuple[int, ...]
+    words: str
+
+
+class PoseMapView(QWidget):
+    """``looked_at`` tells the group under the mouse, -1 for none; ``chosen`` the one that was clicked; ``opened`` asks
+    for groups when it comes into sight.
+    """
+
+    opened = Signal()
+    looked_at = Signal(int)
+    chosen = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setAccessibleName("Map of the library's poses")
+        self.setMouseTracking(True)
+        self._groups: Sequence[PoseGroup] = ()
+        self._sticks: NDArray[np.intp] = np.empty((0, 2), dtype=np.intp)
+        self._cells: list[QRectF] = []
+        self._under = self._clicked = -1
+
+    def sizeHint(self) -> QSize:
+        return QSize(900, 260)
+
+    def show_groups(self, groups: Sequence[PoseGroup], sticks: NDArray[np.intp]) -> None:
+        """Show other groups, whose points ``sticks`` (S, 2) join."""
+        self._groups, self._sticks = groups, sticks
+        self._under = self._clicked = -1
+        self._arrange()
+        self.update()
+
+    def cell(self, group: int) -> QRectF:
+        """Where a group is drawn."""
+        return self._cells[group]
+
+    def resizeEvent(self, _: QEvent) -> None:
+        """As many columns as there is room for."""
+        self._arrange()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Look at the group under the mouse."""
+        self._look(self._at(event.position()))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Choose it."""
+        found = self._at(event.position())
+        if found >= 0 and event.button() == Qt.MouseButton.LeftButton:
+            self._clicked = found
+            self.chosen.emit(found)
+            self.update()
+
+    def leaveEvent(self, _: QEvent) -> None:
+        """Nothing is looked at."""
+        self._look(-1)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """There is something to draw it for."""
+        super().showEvent(event)
+        self.opened.emit()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """What is not seen is not looked at."""
+        self._look(-1)
+        super().hideEvent(event)
+
+    def _look(self, group: int) -> None:
+        if group != self._under:
+            self._under = group
+            self.setCursor(Qt.CursorShape.PointingHandCursor if group >= 0 else Qt.CursorShape.ArrowCursor)
+            self.looked_at.emit(group)
+            self.update()
+
+    def _at(self, place: QPointF) -> int:
+        return next((number for number, cell in enumerate(self._cells) if cell.contains(place)), -1)
+
+    def _arrange(self) -> None:
+        """Columns from left to right by the first way in which poses differ most, in each from above by the second."""
+        count = len(self._groups)
+        if not count:
+            self._cells = []
+            return
+        room = QRectF(self.rect()).adjusted(MARGIN, MARGIN, -MARGIN, -MARGIN)
+        columns = min(max(int(room.width() // CELL), 1), count)
+        rows = -(-count // columns)
+        columns = -(-count // rows)
+        width, height = room.width() / columns, room.height() / rows
+        places = np.array([group.place for group in self._groups])
+        self._cells = [QRectF()] * count
+        for column, members in enumerate(np.array_split(np.argsort(places[:, 0], kind="stable"), columns)):
+            above = members[np.argsort(-places[members, 1], kind="stable")]
+            for row, number in enumerate(above.tolist()):
+                corner = QPointF(room.left() + column * width, room.top() + row * height)
+                self._cells[number] = QRectF(corner.x(), corner.y(), width, height)
+
+    def paintEvent(self, _: QPaintEvent) -> None:
+        with QPainter(self) as painter:
+            self._paint_all(painter)
+
+    def _paint_all(self, painter: QPainter) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        font = painter.font()
+        font.setPixelSize(11)
+        painter.setFont(font)
+        if not self._groups:
+            painter.setPen(QColor(colours.TEXT_THIRD))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, EMPTY)
+        looked = self._under if self._under >= 0 else self._clicked
+        if looked >= 0:
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(QColor(colours.SELECTED_ROW))
+            painter.drawRoundedRect(self._cells[looked].adjusted(1.0, 1.0, -1.0, -1.0), 5.0, 5.0)
+        links = [
+            (number == looked, number, other) for number, group in enumerate(self._groups) for other in group.links
+        ]
+        for strong, number, other in sorted(links):
+            self._paint_link(painter, number, other, strong)
+        near = set(self._groups[looked].links) if looked >= 0 else set()
+        tallest = max((float(group.points[:, 2].max()) for group in self._groups), default=1.0)
+        for number, group in enumerate(self._groups):
+            self._paint_group(painter, group, self._cells[number], tallest, number == looked, number in near)
+
+    def _paint_link(self, painter: QPainter, begin: int, end: int, strong: bool) -> None:
+        colour = colours.SELECTED_CONTROL if strong else colours.CONTROL
+        painter.setPen(QPen(QColor(colour), 1.6 if strong else 1.0))
+        painter.drawLine(self._cells[begin].center(), self._cells[end].center())
+
+    def _paint_group(
+        self, painter: QPainter, group: PoseGroup, cell: QRectF, tallest: float, looked: bool, near: bool
+    ) -> None:
+        x, y = group.forward.tolist()
+        turned = (FACING[0] * x - FACING[1] * y, FACING[1] * x + FACING[0] * y)
+        figure = cell.adjusted(0.0, 0.0, 0.0, -CAPTION)
+        colour = colours.TEXT if looked or near else colours.TEXT_SECOND
+        paint_sticks(painter, group.points, self._sticks, Look(turned, tallest), figure, colours.PANEL, 5.0)
+        paint_sticks(painter, group.points, self._sticks, Look(turned, tallest), figure, colour, 2.0)
+        painter.setPen(QColor(colours.TEXT if looked else colours.TEXT_THIRD))
+        words = QRectF(cell.left(), cell.bottom() - CAPTION, cell.width(), CAPTION)
+        painter.drawText(words, Qt.AlignmentFlag.AlignCenter, group.words)

@@ -1,0 +1,41 @@
+"""A body as a small figure of sticks, for where there is no 3D view."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
+
+FloatArray = NDArray[np.float64]
+
+ASLANT = 0.35
+"""Of what lies across the picture, how much is seen: legs and arms do not hide each other."""
+MARGIN = 4.0
+
+
+@dataclass(frozen=True)
+class Look:
+    """From where figures are seen: what points along ``heading`` (2,) is at the right, ``height`` metres fill it."""
+
+    heading: tuple[float, float]
+    height: float
+
+    def flat(self, points: FloatArray, box: QRectF) -> FloatArray:
+        """(P, 2) pixels of ``points`` (P, 3), standing in the middle of ``box`` on its lower edge."""
+        along = np.array(self.heading) / max(float(np.hypot(*self.heading)), 1e-9)
+        across = np.array([-along[1], along[0]])
+        middle = points[:, :2].mean(axis=0)
+        right = (points[:, :2] - middle) @ (along - ASLANT * across)
+        scale = (box.height() - 2.0 * MARGIN) / self.height
+        return np.column_stack([box.center().x() + scale * right, box.bottom() - MARGIN - scale * points[:, 2]])
+
+
+def paint_sticks(
+    painter: QPainter, points: FloatArray, pairs: NDArray[np.intp], look: Look, box: QRectF, colour: str, width: float
+) -> None:
+    """Paint ``points`` (P, 3), joined by ``pairs`` (B, 2), into ``box``."""
+    places = look.flat(points, box)
+    sticks = [QLineF(QPointF(*places[begin]), QPointF(*places[end])) for begin, end in pairs]
+    painter.setPen(QPen(QColor(colour), width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+    painter.drawLines(sticks)

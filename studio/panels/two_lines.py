@@ -1,0 +1,50 @@
+"""A row of a list with a name, and under it more words, quieter, in as many lines as they need."""
+
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter
+from PySide6.QtWidgets import QStyle, QStyledItemDelegate, QStyleOptionViewItem
+
+from studio.document import colours
+from studio.panels.fields import SIDE
+
+ABOVE, BETWEEN, SMALL = 7, 2, 12
+WRAPPED = Qt.TextFlag.TextWordWrap
+Index = QModelIndex | QPersistentModelIndex
+
+
+class TwoLines(QStyledItemDelegate):
+    """The first line of an item's text is the name."""
+
+    def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
+        """As high as the words are in the width of the list."""
+        return QSize(0, self._words(option, index, QRect(0, 0, option.rect.width(), 0)).bottom() + ABOVE)
+
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
+        """Ground, name, words."""
+        name, _, words = str(index.data()).partition("\n")
+        hovered = option.state & QStyle.StateFlag.State_MouseOver
+        if option.state & QStyle.StateFlag.State_Selected:
+            painter.fillRect(option.rect, QColor(colours.SELECTED_ROW))
+        elif hovered:
+            painter.fillRect(option.rect, QColor(colours.BAR))
+        painter.setFont(option.font)
+        painter.setPen(QColor(colours.TEXT))
+        painter.drawText(self._name(option, option.rect), Qt.AlignmentFlag.AlignLeft, name)
+        painter.setFont(_small(option.font))
+        painter.setPen(QColor(colours.TEXT_SECOND))
+        painter.drawText(self._words(option, index, option.rect), WRAPPED, words)
+
+    def _name(self, option: QStyleOptionViewItem, row: QRect) -> QRect:
+        height = option.fontMetrics.height()
+        return QRect(row.left() + SIDE, row.top() + ABOVE, row.width() - 2 * SIDE, height)
+
+    def _words(self, option: QStyleOptionViewItem, index: Index, row: QRect) -> QRect:
+        above, words = self._name(option, row), str(index.data()).partition("\n")[2]
+        room = QRect(above.left(), above.bottom() + BETWEEN, above.width(), 1000)
+        return QFontMetrics(_small(option.font)).boundingRect(room, int(WRAPPED), words)
+
+
+def _small(font: QFont) -> QFont:
+    small = QFont(font)
+    small.setPixelSize(SMALL)
+    return small

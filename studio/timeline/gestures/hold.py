@@ -1,0 +1,38 @@
+"""Drags on the time in which a prop is held."""
+
+from dataclasses import replace
+
+from PySide6.QtCore import QPointF
+
+from studio.timeline.figures import moment
+from studio.timeline.gestures.gesture import EditGesture, Mark
+from studio.timeline.shown import Part, Shown
+
+
+class DragHold(EditGesture):
+    """Drag the bar to hold the prop at another time, an end to pick it up or put it down at another moment."""
+
+    collection = "props"
+
+    def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
+        super().__init__(shown, entity_id, press)
+        self.part = part
+        verb = {Part.FIRST: "Pick up", Part.LAST: "Put down"}.get(part, "Hold")
+        self.text = f"{verb} {self.original.name} at another time"
+
+    def update(self, position: QPointF, free: bool) -> None:
+        """The ends stay in order."""
+        hold = self.original.held
+        first, last = (-1e9 if hold.begin is None else hold.begin), (1e9 if hold.end is None else hold.end)
+        grabbed = hold.end if self.part == Part.LAST or hold.begin is None else hold.begin
+        if grabbed is None:
+            grabbed = self.press_time
+        caught = self.snap(grabbed + self.moved(position), free)
+        way = caught.time - grabbed
+        begin, end = hold.begin, hold.end
+        if self.part != Part.LAST and begin is not None:
+            begin = min(begin + way, last) if self.part == Part.FIRST else begin + way
+        if self.part != Part.FIRST and end is not None:
+            end = max(end + way, first) if self.part == Part.LAST else end + way
+        self.put(replace(self.original, held=replace(hold, begin=begin, end=end)))
+        self.mark = Mark(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)

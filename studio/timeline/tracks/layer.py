@@ -1,0 +1,75 @@
+"""The layers of a performer: a row for each region of the body, under its clips; bars as high as their weight."""
+
+from PySide6.QtCore import QPointF, QRect, QRectF
+from PySide6.QtGui import QPainter, QPainterPath, QPolygonF
+
+from studio.core.constraints.activation import EaseShape, ease
+from studio.core.stage.clip import Clip
+from studio.core.stage.layer import Layer, Region
+from studio.document import colours
+from studio.timeline.shown import Shown, label_area
+from studio.timeline.tracks.brush import paint_label
+from studio.timeline.tracks.clip import CURVE_STEPS, clip_bar, clip_text, paint_clip_bar, paint_clip_text, seen_part
+
+HEIGHT = 22
+INDENT = 28
+LEAST = 0.3
+"""Of the row: how high a bar is at least."""
+
+
+def rows_of(shown: Shown, performer_id: str) -> list[tuple[str, str, int]]:
+    """Kind, id and height of the rows of a performer's layers, one a region."""
+    layers = shown.project.performers[performer_id].layers
+    regions = dict.fromkeys(each.region for each in layers)
+    return [("layer", f"{performer_id}/{region}", HEIGHT) for region in regions]
+
+
+def performer_of(row_id: str) -> str:
+    """Whose row it is."""
+    return row_id.rpartition("/")[0]
+
+
+def clip_bars(shown: Shown, row: QRect, row_id: str) -> list[tuple[Clip, QRectF]]:
+    """The bars of a row, each as high as the row, so that it can be taken hold of."""
+    return [(each.clip, clip_bar(shown, row, each.clip)) for each in _layers(shown, row_id)]
+
+
+def paint_layers(painter: QPainter, row: QRect, shown: Shown, row_id: str) -> None:
+    """Bars that rise and fall as the layers fade."""
+    for layer, (clip, bar) in zip(_layers(shown, row_id), clip_bars(shown, row, row_id), strict=True):
+        low = bar.adjusted(0, (1.0 - max(layer.weight, LEAST)) * bar.height(), 0, 0)
+        paint_clip_bar(painter, shown, performer_of(row_id), clip, _outline(shown, low, layer))
+        paint_clip_text(painter, layer_text(shown, layer), seen_part(shown, bar))
+
+
+def paint_layer_label(painter: QPainter, row: QRect, row_id: str) -> None:
+    """Which region it is."""
+    region = Region(row_id.rpartition("/")[2])
+    paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), region.capitalize(), colours.TEXT_SECOND)
+
+
+def layer_text(shown: Shown, layer: Layer) -> str:
+    """What plays, and how much of it."""
+    words = [clip_text(shown, layer.clip)]
+    words += ["added"] if layer.additive else []
+    words += [f"{layer.weight:.0%}"] if layer.weight < 1.0 else []
+    return " · ".join(words)
+
+
+def _layers(shown: Shown, row_id: str) -> list[Layer]:
+    performer = shown.project.performers[performer_of(row_id)]
+    region = row_id.rpartition("/")[2]
+    return [each for each in performer.layers if each.region == region]
+
+
+def _outline(shown: Shown, bar: QRectF, layer: Layer) -> QPainterPath:
+    scale, half = shown.axis.scale, bar.width() / 2
+    rise, fall = (min(seconds * scale, half) for seconds in (layer.fade_in, layer.fade_out))
+    shares = [step / CURVE_STEPS for step in range(CURVE_STEPS + 1)]
+    heights = [bar.bottom() - float(ease(share, EaseShape.QUINTIC)) * bar.height() for share in shares]
+    up = [QPointF(bar.left() + share * rise, height) for share, height in zip(shares, heights, strict=True)]
+    down = [QPointF(bar.right() - share * fall, height) for share, height in zip(shares, heights, strict=True)]
+    path = QPainterPath()
+    path.addPolygon(QPolygonF([QPointF(bar.left(), bar.bottom()), *up, *reversed(down), bar.bottomRight()]))
+    path.closeSubpath()
+    return path

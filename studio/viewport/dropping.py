@@ -1,0 +1,39 @@
+"""A strike that is dragged over the 3D view: the body under the mouse is selected, and plays it when it is let go."""
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QEvent, QObject, Signal
+from PySide6.QtGui import QDropEvent
+
+from studio.document.document import Document
+from studio.document.dragging import strike_in
+from studio.viewport import picking
+
+if TYPE_CHECKING:
+    from studio.viewport.widget import Viewport
+
+
+class StrikeDrops(QObject):
+    """``dropped`` tells which of the strikes that are listed fell on which performer."""
+
+    dropped = Signal(int, str)
+
+    def __init__(self, viewport: "Viewport", document: Document) -> None:
+        super().__init__(viewport)
+        self._viewport, self._document = viewport, document
+        viewport.setAcceptDrops(True)
+        viewport.installEventFilter(self)
+
+    def eventFilter(self, _: QObject, event: QEvent) -> bool:
+        """Take strikes, and leave files to the window."""
+        place = strike_in(event.mimeData()) if isinstance(event, QDropEvent) else None  # so are entries and moves
+        if place is None or not isinstance(event, QDropEvent):
+            return False
+        view, where = self._viewport, event.position()
+        key = picking.body_at(view.posed, view.camera, view.view_size, where.x(), where.y())
+        event.setAccepted(key is not None or event.type() == QEvent.Type.DragEnter)
+        if key is not None and event.type() == QEvent.Type.Drop:
+            self.dropped.emit(place, key)
+        elif key is not None:
+            self._document.selection.set(("performers", key))
+        return True

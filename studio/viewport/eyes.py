@@ -1,0 +1,120 @@
+"""Two eyes, and a head that moves before the screen: where each eye is, and how their pictures become one.
+
+The screen is a window that stands at the camera's target: what lies there is in the same place for every eye.
+"""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.viewport.camera import OrbitCamera
+
+Pixels = NDArray[np.uint8]
+
+APART = 1 / 30
+"""Of the distance to the screen, by which eyes are apart: more than that tires."""
+SCREEN = 0.34
+"""Metres of a usual screen's height: as the head moves before it, so does the eye before the stage's window."""
+NEAREST = 0.3
+"""Of the camera's distance, to which a head may come."""
+_GREY = np.array([0.299, 0.587, 0.114])
+
+
+class Stereo(StrEnum):
+    """How two eyes' pictures are shown."""
+
+    OFF = "off"
+    SIDE_BY_SIDE = "side by side"
+    ANAGLYPH = "anaglyph"
+
+
+@dataclass(frozen=True)
+class Eye:
+    """Where an eye is, in metres from where the camera stands: to the right, up, away from the stage."""
+
+    right: float = 0.0
+    up: float = 0.0
+    back: float = 0.0
+
+
+MIDDLE = Eye()
+
+
+class Renders(Protocol):
+    """A scene that can be seen from an eye."""
+
+    def render(
+        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), eye: Eye = MIDDLE
+    ) -> Pixels:
+        """(height, width, 4) RGBA; ``offset`` shifts it by parts of a pixel."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """How the stage is looked at: with one eye or two, and from where the ``head`` is, in metres before the screen."""
+
+    stereo: Stereo = Stereo.OFF
+    head: Eye = MIDDLE
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether places on the stage are where the camera says."""
+        return self == PLAIN
+
+    def looked(self, camera: OrbitCamera, tall: float) -> Eye:
+        """The eye between both, of a head before a window ``tall`` metres high."""
+        scale = tall / SCREEN
+        back = max(scale * self.head.back, (NEAREST - 1.0) * camera.distance)
+        return Eye(scale * self.head.right, scale * self.head.up, back)
+
+    def render(
+        self, scene: Renders, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)
+    ) -> Pixels:
+        """What is shown of a scene."""
+        middle = self.looked(camera, camera.metres_per_pixel(1.0))
+        if self.stereo is Stereo.OFF:
+            return scene.render(camera, size, offset, middle)
+        half = 0.5 * APART * (camera.distance + middle.back)
+        own = (max(size[0] // 2, 1), max(size[1] // 2, 1)) if self.stereo is Stereo.SIDE_BY_SIDE else size
+        left, right = (
+            np.array(scene.render(camera, own, offset, replace(middle, right=middle.right + way)))
+            for way in (-half, half)
+        )
+        return side_by_side(left, right, size) if self.stereo is Stereo.SIDE_BY_SIDE else anaglyph(left, right)
+
+
+PLAIN = Sight()
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A scene as it is looked at; it renders as the scene does."""
+
+    scene: Renders
+    sight: Sight
+
+    def render(
+        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), _: Eye = MIDDLE
+    ) -> Pixels:
+        """As ``Renders.render``."""
+        return self.sight.render(self.scene, camera, size, offset)
+
+
+def side_by_side(left: Pixels, right: Pixels, size: tuple[int, int]) -> Pixels:
+    """Both pictures beside each other in the middle of one of ``size`` (width, height), black round them."""
+    height, width = left.shape[:2]
+    made = np.zeros((size[1], size[0], 4), dtype=np.uint8)
+    above = (size[1] - height) // 2
+    made[above : above + height, :width] = left
+    made[above : above + height, width : 2 * width] = right
+    return made
+
+
+def anaglyph(left: Pixels, right: Pixels) -> Pixels:
+    """One picture for red and cyan glasses: the left eye's greys in red, the right eye's own green and blue."""
+    made = np.array(right)
+    made[..., 0] = (left[..., :3] @ _GREY).astype(np.uint8)
+    return made

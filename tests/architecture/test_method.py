@@ -1,0 +1,44 @@
+"""The method is short enough to be read, and what the code cites of it is there."""
+
+import re
+
+from tests.architecture.sources import ROOT, place_of, product_files
+
+METHOD = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+LONGEST = 400
+SECTIONS = set(re.findall(r"^## (\d)\.", METHOD, re.MULTILINE))
+EQUATIONS = set(re.findall(r"  \((\d+a?)\)$", METHOD, re.MULTILINE))
+
+
+def test_the_method_is_read_in_an_hour():
+    assert len(METHOD.splitlines()) <= LONGEST
+
+
+def test_equations_are_numbered_without_a_gap():
+    assert {*map(str, range(1, 41)), "5a"} == EQUATIONS
+
+
+def test_every_section_and_equation_that_is_cited_is_there():
+    lost = []
+    for file in [*product_files(), *(ROOT / "tests").rglob("*.py")]:
+        text = re.sub(r"\s+", " ", file.read_text(encoding="utf-8"))
+        for section, equation in re.findall(r"METHOD(?:,)? (?:(\d)(?:\.\d)?|\((\d+a?)\))", text):
+            if (section and section not in SECTIONS) or (equation and equation not in EQUATIONS):
+                lost.append(f"{place_of(file)} cites {section or equation}")
+    assert lost == []
+
+
+def test_every_module_that_the_method_names_is_there():
+    core = ROOT / "studio" / "core"
+    named = {name for name in re.findall(r"`([a-z_]+(?:\.[a-z_]+)+)`", METHOD) if (core / name.split(".")[0]).is_dir()}
+    found = {name for name in named if exists(core, name)}
+    assert sorted(named - found) == []
+
+
+def exists(core, name):
+    """A package, a module, or something defined in one."""
+    parts = name.split(".")
+    if (core.joinpath(*parts)).is_dir() or core.joinpath(*parts).with_suffix(".py").is_file():
+        return True
+    module = core.joinpath(*parts[:-1]).with_suffix(".py")
+    return module.is_file() and f"def {parts[-1]}(" in module.read_text(encoding="utf-8")

@@ -1,0 +1,222 @@
+"""A behaviour goes from state to state by what a performer senses, and by nothing else."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.follow import FollowPerformer, FollowProp
+from studio.core.constraints.position import PositionConstraint
+from studio.core.project import Project, references
+from studio.core.stage.behaviour import Behaviour, Role, Running, State, Transition, advance, begun, without
+from studio.core.stage.clip import Clip
+from studio.core.stage.conditions import (
+    ClipEndCondition,
+    Condition,
+    DistanceCondition,
+    EventCondition,
+    KeyCondition,
+    Senses,
+    TimeCondition,
+)
+from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet, asked_by
+from studio.core.stage.prop import Prop
+from studio.core.stage.whom import FollowPartner, Gap, Whom
+from studio.io.entity_json import entity_of, entity_record, project_json, project_of
+from tests.builders import make_project
+
+NEAR = DistanceCondition(distance=1.0)
+GUARD, STRIKE, WARD = (State(name, Clip("motion", 0, 20, id=name)) for name in ("Guard", "Strike", "Ward off"))
+FIGHTER = Behaviour(
+    "Fighter",
+    (GUARD, replace(STRIKE, loop=False, event="attack"), replace(WARD, loop=False)),
+    (
+        Transition("Guard", "Ward off", (EventCondition("attack"),)),
+        Transition("Guard", "Strike", (KeyCondition("k"), NEAR), 0.2),
+        Transition("Strike", "Guard", (ClipEndCondition(),)),
+        Transition("Ward off", "Guard", (TimeCondition(0.5),)),
+    ),
+    cast=(Role("performer 0", "performer 1"),),
+)
+
+names = st.text(st.characters(codec="ascii", categories=["L"]), min_size=1, max_size=6)
+metres = st.floats(0.01, 10.0)
+points = st.builds(BodyPoint, st.sampled_from(BodyPart), st.tuples(metres, metres, metres), st.booleans())
+whoms: st.SearchStrategy[Whom] = st.one_of(
+    st.builds(FollowPartner, points),
+    st.builds(FollowPerformer, st.just("performer 1"), points),
+    st.builds(FollowProp, st.just("box")),
+)
+gaps = st.builds(Gap, whoms, points, st.booleans(), st.booleans())
+conditions: st.SearchStrategy[Condition] = st.one_of(
+    st.builds(DistanceCondition, gaps, metres, st.booleans()),
+    st.builds(TimeCondition, metres),
+    st.just(ClipEndCondition()),
+    st.builds(EventCondition, names),
+    st.builds(KeyCondition, names),
+)
+curves = st.lists(metres, min_size=4, max_size=4).map(lambda times: ActivationCurve(*sorted(times)))
+manners: st.SearchStrategy[Manner] = st.one_of(
+    st.builds(KeepDistance, whoms, metres, metres, st.booleans()),
+    st.builds(LeanAway, whoms, points, metres),
+    st.builds(Meet, whoms, points, curves, st.just(Chain(trunk=0.5))),
+)
+
+
+@st.composite
+def behaviours(draw: st.DrawFn) -> Behaviour:
+    """Any behaviour of the project that ``stage`` makes."""
+    called = draw(st.lists(names, min_size=1, max_size=5, unique=True))
+    clips = st.none() | st.builds(Clip, st.just("motion"), st.just(0), st.integers(0, 29), id=names)
+    asked = st.lists(manners, max_size=2).map(tuple)
+    states = [
+        State(name, draw(clips), draw(st.booleans()), draw(asked), draw(st.just("") | names), (draw(metres), 0.0))
+        for name in called
+    ]
+    ends = st.sampled_from(called)
+    all_of = st.lists(conditions, min_size=1, max_size=3).map(tuple)
+    transitions = draw(st.lists(st.builds(Transition, ends, ends, all_of, st.floats(0.0, 5.0)), max_size=8))
+    cast = draw(st.sampled_from([(), (Role("performer 0"),), (Role("performer 0", "performer 1"),)]))
+    return Behaviour(draw(names), tuple(states), tuple(transitions), draw(ends), cast)
+
+
+@st.composite
+def sensed(draw: st.DrawFn) -> list[Senses]:
+    """Some frames of anything."""
+    frame = st.builds(
+        Senses,
+        st.floats(0.0, 1.0),
+        st.dictionaries(gaps, metres, max_size=2),
+        st.booleans(),
+        st.frozensets(names, max_size=2),
+        st.frozensets(names, max_size=2),
+    )
+    return draw(st.lists(frame, max_size=10))
+
+
+def stage() -> Project:
+    return make_project().with_entity("props", "box", Prop("Box"))
+
+
+@given(behaviours(), sensed())
+def test_what_is_sensed_decides_alone_where_it_goes(behaviour: Behaviour, frames: list[Senses]) -> None:
+    runs = []
+    for _ in range(2):
+        running = begun(behaviour)
+        for senses in frames:
+            before, running = running, advance(behaviour, running, senses)
+            assert behaviour.state(running.state) is not None
+            if running.through is not before.through or running.seconds < before.seconds:
+                assert running.through in behaviour.transitions_from(before.state)
+                assert running.seconds == 0.0
+        runs.append(running)
+    assert runs[0] == runs[1]
+
+
+@given(behaviours(), sensed())
+def test_the_first_transition_of_which_all_conditions_hold_is_taken(behaviour: Behaviour, frames: list[Senses]) -> None:
+    for senses in frames:
+        running = Running(behaviour.start, 0.3)
+        after = advance(behaviour, running, senses)
+        seconds = running.seconds + senses.step
+        ready = [
+            each
+            for each in behaviour.transitions_from(running.state)
+            if all(one.holds(senses, seconds) for one in each.conditions)
+        ]
+        assert after == (Running(ready[0].target, through=ready[0]) if ready else Running(running.state, seconds))
+
+
+@given(behaviours())
+def test_a_behaviour_is_stored_as_it_is(behaviour: Behaviour) -> None:
+    record = entity_record("behaviours", "b", behaviour, {})
+    assert entity_of("behaviours", record, lambda _: None) == behaviour  # type: ignore[arg-type, return-value]
+    project = stage().with_entity("behaviours", "b", behaviour)
+    assert not project.missing_references(behaviour)
+
+
+@given(behaviours(), st.sampled_from([("performers", "performer 1"), ("motions", "motion"), ("props", "box")]))
+def test_a_behaviour_goes_on_without_what_is_gone(behaviour: Behaviour, gone: tuple[str, str]) -> None:
+    left = without(behaviour, *gone)
+    assert gone not in references(left)
+    assert [each.name for each in left.states] == [each.name for each in behaviour.states]
+    assert set(left.transitions) <= set(behaviour.transitions)
+    assert without(left, *gone) == left
+
+
+def test_a_fighter_wards_off_when_attacked_even_where_it_was_about_to_strike() -> None:
+    near = Senses(0.1, gaps={NEAR.gap: 0.8}, keys=frozenset({"K"}), events=frozenset({"attack"}))
+    running = advance(FIGHTER, begun(FIGHTER), near)
+    assert (running.state, running.seconds) == ("Ward off", 0.0)
+    waiting = [advance(FIGHTER, running, Senses(step)).state for step in (0.4, 0.5)]
+    assert waiting == ["Ward off", "Guard"]
+
+
+def test_a_key_alone_does_not_strike_at_who_is_far_or_not_there() -> None:
+    far, alone = ({NEAR.gap: 1.2}, {})
+    for gaps in (far, alone):
+        assert advance(FIGHTER, begun(FIGHTER), Senses(0.1, gaps, keys=frozenset({"K"}))).state == "Guard"
+
+
+def test_what_plays_a_state_that_is_removed_begins_again() -> None:
+    assert advance(FIGHTER, Running("Nap", 3.0), Senses(0.1, clip_ended=True)) == Running("Guard")
+
+
+def test_what_has_to_be_measured_is_what_leads_away() -> None:
+    assert FIGHTER.gaps_from("Guard") == (NEAR.gap,)
+    assert FIGHTER.gaps_from("Strike") == ()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda: replace(FIGHTER, states=()), "needs a state to begin in"),
+        (lambda: replace(FIGHTER, start="Nap"), "would begin in 'Nap', which is none of its states"),
+        (lambda: replace(FIGHTER, states=(*FIGHTER.states, GUARD)), "two states are called 'Guard'"),
+        (
+            lambda: replace(FIGHTER, transitions=(Transition("Guard", "Nap", (NEAR,)),)),
+            "from 'Guard' to 'Nap' needs a state called 'Nap', and there is none",
+        ),
+        (lambda: replace(FIGHTER, cast=(Role("a"), Role("a", "b"))), "in one role only"),
+        (lambda: Role("a", "a"), "Nobody is its own partner"),
+        (lambda: Transition("Guard", "Strike", ()), "needs a condition"),
+        (lambda: Transition("Guard", "Strike", (NEAR,), -1.0), "a blend takes 0 to 5 seconds, got -1.0"),
+        (lambda: State("  "), "needs a name"),
+        (lambda: State("Nap", place=(float("nan"), 0.0)), "two finite numbers"),
+        (lambda: DistanceCondition(distance=-0.1), "zero or more, got -0.1"),
+        (lambda: TimeCondition(float("inf")), "zero or more seconds"),
+        (lambda: EventCondition(" "), "An event needs a name"),
+        (lambda: KeyCondition(""), "A key is a letter"),
+        (lambda: KeepDistance(distance=0.0), "more than zero"),
+        (lambda: KeepDistance(room=-1.0), "zero or more, got -1.0"),
+        (lambda: LeanAway(metres=0.0), "more than zero metres"),
+    ],
+)
+def test_what_cannot_be_is_told_in_a_sentence(wrong: object, words: str) -> None:
+    with pytest.raises(ValueError, match=words.replace("(", r"\(")):
+        wrong()  # type: ignore[operator]
+
+
+def test_manners_are_constraints_after_the_partner() -> None:
+    meet, lean, keep = Meet(), LeanAway(metres=0.3), KeepDistance()
+    first, second = asked_by((meet, lean, keep), "motion", "other", "Guard")
+    assert isinstance(first, PositionConstraint)
+    assert first.target == FollowPerformer("other", meet.whom.point)  # type: ignore[union-attr]
+    assert isinstance(second, AreaConstraint)
+    assert second.size[0] == pytest.approx(2 * lean.metres)
+    assert asked_by((meet, lean, keep), "motion", "", "Guard") == ()
+
+
+def test_a_project_of_before_there_were_behaviours_opens_with_none() -> None:
+    members: dict[str, object] = {}
+    record = json.loads(project_json(make_project(), members))  # type: ignore[arg-type]
+    del record["behaviours"]
+    read = project_of(record, lambda name: members[name])  # type: ignore[arg-type, return-value]
+    assert (read.losses, read.remarks) == ([], [])
+    assert not read.project.behaviours

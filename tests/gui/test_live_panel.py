@@ -1,0 +1,176 @@
+"""The Live panel: a body and a head come in, drive a performer and a prop, are recorded; what is shown goes out."""
+
+import socket
+import time
+
+import numpy as np
+import pytest
+
+from studio.core.normalized.realize import realize
+from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Prop
+from studio.io.character_file import bundled_characters
+from studio.live.osc import encode_message
+from studio.live.recording import read_recording
+from studio.live.streamer import packets_of
+from studio.live.tracker import Inbox, UdpInput
+from studio.live.vmc import TRACKER, posed
+from studio.viewport.eyes import PLAIN
+from tests.core.motions import walk
+from tests.gui.window_use import PATIENCE, same
+
+CHILD = bundled_characters()["child"].morphology
+
+
+@pytest.fixture
+def control(window, qtbot):
+    assert window.bench.live.wait(PATIENCE / 1000)
+    window.actions_by_id.by_id["live_panel"].trigger()
+    assert window.docks["Live"].isVisible()
+    window.live_control.listen(0)
+    return window.live_control
+
+
+def send(control, *packets):
+    port = control.sources["1"].feeder.port
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+        for packet in packets:
+            out.sendto(packet, ("127.0.0.1", port))
+
+
+def child_packets(frame=13):
+    positions, rotations = realize(walk(40)[0], CHILD)
+    return packets_of(positions[frame], rotations[frame], CHILD, 0.0)
+
+
+def cap(x):
+    """Unity's z is forward."""
+    return encode_message(TRACKER, ["Cap", 0.0, 1.5, x, 0.0, 0.0, 0.0, 1.0])
+
+
+def test_a_body_drives_a_performer_and_its_own_clips_play_again_after_it(control, window, qtbot):
+    document, live = window.bench.document, window.bench.live
+    key = document.active_performer_id
+    before, project = live.shown(key), document.project
+    control.drive(key, "1")
+    send(control, *child_packets())
+    qtbot.waitUntil(lambda: live.bring(0.0) and live.shown(key) is not before, timeout=PATIENCE)
+    height = live.shown(key).positions[0, before.morphology.layout.head_end, 2]
+    assert abs(height / before.morphology.stature - 1.0) < 0.2
+    assert document.project is project  # what comes in is no edit
+    control.close_source("1")
+    live.bring(0.0)
+    assert live.shown(key) is before
+    assert not control.drivers
+
+
+def test_a_tracked_head_moves_a_prop_and_all_of_it_is_one_undo_step(control, window, qtbot):
+    document = window.bench.document
+    prop_id = document.add("props", Prop("Target", (0.1, 0.1, 0.1), (0.5, 0.0, 1.0)), "Add Target")
+    before, steps = document.project, document.undo_stack.count()
+    control.track("1", "Cap", prop_id)
+    for x in (1.0, 1.2, 1.4):
+        send(control, cap(x))
+        qtbot.waitUntil(lambda x=x: abs(document.project.props[prop_id].position[0] - x) < 1e-6, timeout=PATIENCE)
+    assert document.project.props[prop_id].position == pytest.approx((1.4, 0.0, 1.5), abs=1e-6)
+    assert document.undo_stack.count() == steps + 1
+    document.undo_stack.undo()
+    assert same(document.project, before)
+
+
+def test_the_panel_tells_senders_and_counts_and_switches_them_off(control, window, qtbot):
+    panel = control.panel
+    send(control, cap(1.0), b"no packet at all")
+    qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.bad == 1, timeout=PATIENCE)
+    control.tell()
+    assert "1 packets taken, 1 bad" in panel.told.text()
+    [sender] = [panel.inputs.topLevelItem(0).child(0)]
+    assert sender.text(0) == "127.0.0.1"
+    sender.setCheckState(0, sender.checkState(0).Unchecked)
+    send(control, cap(2.0))
+    qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.strangers == 1, timeout=PATIENCE)
+
+
+def test_what_comes_is_recorded_and_replayed_as_a_source_of_its_own(control, window, qtbot, tmp_path):
+    said = []
+    window.bench.said.connect(said.append)
+    path = tmp_path / "take.osc"
+    control.record(path)
+    send(control, cap(1.0))
+    qtbot.waitUntil(lambda: control.recorder.count == 1, timeout=PATIENCE)
+    control.stop_recording()
+    assert said == ["take.osc holds 1 packets."]
+    assert len(list(read_recording(path))) == 1
+    control.replay(path)
+    qtbot.waitUntil(lambda: control.sources["2"].inbox.place(["Cap"]) is not None, timeout=PATIENCE)
+    control.replay(tmp_path / "none.osc")
+    assert len(said) == 2
+    assert control.panel.inputs.topLevelItemCount() == 2
+
+
+def test_a_port_that_is_taken_is_a_sentence_and_nothing_else(control, window):
+    said = []
+    window.bench.said.connect(said.append)
+    control.listen(control.sources["1"].feeder.port)
+    assert "Choose another port" in said[-1]
+    assert list(control.sources) == ["1"]
+
+
+def test_what_is_shown_goes_out_where_it_stands_on_the_stage(control, window, qtbot):
+    inbox = Inbox()
+    listener = UdpInput(inbox, 0)
+    try:
+        control.panel.out_port.show_value(listener.port)
+        window.actions_by_id.by_id["stream"].trigger()
+        qtbot.waitUntil(lambda: posed(inbox.bones()) is not None, timeout=PATIENCE)
+        key, performer = next(iter(window.bench.document.project.performers.items()))
+        shown = window.bench.live.shown(key)
+        there = Placement.of(performer).to_stage(shown.positions[0, 0])
+        assert np.linalg.norm(inbox.bones()["Hips"].place - there) < 1e-3
+        assert str(listener.port) in control.panel.out_told.text()
+        window.actions_by_id.by_id["stream"].trigger()
+        assert control.broadcast is None
+    finally:
+        listener.close()
+
+
+class SeenViewport:
+    """A 3D view that tells from where it is to look."""
+
+    sight = PLAIN
+
+    def set_sight(self, sight):
+        self.sight = sight
+
+    def show_soon(self):
+        """Nothing is drawn."""
+
+
+def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window, qtbot, monkeypatch):
+    said = []
+    window.bench.said.connect(said.append)
+    control.track_camera(True)
+    assert "No head is heard" in said[-1]
+    monkeypatch.setattr(window.bench, "viewport", SeenViewport())
+    control.panel.names.setText("Cap")
+    control.panel.head.show_value("1")
+    send(control, cap(1.0))
+    qtbot.waitUntil(lambda: control.sources["1"].inbox.place(["Cap"]) is not None, timeout=PATIENCE)
+    control.track_camera(True)
+    send(control, cap(1.1))
+    qtbot.waitUntil(lambda: window.bench.viewport.sight != PLAIN, timeout=PATIENCE)
+    assert window.bench.viewport.sight.head.back == pytest.approx(-0.1, abs=1e-6)  # nearer to the screen
+    control.track_camera(False)
+    assert window.bench.viewport.sight == PLAIN
+
+
+def test_a_flood_leaves_the_window_alive(control, window, qtbot):
+    packets, ticks, last = [*child_packets(), b"\xff" * 200], [], time.perf_counter()
+    control.drive(window.bench.document.active_performer_id, "1")
+    begun = time.perf_counter()
+    while time.perf_counter() - begun < 1.0:
+        send(control, *packets)
+        qtbot.wait(1)
+        ticks.append(time.perf_counter() - last)
+        last = time.perf_counter()
+    assert np.median(ticks) < 0.033

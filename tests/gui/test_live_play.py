@@ -1,0 +1,109 @@
+"""The stage plays live in the window: keys, edits and takes while it does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from studio.app.application import import_views, show_views
+from studio.core.constraints.keyed import KeyedPlace
+from studio.core.solver.adapt import place_of
+from studio.core.stage.behaviour import Behaviour, Role, State, Transition
+from studio.core.stage.conditions import KeyCondition
+from tests.live.test_live_stage import WRIST, clip_of, reaching, staged
+
+PATIENCE = 60_000
+PLACE = (0.4, -0.2, 1.1)
+
+
+@pytest.fixture
+def playing(window, qtbot):
+    """A window whose stage plays live."""
+    kick = clip_of("front_kick", 60, 200, 3.0)
+    project = staged(clip_of("straight_punch", 60, 200), kick, reach=reaching("straight_punch", PLACE))
+    ways = (Transition("guard", "kick", (KeyCondition("X"),)),)
+    states = (State("guard", clip_of("straight_punch", 60, 120)), State("kick", kick))
+    behaviour = Behaviour("Fighter", states, ways, cast=(Role("two"),))
+    two = replace(project.performers["one"], name="Two", position=(0.0, 2.0))
+    project = project.with_entity("performers", "two", two)
+    window.bench.document.new(replace(project, behaviours={"fighter": behaviour}))
+    import_views()
+    show_views(window)
+    window.bench.viewport.start()
+    assert window.bench.live.wait(100.0)
+    window.bench.document.selection.set(("performers", "one"))
+    window.actions_by_id.by_id["play_live"].trigger()
+    play = window.bench.live.play
+    qtbot.waitUntil(lambda: play.moment is not None and play.moment.seconds > 0.1, timeout=PATIENCE)
+    yield window
+    play.end()
+
+
+def press(window, key):
+    QTest.keyClick(window.bench.viewport, key)
+
+
+def test_keys_start_clips_of_the_selected_performer_and_escape_ends_it(playing, qtbot):
+    play, viewport = playing.bench.live.play, playing.bench.viewport
+    press(playing, Qt.Key.Key_2)
+    qtbot.waitUntil(lambda: viewport.posed["one"].motion_id == "front_kick", timeout=PATIENCE)
+    assert viewport.posed["two"].motion_id == "straight_punch"
+    assert playing.actions_by_id.by_id["play_live"].isChecked()
+    press(playing, Qt.Key.Key_Escape)
+    assert not play.running
+    qtbot.waitUntil(lambda: viewport.posed["one"].motion_id == "straight_punch", timeout=PATIENCE)
+    assert playing.bench.document.playhead.time == 0.0
+
+
+def test_a_behaviour_hears_keys_and_its_state_is_lit(playing, qtbot):
+    states = []
+    playing.bench.live.play.state_changed.connect(lambda key, state: states.append((key, state)))
+    press(playing, Qt.Key.Key_X)
+    qtbot.waitUntil(lambda: ("two", "kick") in states, timeout=PATIENCE)
+    assert playing.behaviour.diagram.running == {"two": "kick"}
+    press(playing, Qt.Key.Key_Escape)
+    assert playing.behaviour.diagram.running == {}
+
+
+def test_a_target_that_is_moved_while_it_plays_is_followed_and_kept_in_the_take(playing, qtbot):
+    document, play = playing.bench.document, playing.bench.live.play
+    press(playing, Qt.Key.Key_R)
+    assert play.recording
+    gesture = document.new_gesture()
+    for step in range(1, 11):
+        x, y, z = PLACE
+        place = (x, y + 0.02 * step, z)
+        asked = replace(document.project.constraints["reach"], target=place)
+        document.replace("constraints", "reach", asked, "Move target", gesture)
+        qtbot.wait(20)
+
+    def reached():
+        return np.linalg.norm(place_of(WRIST, play.moment.results["one"])[0] - place) < 2e-3
+
+    qtbot.waitUntil(reached, timeout=PATIENCE)
+    press(playing, Qt.Key.Key_R)
+    assert not play.recording
+    assert document.undo_stack.undoText() == "Record a take"
+    own = [each for key, each in document.project.constraints.items() if isinstance(each.target, KeyedPlace)]
+    assert own
+    press(playing, Qt.Key.Key_Escape)
+    assert playing.bench.live.wait(100.0)
+    document.undo_stack.undo()
+    assert document.project.constraints["reach"].target == place
+    assert len(document.project.performers["one"].clips) == 2
+
+
+def test_typing_into_a_field_is_typing_while_the_stage_plays(playing, qtbot):
+    field = playing.bench.timeline.transport.frame
+    field.setFocus()
+    field.selectAll()
+    QTest.keyClick(field, Qt.Key.Key_2)
+    assert field.text() == "2"
+    assert playing.bench.live.play.running
+
+
+def test_another_project_ends_it(playing):
+    playing.bench.document.new(staged(clip_of("straight_punch")))
+    assert not playing.bench.live.play.running

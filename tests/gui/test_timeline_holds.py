@@ -1,0 +1,62 @@
+"""When a prop is held, on the timeline and from the menu: picked up, put down, dragged."""
+
+import pytest
+from PySide6.QtCore import QPoint, QPointF
+
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.stage.prop import Carried, Prop
+from studio.timeline.hover import hover_text
+from tests.gui.hand import RATE, pixels
+
+FIRST = "performer 0"
+
+
+@pytest.fixture
+def box(document):
+    prop_id = document.add("props", Prop("Box", held=Carried(FIRST, begin=20 / RATE, end=80 / RATE)), "Add")
+    document.undo_stack.clear()
+    return prop_id
+
+
+def place(timeline, box, frame):
+    row = timeline.row_rect("props", box)
+    return QPoint(round(timeline.x_of_frame(frame)), row.center().y())
+
+
+def span(document, box):
+    held = document.project.props[box].held
+    return held.begin * RATE, held.end * RATE
+
+
+def test_the_bar_of_a_hold_is_moved_and_its_ends_dragged(document, timeline, hand, box):
+    hand.drag(place(timeline, box, 50), pixels(timeline, 7))
+    assert span(document, box) == pytest.approx((27, 87))
+    hand.drag(place(timeline, box, 27) + QPoint(1, 0), pixels(timeline, 10))
+    assert span(document, box) == pytest.approx((37, 87))
+    hand.drag(place(timeline, box, 87) - QPoint(1, 0), pixels(timeline, -70))
+    assert span(document, box) == pytest.approx((37, 37))
+    assert document.undo_stack.count() == 3
+    document.undo_stack.undo()
+    words = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place(timeline, box, 50)))
+    assert words.startswith("Box: held by")
+    assert ("props", box) in document.selection
+
+
+def test_a_prop_is_picked_up_and_put_down_at_the_playhead_from_the_menu(window):
+    document = window.bench.document
+    prop_id = document.add("props", Prop("Box"), "Add box")
+    performer_id = next(iter(document.project.performers))
+    document.selection.set(("performers", performer_id), ("props", prop_id))
+    document.playhead.pause()
+    document.playhead.set_time(0.2)
+    window.actions_by_id.by_id["pick_up_prop"].trigger()
+    assert document.project.props[prop_id].held.begin == pytest.approx(0.2, abs=0.02)
+    asked = [each for each in document.project.constraints.values() if " on box" in each.name]
+    assert len(asked) == 4
+    document.selection.set(("performers", performer_id), ("props", prop_id))
+    document.playhead.set_time(0.4)
+    window.actions_by_id.by_id["put_down_prop"].trigger()
+    assert document.project.props[prop_id].held.end == pytest.approx(0.4, abs=0.02)
+    curves = [each.activation for each in document.project.constraints.values() if " on box" in each.name]
+    assert all(isinstance(each, ActivationCurve) and each.full_end == pytest.approx(0.4, abs=0.02) for each in curves)
+    assert len({each.full for each in curves}) == 1

@@ -1,0 +1,161 @@
+"""What comes in live: a body on another one with what is asked of it, senders, floods, recordings, and the way out."""
+
+import socket
+import time
+
+import numpy as np
+import pytest
+
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.errors import StudioError
+from studio.core.normalized.realize import realize
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptRequest
+from studio.io.character_file import bundled_characters
+from studio.live import tracker
+from studio.live.driving import ReceivedPose, driven
+from studio.live.osc import encode_message
+from studio.live.recording import Recorder, Replay, read_recording
+from studio.live.streamer import Broadcast, Shown, packets_of
+from studio.live.tracker import Inbox, UdpInput
+from studio.live.vmc import TRACKER
+from tests.core.motions import walk
+
+BODIES = {name: character.morphology for name, character in bundled_characters().items()}
+CHILD, GIANT = BODIES["child"], BODIES["giant"]
+WALK = walk(40)[0]
+WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
+
+
+def child_inbox(frame=13):
+    inbox, (positions, rotations) = Inbox(), realize(WALK, CHILD)
+    for packet in packets_of(positions[frame], rotations[frame], CHILD, 0.0):
+        inbox.feed(packet)
+    return inbox
+
+
+def eventually(test):
+    until = time.monotonic() + 10.0
+    while not test() and time.monotonic() < until:
+        time.sleep(0.005)
+    return test()
+
+
+def marker(x):
+    return encode_message(TRACKER, ["Cap", x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+
+
+def test_a_body_that_comes_in_plays_on_another_as_its_capture_would():
+    pose = ReceivedPose(child_inbox())()
+    shown = driven(AdaptRequest(WALK, GIANT), 13, pose)
+    ankle = GIANT.layout.ankle(0)
+    there = adapt(AdaptRequest(WALK, GIANT)).positions[13]
+    assert shown.first_frame == 13
+    assert np.linalg.norm(shown.positions[0, ankle] - there[ankle]) < 0.01 * GIANT.leg_length
+    assert np.linalg.norm(shown.positions[0, 0] - there[0]) < 0.01 * GIANT.leg_length
+
+
+@pytest.mark.parametrize(("frame", "held"), [(20, True), (35, False)])
+def test_what_is_asked_at_that_moment_is_asked_of_it(frame, held):
+    place = realize(WALK, GIANT)[0][20, GIANT.layout.wrist(1)] + [0.1, 0.0, 0.1]
+    curve = ActivationCurve(*(each / WALK.frame_rate for each in (15, 18, 22, 25)))
+    asked = PositionConstraint("walk", "Wrist", WRIST, Chain(trunk=1.0), 0, curve, target=tuple(place.tolist()))
+    shown = driven(AdaptRequest(WALK, GIANT, constraints=(asked,)), frame, ReceivedPose(child_inbox(20))())
+    missed = np.linalg.norm(shown.positions[0, GIANT.layout.wrist(1)] - place)
+    assert (missed < 1e-3) == held
+
+
+def test_a_body_whose_bones_are_missing_is_none():
+    inbox = Inbox()
+    inbox.feed(marker(1.0))
+    assert ReceivedPose(inbox)() is None
+
+
+def test_a_sender_is_noted_before_it_is_heard_and_heard_once_it_is_switched_on():
+    inbox = Inbox()
+    listener = UdpInput(inbox, 0, senders=[])
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            out.sendto(marker(1.0), ("127.0.0.1", listener.port))
+            assert eventually(lambda: "127.0.0.1" in listener.senders)
+            assert inbox.place(["Cap"]) is None
+            listener.senders["127.0.0.1"].on = True
+            out.sendto(marker(1.0), ("127.0.0.1", listener.port))
+            assert eventually(lambda: inbox.place(["Cap"]) is not None)
+        assert listener.senders["127.0.0.1"].packets == 2
+    finally:
+        listener.close()
+
+
+def test_a_flood_is_taken_no_faster_than_a_window_can_bear():
+    inbox = Inbox()
+    listener = UdpInput(inbox, 0)
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            begun = time.monotonic()
+            while time.monotonic() - begun < 0.5:
+                out.sendto(b"x" * 64, ("127.0.0.1", listener.port))
+            seconds = time.monotonic() - begun
+        most = tracker.MOST_A_SLICE * (seconds / tracker.SLICE + 2)
+        assert 0 < inbox.counts.bad <= most
+    finally:
+        listener.close()
+
+
+def test_what_is_recorded_is_what_came_and_is_replayed(tmp_path):
+    path, inbox = tmp_path / "session.osc", Inbox()
+    recorder, listener = Recorder(path), UdpInput(inbox, 0)
+    listener.kept = recorder.keep
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            for x in (1.0, 2.0):
+                out.sendto(marker(x), ("127.0.0.1", listener.port))
+                time.sleep(0.02)
+            assert eventually(lambda: recorder.count == 2)
+    finally:
+        listener.close()
+        recorder.close()
+    assert [packet for _, packet in read_recording(path)] == [marker(1.0), marker(2.0)]
+    again = Inbox()
+    replay = Replay(path, again)
+    try:
+        assert eventually(lambda: again.counts.taken >= 4)  # it begins anew at its end
+    finally:
+        replay.close()
+    assert abs(again.place(["Cap"])[1]) in (1.0, 2.0)
+
+
+def test_an_empty_or_damaged_recording_is_refused_before_anything_is_fed(tmp_path):
+    path, inbox = tmp_path / "session.osc", Inbox()
+    Recorder(path).close()
+    with pytest.raises(StudioError, match="no datagrams"):
+        Replay(path, inbox)
+    path.write_bytes(b"nothing of that kind")
+    with pytest.raises(StudioError, match="no recording"):
+        Replay(path, inbox)
+    with pytest.raises(StudioError, match="Choose another place"):
+        Recorder(tmp_path / "no such folder" / "session.osc")
+
+
+def test_several_bodies_go_out_each_to_its_own_port_and_who_cannot_be_reached_is_told():
+    inboxes = Inbox(), Inbox()
+    listeners = [UdpInput(inbox, 0) for inbox in inboxes]
+    out = Broadcast()
+    bodies = [
+        Shown(listener.port, *(part[13] for part in realize(WALK, body)), body)
+        for listener, body in zip(listeners, (CHILD, GIANT), strict=True)
+    ]
+    try:
+        out.show(bodies, 0.0)
+        assert eventually(lambda: all(ReceivedPose(inbox)() is not None for inbox in inboxes))
+        heights = [inbox.place(["Head"])[2] for inbox in inboxes]
+        assert heights[0] < heights[1]
+        out.address = "not an address"
+        assert eventually(lambda: out.show(bodies, 0.0) or "Nothing can be sent" in out.problem)
+    finally:
+        out.close()
+        for listener in listeners:
+            listener.close()

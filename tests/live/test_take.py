@@ -1,0 +1,128 @@
+"""What was played live, kept as clips: the timeline plays it as it was seen."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.core.constraints.keyed import KeyedPlace
+from studio.core.project import Project, new_id
+from studio.core.solver.adapt import adapt
+from studio.core.solver.performers.performing import motion_of, perform
+from studio.core.stage.scope import Scope
+from studio.live.stage import LiveStage
+from studio.live.take import Take, edits_of
+from tests.live.test_live_stage import STEP, WRIST, clip_of, prepare, reaching, staged
+
+
+def with_take(project: Project, take: Take) -> Project:
+    made = edits_of(take, project, lambda motion_id: motion_of(project, motion_id, prepare), iter(new_id, ""))
+    for collection, key, entity in made:
+        project = project.with_entity(collection, key, entity)
+    return project
+
+
+class Play:
+    """Plays and records; what was seen, and at which seconds of the stage."""
+
+    def __init__(self, project: Project) -> None:
+        one = replace(project.performers["one"], clears=False)  # live, arms are not kept clear of what they are asked
+        self.stage = LiveStage(project.with_entity("performers", "one", one), prepare)
+        self.seen: list[tuple[float, np.ndarray]] = []
+
+    def step(self, count: int = 1, dt: float = STEP) -> None:
+        for _ in range(count):
+            result = self.stage.step(dt)["one"]
+            self.seen.append((self.stage.seconds, result.positions[0]))
+
+    def misses(self) -> np.ndarray:
+        """(F,) metres by which any point is elsewhere when the timeline plays the take."""
+        take = self.stage.recorded()
+        assert take is not None
+        project = with_take(self.stage.project, take)
+        made = perform(project, ["one"], prepare, lambda request: adapt(replace(request, eased=False)))
+        one = made.performances["one"]
+        timing = one.composite.timing
+        frames = [(round(timing.frame_at(seconds)), seen) for seconds, seen in self.seen if seconds >= take.begin]
+        self.taken = project
+        return np.array([np.abs(one.adapted.positions[frame] - seen).max() for frame, seen in frames])
+
+
+def test_a_row_that_nobody_touched_is_recorded_as_it_is():
+    play = Play(staged(clip_of("walk_turn", 100, 160), clip_of("front_kick", 60, 120, 0.9)))
+    play.step(1, 0.0)
+    play.stage.record()
+    play.step(80)
+    assert play.misses().max() < 1e-6
+
+
+def test_a_take_is_as_it_was_seen_before_and_after_what_was_improvised():
+    play = Play(staged(clip_of("straight_punch", 60)))
+    play.step(1, 0.0)
+    play.stage.record()
+    play.step(40)
+    play.stage.start("one", clip_of("front_kick", 64))
+    play.step(140)
+    misses = play.misses()
+    assert misses[:30].max() < 5e-3
+    assert misses[100:].max() < 5e-3
+    assert misses.max() < 0.06  # nobody knew of what was to come
+
+
+def test_the_clips_of_a_take_are_where_and_when_they_played():
+    play = Play(staged(clip_of("reach_grasp", 60)))
+    play.step(1, 0.0)
+    play.step(30)
+    play.stage.record()
+    play.step(30)
+    play.stage.start("one", clip_of("front_kick", 120))
+    play.step(30)
+    play.misses()
+    first, second = play.taken.performers["one"].clips
+    assert (first.motion_id, first.first, first.last) == ("reach_grasp", 60, 120)
+    assert (second.motion_id, second.first) == ("front_kick", 120)
+    assert second.start == pytest.approx(61 * STEP)
+
+
+def test_a_target_that_was_moved_is_keyed_in_the_clip():
+    project = staged(clip_of("straight_punch", 60), reach=reaching("straight_punch", (0.4, -0.2, 1.1)))
+    play = Play(project)
+    play.step(1, 0.0)
+    play.stage.record()
+    for step in range(30):
+        place = (0.4, -0.2 + 0.01 * step, 1.1)
+        asked = reaching("straight_punch", place)
+        play.stage.project = play.stage.project.with_entity("constraints", "reach", asked)
+        play.step()
+    misses = play.misses()
+    assert isinstance(play.taken.constraints["reach"].target, KeyedPlace)
+    assert misses[1:-12].max() < 5e-3  # at the end of a clip what is asked goes
+
+
+def test_a_clip_that_played_twice_has_its_target_in_each_of_its_clips():
+    project = staged(clip_of("straight_punch", 60), reach=reaching("straight_punch", (0.4, -0.2, 1.1)))
+    play = Play(project)
+    play.step(1, 0.0)
+    play.stage.record()
+    play.step(20)
+    play.stage.start("one", clip_of("straight_punch", 100))
+    play.step(20)
+    asked = reaching("straight_punch", (0.4, 0.0, 1.2))
+    play.stage.project = play.stage.project.with_entity("constraints", "reach", asked)
+    play.step(20)
+    play.misses()
+    asked = play.taken.constraints
+    assert not asked["reach"].enabled
+    clips = {clip.id for clip in play.taken.performers["one"].clips}
+    assert {each.scope.clip_id for key, each in asked.items() if key != "reach"} == clips
+
+
+def test_what_was_asked_of_a_clip_alone_is_asked_of_what_was_recorded_of_it():
+    own = reaching("straight_punch", (0.4, -0.2, 1.1), scope=Scope(clip_id="straight_punch clip"))
+    play = Play(staged(clip_of("straight_punch", 60), reach=own))
+    play.step(1, 0.0)
+    play.stage.record()
+    play.step(30)
+    play.misses()
+    [clip] = play.taken.performers["one"].clips
+    assert any(each.scope.clip_id == clip.id and each.point == WRIST for each in play.taken.constraints.values())

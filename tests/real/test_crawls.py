@@ -1,0 +1,95 @@
+"""Real crawls and planks: bodies keep the posture of who performed them, and do not fall on their bellies."""
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from studio.core.body.morphology import Morphology
+from studio.core.captures.contacts import ContactPoint, contact_mask
+from studio.core.grounds.ground import Ground
+from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.quality.motion_quality import motion_quality, rises
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.source import source_motion
+from studio.core.solver.standing.footing import freedom
+from studio.io.character_file import bundled_characters
+from studio.io.importing import load_capture
+from tests.conftest import CAPTURES
+from tests.real.taken import contacts_of
+
+BODIES: dict[str, Morphology | None] = {
+    "actor": None,
+    **{name: character.morphology for name, character in bundled_characters().items()},
+}
+FILES = {
+    "plank": ("more_captures/accad_female1_D4_RandomStuff.bvh", 254, 271),
+    "on the belly": ("more_captures/accad_male2_A11_Crawl.bvh", 0, 372),
+    "on all fours": ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 0, 500),
+}
+
+
+def _path(kind: str) -> Path:
+    path = CAPTURES.parent / FILES[kind][0]
+    if not path.is_file():
+        pytest.skip(f"{path.name} is not here ({path.parent})")
+    return path
+
+
+@lru_cache
+def _adapted(kind: str) -> tuple[AdaptedMotion, dict[str, AdaptedMotion], float]:
+    """The source, the adapted motions, and the greatest jump of them all."""
+    capture = load_capture(_path(kind))
+    motion, actor = normalize(capture)
+    contacts, source = contacts_of(capture), source_motion(motion, actor)
+    adapted = {name: adapt(AdaptRequest(motion, body or actor.morphology, contacts)) for name, body in BODIES.items()}
+    jumps = [motion_quality(each, source, contacts, Ground(), capture.first_frame).jump for each in adapted.values()]
+    return source, adapted, max(jumps)
+
+
+def _turned(kind: str, name: str) -> NDArray[np.float64]:
+    """(F, 9) degrees by which trunk, arms and legs rise otherwise than the source's, in the frames of that kind."""
+    source, adapted, _ = _adapted(kind)
+    _, first, last = FILES[kind]
+    return np.asarray(np.degrees(np.abs(rises(adapted[name]) - rises(source)))[first : last + 1])
+
+
+@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("kind", FILES)
+def test_trunk_and_legs_keep_their_posture(captures: Path, kind: str, name: str) -> None:
+    """A knee that is dragged along and a leg that lies back pull nobody to the ground."""
+    turned = _turned(kind, name)
+    assert turned[:, 0].max() < 10.0
+    assert turned[:, 5:].max() < 26.0
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_nothing_jumps(captures: Path, kind: str) -> None:
+    assert _adapted(kind)[2] < 2.2
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_elbows_of_arms_that_reach_ahead_stay_out_of_the_ground(captures: Path, name: str) -> None:
+    """On bodies with longer arms they hung into it."""
+    _, adapted, _ = _adapted("on all fours")
+    found = capture_contacts(load_capture(_path("on all fours")))
+    positions, layout = adapted[name].positions, adapted[name].morphology.layout
+    for side, hand in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
+        free = freedom(contact_mask(found[hand], len(positions)), adapted[name].frame_rate) == 1.0
+        assert positions[free, layout.wrist(side) - 1, 2].min() > -0.005
+
+
+def test_a_knee_that_is_dragged_along_does_not_stand(captures: Path) -> None:
+    found = capture_contacts(load_capture(_path("on the belly")))
+    knees = [*found[ContactPoint.LEFT_KNEE], *found[ContactPoint.RIGHT_KNEE]]
+    assert all(last - first > 8 for first, last in knees)
+
+
+def test_toes_stand_through_a_plank(captures: Path) -> None:
+    """Though a knee comes down for a moment."""
+    found = capture_contacts(load_capture(_path("plank")))
+    for toe in (ContactPoint.LEFT_TOE, ContactPoint.RIGHT_TOE):
+        assert any(first <= 254 and last >= 271 for first, last in found[toe])

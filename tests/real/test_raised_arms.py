@@ -1,0 +1,42 @@
+"""Hands that the actor has above the floor do not sink into it on bodies with longer arms."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.core.grounds.ground import Ground
+from studio.core.quality.metrics import acceleration_ratio
+from studio.core.solver.adapt import adapt, standing_of
+from studio.core.solver.request import AdaptRequest
+from studio.core.solver.source import source_motion
+from studio.core.solver.standing.raised_arms import raise_arms
+from studio.io.character_file import bundled_characters
+from tests.real.taken import contacts_of, named, taken
+
+BODIES = bundled_characters()
+LOW = "accad_female1_A05_PickUpBox", "accad_female1_B21_PutDownBoxToWalk", "accad_female1_A08_CrouchToLie"
+
+
+@pytest.mark.parametrize("stem", LOW)
+@pytest.mark.parametrize("name", BODIES)
+def test_no_hand_is_below_the_floor_and_none_snaps(captures: Path, stem: str, name: str) -> None:
+    capture, motion, actor = taken(named(stem))
+    body, first = BODIES[name].morphology, capture.first_frame
+    adapted = adapt(AdaptRequest(motion, body, contacts_of(capture)), first)
+    for side in range(2):
+        wrist = body.layout.wrist(side)
+        assert adapted.positions[:, wrist : wrist + 2, 2].min() > -0.005
+    assert acceleration_ratio(adapted, source_motion(motion, actor)) < 2.5
+
+
+def test_hands_high_above_the_ground_are_left_as_they_are(captures: Path) -> None:
+    capture, motion, _ = taken(named("accad_female1_B03_Walk1"))
+    body = BODIES["giant"].morphology
+    standing = standing_of(AdaptRequest(motion, body, contacts_of(capture)))
+    positions, rotations = standing.positions.copy(), standing.rotations.copy()
+    raise_arms(body, Ground(), None, motion.frame_rate, positions, rotations)
+    assert np.array_equal(positions, standing.positions)
+    assert np.array_equal(rotations, standing.rotations)
+    raise_arms(body, Ground(1.2 * body.leg_length), None, motion.frame_rate, positions, rotations)
+    assert not np.array_equal(positions, standing.positions)
