@@ -41,9 +41,10 @@ class RuledPlace:
 
     def at(self, times: ArrayLike) -> FloatArray:
         """(N, 3) metres at ``times`` (N,) seconds."""
-        way = self._way((np.asarray(times, dtype=np.float64) - self.since) / self.seconds)
+        x, y, z = self._way((np.asarray(times, dtype=np.float64) - self.since) / self.seconds).T
         c, s = math.cos(self.heading), math.sin(self.heading)
-        return np.asarray(way @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + self.centre)
+        # No matrix product: on some processors that rounds one row otherwise than many.
+        return np.stack([c * x - s * y, s * x + c * y, z], axis=-1) + self.centre
 
     def path(self, time: float) -> FloatArray:
         """(N, 3) the way round ``time``."""
