@@ -13,7 +13,7 @@ from typing import Any
 from studio import __version__
 from studio.cli.process import prepare_process
 from studio.core.errors import StudioError
-from studio.io.beside import refuse_devices
+from studio.io.beside import read_bytes
 from studio.io.registry import known_formats
 
 Record = dict[str, Any]
@@ -58,7 +58,7 @@ def find_jobs(source: Path, out: Path, arguments: Mapping[str, Any]) -> list[Job
     for path in captures:
         name = path.relative_to(source)
         folder = out / (name if stems[path.with_suffix("")] > 1 else name.parent)
-        content, report = _content(path), out / REPORTS / f"{name}.json"
+        content, report = read_bytes(path), out / REPORTS / f"{name}.json"
         digest = hashlib.sha256(asked + content).hexdigest()
         places = path.resolve(), folder.resolve(), report.resolve()
         jobs.append(Job(name.as_posix(), *places, len(content), digest, arguments))
@@ -111,21 +111,13 @@ def died(job: Job) -> Record:
 def _digest_of_asked(arguments: Mapping[str, Any]) -> bytes:
     digest = hashlib.sha256(f"{__version__} {sorted((key, str(value)) for key, value in arguments.items())}".encode())
     for path in _files(arguments):
-        digest.update(_content(path))
+        digest.update(read_bytes(path))
     return digest.digest()
 
 
 def _files(arguments: Mapping[str, Any]) -> Iterator[Path]:
     yield from (Path(arguments[key]) for key in FILES_ASKED_FOR if arguments[key])
     yield from (Path(name) for name in arguments["character"] if Path(name).is_file())
-
-
-def _content(path: Path) -> bytes:
-    refuse_devices(path)
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise StudioError(f"{path} could not be read: {error.strerror}. Check the file and try again.") from error
 
 
 def _hash(path: Path) -> str:

@@ -5,9 +5,8 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, Step, UndoSwaps
-from studio.io.beside import refuse_devices
 from studio.io.importing import ImportOptions
-from studio.io.json_text import json_of
+from studio.io.json_text import read_json
 from studio.io.marker_maps import read_map
 
 
@@ -84,13 +83,7 @@ def _marker_steps(arguments: Namespace) -> tuple[Step, ...] | None:
 
 
 def _read_body_map(path: Path) -> dict[str, str]:
-    refuse_devices(path)
-    try:
-        names = json_of(path.read_bytes())
-    except OSError as error:
-        raise StudioError(f"{path} cannot be read: {error.strerror}.") from error
-    except ValueError as error:
-        raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
+    names = read_json(path)
     if not isinstance(names, dict) or not all(isinstance(name, str) for name in names.values()):
         raise StudioError(f'{path}: a body map is a record of joints by part, {{"pelvis": "Hips", ...}}.')
     return names

@@ -12,7 +12,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.kernels.body import channels as kernel
-from studio.io.beside import refuse_devices
+from studio.io.beside import read_bytes
 from studio.io.bvh_hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh_spelling import plainly_spelled
 from studio.io.bvh_writer import write_bvh
@@ -141,14 +141,7 @@ def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[
 
 
 def _content(path: Path) -> bytes:
-    refuse_devices(path)
-    try:
-        size = path.stat().st_size
-        if size > _LARGEST_FILE:
-            raise StudioError(f"{path.name} is {size >> 20} MB large; at most {_LARGEST_FILE >> 20} MB are read.")
-        content = path.read_bytes()
-    except OSError as error:
-        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
+    content = read_bytes(path, _LARGEST_FILE)
     if not content or content.isspace():
         raise StudioError(f"{path.name} is empty. Export it again.")
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
-from studio.io.beside import refuse_devices
+from studio.io.beside import read_bytes
 from studio.io.c3d_contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
 from studio.io.c3d_parameters import BLOCK, Numbers, Parameters, read_parameters
 
@@ -99,14 +99,7 @@ def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
 
 
 def _content(path: Path) -> bytes:
-    refuse_devices(path)
-    try:
-        size = path.stat().st_size
-        if size > _LARGEST_FILE:
-            raise StudioError(f"{path.name} is {size >> 20} MB large; at most {_LARGEST_FILE >> 20} MB are read.")
-        content = path.read_bytes()
-    except OSError as error:
-        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
+    content = read_bytes(path, _LARGEST_FILE)
     if not content:
         raise StudioError(f"{path.name} is empty. Export it again.")
     if len(content) < BLOCK:

@@ -28,9 +28,8 @@ from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.stage.prop import Prop
-from studio.io.beside import refuse_devices
 from studio.io.entity_json import Members, entity_of, entity_record
-from studio.io.json_text import json_of
+from studio.io.json_text import read_json
 from studio.io.mesh_file import read_mesh_beside
 from studio.io.value_json import Json, unknown_fields
 
@@ -55,7 +54,7 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
 
     Raises StudioError naming file and member.
     """
-    record = parsed(path)
+    record = read_json(path)  # NaN passes here, and each member refuses it under its name
     if not isinstance(record, dict) or not isinstance(record.get("constraints", []), list):
         raise StudioError(f"{path}: expected a record with a list called 'constraints'.")
     if strange := sorted(record.keys() - set(_MEMBERS)):
@@ -76,17 +75,6 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
             if isinstance(follow, FollowProp) and follow.prop_id not in props:
                 raise StudioError(f"{path}: '{constraint.name}' follows prop '{follow.prop_id}', which is not there.")
     return ConstraintFile(tuple(constraints), contacts, props)
-
-
-def parsed(path: Path) -> Json:
-    """The JSON in a file. Raises StudioError naming it."""
-    refuse_devices(path)
-    try:
-        return json_of(path.read_bytes())  # NaN passes here, and each member refuses it under its name
-    except OSError as error:
-        raise StudioError(f"{path} cannot be read: {error.strerror}.") from error
-    except ValueError as error:
-        raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
 
 
 def constraint_record(constraint: Constraint) -> Json:

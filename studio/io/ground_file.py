@@ -9,8 +9,9 @@ from pathlib import Path
 from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
-from studio.io.constraint_file import parsed, too_large
+from studio.io.constraint_file import too_large
 from studio.io.entity_json import entity_of
+from studio.io.json_text import read_json
 from studio.io.mesh_file import read_mesh_beside
 from studio.io.value_json import Json, unknown_fields
 
@@ -19,7 +20,7 @@ _HEADER = {"kind", "id", "schema"}
 
 def read_ground(path: Path) -> Ground:
     """The ground that the file describes. Raises StudioError naming file and member."""
-    record = parsed(path)
+    record = read_json(path)
     if not isinstance(record, dict):
         raise StudioError(f"{path}: expected a record of a ground, with its 'kind'.")
     record = {"kind": Ground.kind, **record}

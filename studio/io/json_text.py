@@ -2,9 +2,13 @@
 
 import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from studio.core.errors import StudioError
+from studio.io.beside import LARGEST, read_bytes
 
 Parse = Callable[[str], Any]
 
@@ -14,6 +18,15 @@ LONGEST_NUMBER = 1000
 """Digits of a whole number."""
 _OPENING, _CLOSING = np.zeros((2, 256), dtype=np.int32)
 _OPENING[list(b"[{")] = _CLOSING[list(b"]}")] = 1
+
+
+def read_json(path: Path, largest: int = LARGEST) -> Any:
+    """The JSON in an ordinary file of at most ``largest`` bytes. Raises StudioError naming it."""
+    content = read_bytes(path, largest)
+    try:
+        return json_of(content)
+    except ValueError as error:
+        raise StudioError(f"{path} is not readable as JSON: {error}. Correct it there.") from error
 
 
 def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Parse | None = None) -> Any:

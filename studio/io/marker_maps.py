@@ -12,8 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.trial import MARKER, VIRTUAL, Trial, subject_of
-from studio.io.beside import refuse_devices
-from studio.io.json_text import json_of
+from studio.io.json_text import read_json
 from studio.io.replacing import write_whole
 from studio.resources_folder import resources_folder
 
@@ -83,15 +82,7 @@ def maps_folder() -> Path:
 
 def read_map(path: Path) -> MarkerMap:
     """The map in a JSON file; raises StudioError with the file and what to do."""
-    refuse_devices(path)
-    try:
-        if path.stat().st_size > _LARGEST:
-            raise StudioError(f"{path.name} is too large to be a marker map. Choose another file.")
-        record = json_of(path.read_bytes())
-    except OSError as error:
-        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
-    except ValueError as error:
-        raise StudioError(f"{path.name} is not readable as JSON: {error}. Correct it there.") from error
+    record = read_json(path, _LARGEST)
     try:
         return map_of(record)
     except (StudioError, KeyError, TypeError, AttributeError, ValueError) as error:
