@@ -324,7 +324,7 @@ def test_who_follows_another_follows_where_that_one_is_placed(capsys, walk, tmp_
         (["--place", "giant", "0", "0", "0"], "--place giant: no such character takes part. Those that do: child."),
         (["--place", "child", "0", "north", "0"], "say two lengths in metres and degrees"),
         (["--place", "child", "0", "nan", "0"], "say two lengths in metres and degrees"),
-        (["--ground", "none.json"], "none.json cannot be read"),
+        (["--ground", "none.json"], "none.json could not be read"),
     ],
 )
 def test_a_place_or_a_ground_that_is_none_is_a_sentence(capsys, walk, tmp_path, options, sentence):
