@@ -5,8 +5,6 @@ Times are processor time of one thread: what is made beside the animation in a s
 
 import sys
 import time
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +13,10 @@ from benchmarks.report import table as markdown
 from studio.cli.live import guard_of, rehearse, swaying
 from studio.core.body.morphology import Morphology
 from studio.io.character_file import bundled_characters
-from studio.library.catalogue import Catalogue
-from studio.library.indexing import index
+from studio.library.indexing import bundled_library
 from studio.library.library import Library
 from studio.live.fight import ANY_STRIKE, ORDERS, FightReport, fight, orders_every
 from studio.live.fighter import Fighter
-from studio.resources_folder import bundled_strikes_folder
 
 SECONDS, EVERY = 60.0, 1.5
 BODIES = ("child", "adult_woman", "giant")
@@ -47,10 +43,7 @@ def main(arguments: list[str]) -> None:
 
 def fights(seconds: float = SECONDS) -> str:
     """A row for each of three bodies: strikes, misses, and times of the thread that did all of it."""
-    with TemporaryDirectory() as place, Catalogue(Path(place)) as catalogue:
-        index(catalogue, [bundled_strikes_folder()])
-        library = Library.of(catalogue)
-    characters = bundled_characters()
+    library, characters = bundled_library(), bundled_characters()
     return markdown(TITLES, [_row(name, fought(library, characters[name].morphology, seconds)) for name in BODIES])
 
 

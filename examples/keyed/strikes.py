@@ -335,7 +335,16 @@ STRIKES: Mapping[str, Punch | Kick] = {
     "front_leg_high": Kick(0, 100.0, seed=6),
     "rear_leg_low": Kick(1, 68.0, pace=0.9, seed=7),
     "rear_leg_high": Kick(1, 106.0, pace=1.1, seed=8),
+    "jab_middle": Punch(0, (0.82, 0.0, 1.27), pace=0.95, seed=9),
+    "jab_far_step": Punch(0, (1.12, -0.02, 1.36), step=0.36, sink=0.04, pace=1.25, seed=10),
+    "cross_above": Punch(1, (0.82, 0.0, 1.66), pace=0.95, seed=11),
+    "cross_middle_step": Punch(1, (1.02, 0.02, 1.27), step=0.18, sink=0.04, pace=1.15, seed=12),
+    "front_leg_middle": Kick(0, 84.0, pace=0.95, seed=13),
+    "rear_leg_middle": Kick(1, 88.0, seed=15),
 }
 """By name; half of them are performed by each actor."""
-SECOND_ACTOR = ("jab_low_step", "cross_high_step", "front_leg_low", "rear_leg_high")
+SECOND_ACTOR = (
+    *("jab_low_step", "cross_high_step", "front_leg_low", "rear_leg_high"),
+    *("jab_middle", "cross_middle_step", "rear_leg_middle"),
+)
 """Those of the small actor; the others are of the one of ``performer``."""

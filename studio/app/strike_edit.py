@@ -11,15 +11,11 @@ from numpy.typing import NDArray
 from studio.app.importing import ReadMotion, add_motion
 from studio.app.strike_target import StrikeTarget
 from studio.app.workbench import Workbench
-from studio.core.constraints.activation import ActivationCurve
-from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import Place
 from studio.core.errors import StudioError
 from studio.core.project import Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.placement import Placement
-from studio.core.stage.scope import Scope
-from studio.library.clips import hit_point
 
 # Here and below: what searches loads the solver, which takes longer than a window.
 if TYPE_CHECKING:
@@ -49,7 +45,7 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
 
     Raises StudioError where body or target are gone, and nothing has changed.
     """
-    from studio.library.striking import EASED_IN
+    from studio.library.striking import EASED_IN, aimed
 
     document, found, key = bench.document, wish.found, wish.performer_id
     project = document.project
@@ -117,16 +113,3 @@ def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]
         else:
             kept.append(replace(clip, last=clip.first + int((time - clip.start) * rate)))
     return tuple(kept)
-
-
-def aimed(found: "Result", clip: Clip, target: Place, body: "Morphology") -> PositionConstraint:
-    """What drives a clip to a target: nothing at its start, all of it at the hit, in seconds of its motion."""
-    from studio.library.striking import CHAIN, HOLD
-
-    label, rate = found.clip.label, found.clip.take.motion.frame_rate
-    hit = found.hit / rate
-    end = max(min(hit + found.seconds, label.last / rate), hit + 2 * HOLD)
-    curve = ActivationCurve(found.start / rate, hit - HOLD, hit + HOLD, end)
-    point = hit_point(label.limb, label.segment, body)
-    name = f"{label.limb.words.capitalize()} {label.kind}"
-    return PositionConstraint(clip.motion_id, name, point, CHAIN, 0, curve, target=target, scope=Scope(clip_id=clip.id))

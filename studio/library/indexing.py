@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from studio.library.assistant import propose
 from studio.library.catalogue import Catalogue, FileState
 from studio.library.clips import ClipLabel
 from studio.library.hitting import HitPath, hit_path
+from studio.library.library import Library
+from studio.resources_folder import bundled_strikes_folder
 
 Progress = Callable[[float, str], object]
 """Hears a share from 0 to 1 and what is being done; it raises to cancel."""
@@ -62,6 +65,13 @@ def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = la
             problems[str(path)] = before.problem
     progress(1.0, "")
     return IndexReport(read, len(paths) - read, len(gone), problems)
+
+
+def bundled_library() -> Library:
+    """The strikes that come with the studio, read anew."""
+    with TemporaryDirectory(ignore_cleanup_errors=True) as place, Catalogue(Path(place)) as catalogue:
+        index(catalogue, [bundled_strikes_folder()])
+        return Library.of(catalogue)
 
 
 def captures_in(folder: Path) -> list[Path]:

@@ -21,6 +21,8 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
 from studio.core.solver.adapt import adapt, hold, stand
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.stage.clip import Clip
+from studio.core.stage.scope import Scope
 from studio.library.clips import ClipLabel, hit_point
 from studio.library.searching import Asked, Result, metres
 
@@ -132,6 +134,17 @@ def missed_by(found: Result, asked: Asked) -> float:
     made = make_strike(Piece(held, (), 0, last), last, Blow.of(found), asked.body, (x, y, z))
     standing = stand(made.composite.motion, asked.body, made.composite.contacts, Ground())
     return float(hold(standing, [made.constraint], made.hit, made.hit).residuals[0, 0])
+
+
+def aimed(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:
+    """What drives a clip to a target: nothing at its start, all of it at the hit, in seconds of its motion."""
+    label, rate = found.clip.label, found.clip.take.motion.frame_rate
+    hit = found.hit / rate
+    end = max(min(hit + found.seconds, label.last / rate), hit + 2 * HOLD)
+    curve = ActivationCurve(found.start / rate, hit - HOLD, hit + HOLD, end)
+    point = hit_point(label.limb, label.segment, body)
+    name = f"{label.limb.words.capitalize()} {label.kind}"
+    return PositionConstraint(clip.motion_id, name, point, CHAIN, 0, curve, target=target, scope=Scope(clip_id=clip.id))
 
 
 def _aim(

@@ -38,7 +38,7 @@ def solved(window, qtbot):
 def test_a_new_library_has_the_bundled_strikes(striking, window):
     assert window.docks["Strikes"].isVisible()
     assert striking.panel.hint.text() == strikes.NO_TARGET
-    assert len(striking.library.clips) == 8
+    assert len(striking.library.clips) == 14
 
 
 def test_a_strike_is_found_played_and_made_to_hit_and_one_undo_takes_it_back(striking, window, qtbot):

@@ -15,7 +15,7 @@ from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Performance, Prepare, Staged, perform
 from studio.core.stage.placement import Placement
-from studio.library.scenes import SCENES, acrobatics, changing, fight, papers
+from studio.library.scenes import SCENES, acrobatics, changing, choosing, fight, papers
 
 FEW = 5
 """Sweeps that a pair of fighters may need."""
@@ -141,6 +141,21 @@ def test_hands_of_arms_of_any_length_meet_at_the_same_moments() -> None:
         frame_at = performance.composite.timing.frame_at
         assert all(apart[round(frame_at(second))] < 1e-3 for second in changing.CLAPS)
         assert all(apart[round(frame_at(second + 0.25))] > 0.3 for second in changing.CLAPS[:-1])
+
+
+def test_the_same_target_finds_three_bodies_three_strikes_and_all_meet_it() -> None:
+    project, made = performed("One target, three strikes")
+    chosen = [performer.clips[-1].motion_id for performer in project.performers.values()]
+    assert len(set(chosen)) == len(made) == 3
+    struck = [project.constraints[f"target {key}"].point for key in project.performers]
+    assert {point.part.value.partition("_")[2] for point in struck} == {"hand", "foot"}
+    for (key, performer), point in zip(project.performers.items(), struck, strict=True):
+        adapted, ball = made[key].adapted, np.array(project.props[f"target {key}"].position)
+        standing = Placement.of(performer).to_stage(adapted.positions[60, 0])
+        before = (ball - standing)[:2], ball[2]
+        np.testing.assert_allclose(np.hstack(before), [choosing.AHEAD, 0.0, choosing.HEIGHT], atol=0.02)
+        way = Placement.of(performer).to_stage(place_of(point, adapted)) - ball
+        assert np.linalg.norm(way, axis=1).min() < 1e-3
 
 
 def test_nobody_slides_on_steps_and_all_come_up() -> None:

@@ -13,7 +13,7 @@ from studio.cli.main import main
 from studio.io.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind, Limb
-from studio.library.indexing import index
+from studio.library.indexing import bundled_library, index
 from studio.library.library import Library
 from studio.library.mirroring import with_mirrored
 from studio.live import vmc
@@ -21,7 +21,6 @@ from studio.live.fight import ANY_STRIKE, ORDERS, fight, orders_every
 from studio.live.fighter import Fighter, State
 from studio.live.osc import encode_message
 from studio.live.recording import write_recording
-from studio.resources_folder import bundled_strikes_folder
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -36,10 +35,8 @@ def library(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def bundled(tmp_path_factory):
-    with Catalogue(tmp_path_factory.mktemp("bundled")) as catalogue:
-        index(catalogue, [bundled_strikes_folder()])
-        return Library.of(catalogue)
+def bundled():
+    return bundled_library()
 
 
 def near(body, angle=0.0, height=0.78):
@@ -170,13 +167,14 @@ def test_the_bundled_fighter_strikes_for_a_minute_at_a_head_that_ducks(bundled, 
 
 
 def test_the_bundled_strikes_are_of_two_actors_and_every_limb_high_and_low(bundled):
-    assert len(bundled.clips) == len(STRIKES) == 8
+    assert len(bundled.clips) == len(STRIKES) == 14
     statures = sorted(actor.body.stature for actor in bundled.actors)
     assert len(statures) == 2
     assert statures[1] > 1.1 * statures[0]
     for limb in Limb:
-        low, high = sorted(clip.path.places[:, 2].mean() for clip in bundled.clips if clip.label.limb == limb)
-        assert high > low + 0.15
+        heights = sorted(clip.path.places[:, 2].mean() for clip in bundled.clips if clip.label.limb == limb)
+        assert len(heights) >= 3
+        assert heights[-1] > heights[0] + 0.3
     keyed = {name: strike.side + (2 if isinstance(strike, Kick) else 0) for name, strike in STRIKES.items()}
     assert {clip.take.motion.name: int(clip.label.limb) for clip in bundled.clips} == keyed
     assert max(abs(clip.label.hit - HIT * 60.0) for clip in bundled.clips) <= 7

@@ -89,6 +89,13 @@ SCENES = (
         "changing.growing",
     ),
     Scene(
+        "One target, three strikes",
+        "Three bodies stand on guard with a ball at the same place before each: 70 cm ahead, 110 cm high. The library"
+        " of strikes is searched for each body, and each is found another one: the child strikes up at it, the woman"
+        " jabs, the giant kicks. All hit; drag a ball, and its strike follows.",
+        "choosing.one_target",
+    ),
+    Scene(
         "Sparring",
         "Two fighters behave while the stage plays live: they step to keep their distance; X and C let the first one"
         " punch low and high, N and M the second. A forearm meets a low punch, a head leans away from a high one. Move"

@@ -1,0 +1,75 @@
+"""One target for three bodies, each with the strike of the bundled library that is found for it (P09, figures 1, 8)."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from studio.core.body.character import Character
+from studio.core.body.morphology import Morphology
+from studio.core.constraints.follow import FollowProp
+from studio.core.mesh import hand_shapes
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.normalize import detected_contacts, normalize
+from studio.core.normalized.realize import realize
+from studio.core.project import Motion, Performer, Project
+from studio.core.stage.clip import Clip
+from studio.core.stage.prop import Prop, PropShape
+from studio.io.importing import load_capture
+from studio.library.indexing import bundled_library
+from studio.library.scenes.stagehand import RATE, bodies, material
+from studio.library.searching import Asked, Result, find
+from studio.library.striking import EASED_IN, aimed, tried
+
+BODIES = ("child", "adult_woman", "giant")
+CALM = (240, 300)
+"""Frames of the punch in which the fighter only stands on guard; the strike takes over from the last one."""
+AHEAD, HEIGHT = 0.7, 1.1
+"""Metres: of the target before the root and above the ground."""
+BALL = 0.12
+"""Metres across."""
+BESIDE = 2.0
+"""Metres from one body to the next."""
+FEW = 4
+"""Strikes that are tried, as far as the target is met."""
+
+
+def one_target() -> Project:
+    """The scene; StudioError where a bundled file cannot be read."""
+    stuff = material(guard=("Guard", "straight_punch"))
+    guard, _ = normalize(stuff.captures["straight_punch"])
+    pose = replace(guard, channels=guard.channels[CALM[1] : CALM[1] + 1])
+    library, people = bundled_library(), bodies(5)
+    project = Project(stuff.captures, stuff.motions, {}, {}, {}, stuff.contacts)
+    for place, key in enumerate(BODIES):
+        asked = target_of(pose, people[key].morphology)
+        best = tried(find(library, asked, FEW), asked)[0].found
+        project = _with_fighter(project, key, people[key], BESIDE * (1 - place), asked, best)
+    return project
+
+
+def target_of(pose: NormalizedMotion, body: Morphology) -> Asked:
+    """What a body in this pose is to hit."""
+    x, y, _ = realize(pose, body)[0][0, 0].tolist()
+    return Asked(pose, body, (x + AHEAD, y, HEIGHT))
+
+
+def _with_fighter(project: Project, key: str, character: Character, y: float, asked: Asked, found: Result) -> Project:
+    """One more body that stands on guard and then does what was found for it."""
+    motion_id, target, begins = found.clip.take.motion.name, f"target {key}", (CALM[1] - CALM[0] + 1) / RATE
+    capture = load_capture(Path(found.clip.take.path))
+    contacts = {f"{motion_id} {place}": each for place, each in enumerate(detected_contacts(capture, motion_id))}
+    clip = Clip(motion_id, found.start, found.clip.label.last, begins, f"{key} strike", ease=EASED_IN * found.seconds)
+    performer = Performer(character.name, key, (Clip("guard", *CALM, id=f"{key} guard"), clip), (0.0, y))
+    x, aside, z = np.asarray(asked.place).tolist()
+    ball = Prop(f"Target of {character.name.lower()}", (BALL, BALL, BALL), (x, y + aside, z), shape=PropShape.BALL)
+    return replace(
+        project,
+        captures={**project.captures, motion_id: capture},
+        motions={**project.motions, motion_id: Motion(motion_id.replace("_", " ").capitalize(), motion_id)},
+        contacts={**project.contacts, **contacts},
+        characters={**project.characters, key: replace(character, grip=hand_shapes.FIST)},
+        performers={**project.performers, key: performer},
+        props={**project.props, target: ball},
+        constraints={**project.constraints, target: aimed(found, clip, FollowProp(target), asked.body)},
+    )
