@@ -88,7 +88,7 @@ class WarmUp:
         begun = time.monotonic()
         while self.running:
             share = TRANSLATED * min(ready_share() + sum(self._shares.values()), 1.0)
-            report(share, "once, about half a minute" if time.monotonic() - begun > LONG else "")
+            report(share, "once on this machine" if time.monotonic() - begun > LONG else "")
             time.sleep(LOOKED_AT_EVERY)
 
     def _run(self) -> None:
