@@ -14,6 +14,8 @@ ROOT = Path(__file__).resolve().parents[2]
 """Where ``python -m studio...`` finds this studio."""
 BEHIND = 5
 """How much nicer than this process a child is by default: of two that want a processor, it gets a quarter."""
+LEAST = 19
+"""The nicest that a process can be."""
 POLL = 0.05
 """Seconds between two looks at whether the user wants to stop."""
 
@@ -37,7 +39,8 @@ def child_process(
     process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=ROOT, process_group=apart)
     try:
         if sys.platform != "win32":
-            os.setpriority(os.PRIO_PROCESS, process.pid, behind)
+            own = os.getpriority(os.PRIO_PROCESS, 0)  # which only root may go below
+            os.setpriority(os.PRIO_PROCESS, process.pid, min(own + behind, LEAST))
         yield process
     finally:
         process.kill()
