@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
-from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.request import AdaptedMotion, Unasked
 
 PLACES, TURNS = 1e4, 32767.0
 """Steps a metre, and a unit of a quaternion's part."""
@@ -33,16 +33,22 @@ def read_adapted(path: Path, bodies: Mapping[str, Morphology], frame_rate: float
             name: (arrays[f"{name}.places"], arrays[f"{name}.turns"]) for name in bodies if f"{name}.places" in arrays
         }
     return {
-        name: AdaptedMotion(
+        name: _motion(
             bodies[name],
             frame_rate,
-            0,
             np.cumsum(places, axis=0, dtype=np.int64) / PLACES,
             to_matrix(normalized(np.cumsum(turns, axis=0, dtype=np.int64) / TURNS)),
-            np.empty((0, len(places))),
         )
         for name, (places, turns) in kept.items()
     }
+
+
+def _motion(
+    body: Morphology, frame_rate: float, positions: NDArray[np.float64], rotations: NDArray[np.float64]
+) -> AdaptedMotion:
+    """Of which nothing is asked: so it is also how the body stands before anything is."""
+    nothing = np.empty((0, len(positions)))
+    return AdaptedMotion(body, frame_rate, 0, positions, rotations, nothing, unasked=Unasked(positions, rotations))
 
 
 def _differences(values: NDArray[np.float64]) -> NDArray[np.int16]:

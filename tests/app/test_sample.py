@@ -4,9 +4,14 @@ import numpy as np
 
 from studio.app import sample
 from studio.cli.render import adapted_performers
+from studio.core.constraints.own_place import OwnPlace
 from studio.core.normalized.normalize import detected_contacts
+from studio.engine.moments import Moment
+from studio.engine.performance import posed_performers
 from studio.io.adapted_file import read_adapted, write_adapted
 from studio.io.importing import load_capture
+from studio.viewport.body_points import body_joints
+from studio.viewport.constraining import Here, constraint_here
 from tests.architecture.sources import ROOT
 
 CLOSE = 5e-3
@@ -30,6 +35,15 @@ def test_the_sample_is_the_bundled_capture_with_its_contacts():
     assert np.allclose(kept.poses.local_rotations, capture.poses.local_rotations, atol=1e-9)
     assert np.allclose(kept.poses.local_translations, capture.poses.local_translations, atol=1e-9)
     assert set(project.contacts.values()) == set(detected_contacts(capture, sample.MOTION_ID))
+
+
+def test_c_on_the_sample_gives_each_body_its_own_place_before_anything_is_solved():
+    project, shown = sample.read_sample()
+    posed = posed_performers(project, shown.get, 154 / 60)
+    ball = next(each for each in body_joints(posed["child"].motion.morphology.layout) if "ball" in each.name)
+    for pose in posed.values():
+        made = constraint_here(Here(Moment(project, posed, pose), ball), "position")
+        assert isinstance(made.target, OwnPlace)
 
 
 def test_adapted_motions_come_back_as_finely_as_anybody_sees(tmp_path):
