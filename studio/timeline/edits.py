@@ -15,6 +15,7 @@ from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import free_stretch, new_contact
 from studio.timeline.shown import EDGES, HANDLES, Part, Shown
+from studio.timeline.tracks.growth import keys_of, nearest_key
 
 DELETABLE = ("constraints", "contacts", "clips")
 
@@ -44,6 +45,18 @@ def delete_selected(shown: Shown) -> bool:
     return True
 
 
+def delete_growth_key(shown: Shown, performer_id: str, x: float) -> None:
+    """Delete the key nearest to a pixel of a row of growth, which has more than one."""
+    keyed, document = keys_of(shown, performer_id), shown.document
+    character_id = shown.project.performers[performer_id].character_id
+    character = shown.project.characters[character_id]
+    if keyed is not None:
+        fewer = keyed.without_key(nearest_key(shown, keyed, x))
+        document.replace(
+            "characters", character_id, replace(character, proportions=fewer), f"Delete key of {character.name}"
+        )
+
+
 def _words(project: Project, collection: str, entity_id: str) -> str:
     entity = project.get(collection, entity_id)
     match entity:
@@ -55,7 +68,7 @@ def _words(project: Project, collection: str, entity_id: str) -> str:
 
 
 def go_to_key(shown: Shown, direction: int) -> None:
-    """Bring the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""
+    """Bring the playhead to the next (1) or previous (-1) end of a contact, time of an activation, or key."""
     playhead = shown.document.playhead
     times = [
         shown.subject.to_stage(time)
@@ -66,6 +79,8 @@ def go_to_key(shown: Shown, direction: int) -> None:
         for each in shown.project.contacts_of(shown.subject.motion_id).values()
         for frame in (each.first, each.last)
     ]
+    keyed = keys_of(shown, shown.subject.performer_id)
+    times += keyed.times if keyed is not None else ()
     ahead = [time for time in times if (time - playhead.time) * direction > 1e-6]
     if ahead:
         playhead.pause()

@@ -11,7 +11,7 @@ from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
 from studio.timeline.strips import StripState
-from studio.timeline.tracks import clip, constraint, remarks
+from studio.timeline.tracks import clip, constraint, growth, remarks
 from studio.timeline.tracks.plot import PlotPicture
 
 
@@ -37,6 +37,8 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
             return _clip_text(sheet, hit)
         case "clip":
             return "Right-click to add a clip, or drop a capture of the library here"
+        case "growth":
+            return _growth_text(sheet, hit, position)
         case "props":
             return _hold_text(sheet, hit)
         case "lane":
@@ -88,6 +90,14 @@ def _clip_text(sheet: Sheet, hit: Hit) -> str:
     players = len(players_of(shown.project, hit.id))
     shared = f", shared by {players} bodies" if players > 1 else ""
     return f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
+
+
+def _growth_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
+    shown, keyed = sheet.shown, growth.keys_of(sheet.shown, hit.id)
+    if keyed is None or hit.part == Part.EMPTY:
+        return "Measures that change from key to key: a slider sets one at the playhead"
+    time = keyed.times[growth.nearest_key(shown, keyed, position.x())]
+    return f"Key of {shown.project.performers[hit.id].name}: {moment(time * shown.axis.frame_rate, time)}"
 
 
 def _hold_text(sheet: Sheet, hit: Hit) -> str:

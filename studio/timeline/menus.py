@@ -13,6 +13,7 @@ from studio.timeline.curves import Quantity
 from studio.timeline.gestures.begin import items_of
 from studio.timeline.gestures.contact import new_contact
 from studio.timeline.shown import Hit, Part, Shown
+from studio.timeline.tracks.growth import keys_of
 
 if TYPE_CHECKING:
     from studio.timeline.canvas import TrackCanvas
@@ -39,6 +40,8 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     elif hit.kind in edits.DELETABLE and hit.part != Part.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         _offer_deletion(menu, canvas, hit)
+    elif hit.part == Part.KEY:
+        _offer_key(menu, canvas.sheet.shown, hit, position)
     elif hit.kind == "lane":
         _offer_contacts(menu, canvas, hit, position)
     return menu if menu.actions() else None
@@ -56,6 +59,13 @@ def _offer_deletion(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
     action = QAction("Delete constraint" if hit.kind == "constraints" else "Delete contact", menu)
     action.triggered.connect(lambda: canvas.shown and edits.delete_selected(canvas.shown))
     menu.addAction(action)
+
+
+def _offer_key(menu: QMenu, shown: Shown, hit: Hit, position: QPointF) -> None:
+    keyed = keys_of(shown, hit.id)
+    action = menu.addAction("Delete key")
+    action.setEnabled(keyed is not None and len(keyed.times) > 1)
+    action.triggered.connect(lambda: edits.delete_growth_key(shown, hit.id, position.x()))
 
 
 def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPointF) -> None:

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.timeline.sheet import Sheet
 from studio.timeline.shown import LABEL_WIDTH, Row, Shown, label_area
-from studio.timeline.tracks import clip, constraint, contacts, hold, layer, remarks, ruler
+from studio.timeline.tracks import clip, constraint, contacts, growth, hold, layer, remarks, ruler
 from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED, PlotPicture
 
@@ -110,6 +110,8 @@ def _paint_label(painter: QPainter, area: QRect, shown: Shown, row: Row) -> None
             clip.paint_clip_label(painter, area, shown, row.id)
         case "layer":
             layer.paint_layer_label(painter, area, row.id)
+        case "growth":
+            growth.paint_growth_label(painter, area)
         case "props":
             hold.paint_hold_label(painter, area, shown, row.id)
         case "lane":
@@ -124,6 +126,8 @@ def _paint_content(painter: QPainter, area: QRect, shown: Shown, row: Row) -> No
             clip.paint_clips(painter, area, shown, row.id)
         case "layer":
             layer.paint_layers(painter, area, shown, row.id)
+        case "growth":
+            growth.paint_growth(painter, area, shown, row.id)
         case "props":
             hold.paint_hold(painter, area, shown, row.id)
         case "lane":

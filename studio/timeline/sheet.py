@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from PySide6.QtCore import QPoint, QPointF, QRect, QSize
 
 from studio.timeline.shown import FOLD_WIDTH, LABEL_WIDTH, Hit, Part, Row, Shown
-from studio.timeline.tracks import clip, constraint, contacts, hold, layer, plot, ruler
+from studio.timeline.tracks import clip, constraint, contacts, growth, hold, layer, plot, ruler
 
 PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
@@ -14,7 +14,7 @@ FOLDING = ("constraints", "lane")
 
 
 def rows_of(shown: Shown) -> tuple[Row, ...]:
-    """Clips and layers, when props are held, what touches the ground, then the motion's constraints by priority."""
+    """Clips, layers, keys of growth, when props are held, what touches the ground, and constraints by priority."""
     players = shown.project.performers if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
@@ -22,7 +22,11 @@ def rows_of(shown: Shown) -> tuple[Row, ...]:
     tall = constraint.height(len(shown.subject.bodies))
     heights_of = {key: constraint.FOLDED if ("constraints", key) in shown.folded else tall for key in constraints}
     heights = [
-        *(each for key in players for each in (("clip", key, clip.HEIGHT), *layer.rows_of(shown, key))),
+        *(
+            each
+            for key in players
+            for each in (("clip", key, clip.HEIGHT), *layer.rows_of(shown, key), *growth.rows_of(shown, key))
+        ),
         *hold.rows_of(shown),
         *(("lane", row, contacts.FOLDED if ("lane", row) in shown.folded else contacts.HEIGHT) for row in lanes),
         *(("constraints", key, high) for key, high in heights_of.items()),
@@ -111,6 +115,8 @@ class Sheet:
                 return clip.clip_hit(clip.bars_of(self.shown, area, row.id), row.id, position)
             case "layer":
                 return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
+            case "growth":
+                return growth.growth_hit(self.shown, area, row.id, position)
             case "props":
                 return hold.hold_hit(self.shown, area, row.id, position)
             case "lane":
@@ -119,7 +125,7 @@ class Sheet:
 
     def _label_hit(self, row: Row) -> Hit:
         match row.kind:
-            case "clip":
+            case "clip" | "growth":
                 return Hit("performers", row.id, Part.LABEL)
             case "layer":
                 return Hit("performers", layer.performer_of(row.id), Part.LABEL)

@@ -34,6 +34,7 @@ class Part(StrEnum):
     END = "end"
     FIRST = "first frame"
     LAST = "last frame"
+    KEY = "key"
     LABEL = "label"
     FOLD = "fold"
     EMPTY = "empty"
@@ -46,9 +47,9 @@ EDGES = (Part.FIRST, Part.LAST)
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its kind (constraints, clip, layer, props, lane), the id there, and its place from the top of all rows.
+    """One row: its kind (constraints, clip, layer, growth, props, lane), id, and place from the top of all rows.
 
-    A row of clips has its performer's id, one of layers that and the region.
+    A row of clips or of growth has its performer's id, one of layers that and the region.
     """
 
     kind: str

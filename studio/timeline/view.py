@@ -22,7 +22,8 @@ from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
 
 UNSEEN = ("characters", "grounds", "props")
-"""What the rows show nothing of but names and colours, which are not dragged, until it is solved."""
+"""What rows of ``DRAGGED`` alone show while it is dragged, until it is solved."""
+DRAGGED = ("growth", "props")
 
 
 class TrackView(QWidget):
@@ -130,10 +131,11 @@ class TrackView(QWidget):
 
     def _redraw(self, *rows: tuple[str, str]) -> None:
         """Draw these rows again, and no more of the widget than they take."""
-        self.picture.expire(*rows)
         sheet = self.sheet
-        for row in rows if sheet is not None else ():
-            assert sheet is not None
+        if not rows or sheet is None:
+            return
+        self.picture.expire(*rows)
+        for row in rows:
             found = sheet.find(*row)
             if row == PLOT or found is not None:
                 self.update(sheet.rect(found) if found is not None else sheet.plot)
@@ -168,9 +170,12 @@ class TrackView(QWidget):
 
     def _show_change(self, collection: str, entity_id: str) -> None:
         """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
-        if collection == "behaviours" or (self.live.interactive and collection in UNSEEN):
+        if collection == "behaviours":
             return
-        if (
+        if self.live.interactive and collection in UNSEEN:
+            rows = self.sheet.rows if self.sheet else ()
+            self._redraw(*((row.kind, row.id) for row in rows if row.kind in DRAGGED))
+        elif (
             self.sheet is None
             or collection not in ("constraints", "contacts")
             or rows_of(self.sheet.shown) != self.sheet.rows
@@ -190,8 +195,7 @@ class TrackView(QWidget):
             rows = [row for row in rows if row in self.document.selection]
         else:
             rows.append(PLOT)
-        if rows:
-            self._redraw(*rows)
+        self._redraw(*rows)
 
     def _move_playhead(self) -> None:
         """Only the pixels the playhead leaves and takes."""

@@ -69,6 +69,12 @@ class Keys:
         kept = [pair for k, pair in enumerate(zip(self.times, self.values, strict=True)) if k != place]
         return self._with(kept)
 
+    def with_time(self, place: int, time: float) -> Self:
+        """The same with one key at another ``time``, or as near to it as those beside it let it come."""
+        times = [-math.inf, *self.times, math.inf]
+        between = max(min(time, times[place + 2] - 2.0 * SAME_TIME), times[place] + 2.0 * SAME_TIME)
+        return replace(self, times=(*self.times[:place], between, *self.times[place + 1 :]))  # type: ignore[type-var]
+
     def moved(self, seconds: float) -> Self:
         """The same ``seconds`` later."""
         return replace(self, times=tuple(time + seconds for time in self.times))  # type: ignore[type-var]

@@ -7,6 +7,7 @@ from studio.timeline.gestures.activation import DragHandle, MoveActivation
 from studio.timeline.gestures.clip import MoveClips, TrimClip
 from studio.timeline.gestures.contact import DragContact
 from studio.timeline.gestures.gesture import Gesture
+from studio.timeline.gestures.growth import DragGrowthKey
 from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.view import Scrub
 from studio.timeline.shown import EDGES, HANDLES, Hit, Part, Shown
@@ -26,6 +27,8 @@ def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
         return MoveClips(shown, hit.id, press) if hit.part == Part.BODY else TrimClip(shown, hit.id, hit.part, press)
     if hit.kind == "props" and (hit.part == Part.BODY or hit.part in EDGES):
         return DragHold(shown, hit.id, hit.part, press)
+    if hit.part == Part.KEY:
+        return DragGrowthKey(shown, hit.id, press)
     if hit.kind == "contacts":
         return DragContact(shown, hit.id, hit.part, press)
     return None
@@ -33,7 +36,7 @@ def gesture_at(hit: Hit, shown: Shown, press: QPointF) -> Gesture | None:
 
 def cursor_at(hit: Hit) -> Cursor:
     """Arrows for what moves, a hand for what is chosen, a cross where a contact may be added."""
-    if hit.part in HANDLES or hit.part in EDGES or hit.kind == "playhead":
+    if hit.part in HANDLES or hit.part in (*EDGES, Part.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
     if hit.part == Part.BODY and hit.kind in ("constraints", "contacts", "clips", "props"):
         return Cursor.OpenHandCursor
@@ -48,6 +51,8 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
     """What a click on it selects: a clip with whom it was clicked on."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
+    if hit.kind == "growth":
+        return (("performers", hit.id),)
     if hit.kind == "contacts" or (hit.kind in ("constraints", "performers", "props") and hit.part != Part.EMPTY):
         return ((hit.kind, hit.id),)
     return ()

@@ -1,12 +1,14 @@
 """The pens, fonts and labels that all rows share."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QFont, QFontMetrics, QGuiApplication, QPainter, QPen
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QGuiApplication, QPainter, QPen, QPolygonF
 
 from studio.document import colours
 from studio.timeline.shown import LABEL_WIDTH
 
 LABEL_INDENT = 14
+KEY_REACH = 5.0
+"""Pixels from the middle of a key to its corners."""
 
 
 def font(pixels: int = 12) -> QFont:
@@ -54,6 +56,16 @@ def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge
     painter.setPen(hairline(edge, 1.5) if edge else Qt.PenStyle.NoPen)
     painter.setBrush(QColor(fill))
     painter.drawEllipse(centre, radius, radius)
+
+
+def paint_key(painter: QPainter, place: QPointF, colour: str) -> None:
+    """A small diamond where something has a key."""
+    x, y, reach = place.x(), place.y(), KEY_REACH
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(hairline(colours.PANEL, 1.0))
+    painter.setBrush(QColor(colour))
+    corners = ((x, y - reach), (x + reach, y), (x, y + reach), (x - reach, y))
+    painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
 
 
 def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge: str | None = None) -> None:

@@ -9,12 +9,11 @@ from studio.core.constraints.target import key_times
 from studio.document import colours
 from studio.timeline.shown import HANDLES, Hit, Part, Shown, label_area, within
 from studio.timeline.subject import Body
-from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
+from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_key, paint_label, translucent
 from studio.timeline.tracks.strip import PITCH, paint_strip, paint_unknown
 
 ABOVE, CURVE, BETWEEN, BELOW = 6, 19, 2, 3
 HANDLE_REACH = 6.0
-KEY_REACH = 5.0
 RAMP_POINTS = 48
 ROOM_FOR_LABEL = 44
 FOLDED = 22
@@ -73,20 +72,11 @@ def paint_constraint(painter: QPainter, row: QRect, shown: Shown, constraint_id:
     painter.setBrush(translucent(colour, 0.4 if constraint.enabled else 0.1))
     painter.drawPath(path)
     for time in key_times(constraint):
-        _paint_key(painter, QPointF(shown.x_of_motion_time(time), baseline(row) - curve_height(row) / 2), line)
+        paint_key(painter, QPointF(shown.x_of_motion_time(time), baseline(row) - curve_height(row) / 2), line)
     for part, point in handle_points(shown, row, constraint).items():
         focused = selected and shown.handle == part
         paint_dot(painter, point, 4.5 if selected else 3.5, line, colours.PLAYHEAD if focused else colours.PANEL)
     _paint_strips(painter, row, shown, constraint_id)
-
-
-def _paint_key(painter: QPainter, place: QPointF, colour: str) -> None:
-    """A small diamond where a target has a key."""
-    x, y, reach = place.x(), place.y(), KEY_REACH
-    painter.setPen(hairline(colours.PANEL, 1.0))
-    painter.setBrush(QColor(colour))
-    corners = ((x, y - reach), (x + reach, y), (x, y + reach), (x - reach, y))
-    painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
 
 
 def paint_constraint_label(painter: QPainter, row: QRect, shown: Shown, constraint_id: str) -> None:
