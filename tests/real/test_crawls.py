@@ -8,14 +8,13 @@ import pytest
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.captures.contacts import ContactPoint, contact_mask
+from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.quality.motion_quality import motion_quality, rises
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.footing import freedom
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from tests.conftest import CAPTURES
@@ -29,6 +28,7 @@ FILES = {
     "plank": ("more_captures/accad_female1_D4_RandomStuff.bvh", 254, 271),
     "on the belly": ("more_captures/accad_male2_A11_Crawl.bvh", 0, 372),
     "on all fours": ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 0, 500),
+    "lying down": ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 501, 600),
 }
 
 
@@ -41,13 +41,26 @@ def _path(kind: str) -> Path:
 
 @lru_cache
 def _adapted(kind: str) -> tuple[AdaptedMotion, dict[str, AdaptedMotion], float]:
-    """The source, the adapted motions, and the greatest jump of them all."""
+    """The source, the adapted motions, and the greatest jump of them all, for arms as long as the source's.
+
+    An elbow of an arm twice as long goes twice as far in the same posture.
+    """
     capture = load_capture(_path(kind))
     motion, actor = normalize(capture)
     contacts, source = contacts_of(capture), source_motion(motion, actor)
-    adapted = {name: adapt(AdaptRequest(motion, body or actor.morphology, contacts)) for name, body in BODIES.items()}
-    jumps = [motion_quality(each, source, contacts, Ground(), capture.first_frame).jump for each in adapted.values()]
+    own = actor.morphology
+    adapted = {name: adapt(AdaptRequest(motion, body or own, contacts, actor=own)) for name, body in BODIES.items()}
+    jumps = [
+        motion_quality(each, source, contacts, Ground(), capture.first_frame).jump / _longer(each, source)
+        for each in adapted.values()
+    ]
     return source, adapted, max(jumps)
+
+
+def _longer(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
+    """How much longer an upper arm or forearm is than the source's, beside the legs; at least 1."""
+    arms, theirs = (each.morphology.arm / each.morphology.leg_length for each in (adapted, source))
+    return max(1.0, float((arms / theirs).max()))
 
 
 def _turned(kind: str, name: str) -> NDArray[np.float64]:
@@ -66,20 +79,27 @@ def test_trunk_and_legs_keep_their_posture(captures: Path, kind: str, name: str)
     assert turned[:, 5:].max() < 26.0
 
 
+@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("kind", ["on the belly", "on all fours", "lying down"])
+def test_arms_keep_their_posture_but_for_moments(captures: Path, kind: str, name: str) -> None:
+    """Within 20 degrees, and twice that for a moment: bones of other lengths fold otherwise."""
+    turned = _turned(kind, name)[:, 1:5].max(axis=1)
+    assert turned.max() < 40.0
+    assert (turned > 20.0).mean() < 0.15
+
+
 @pytest.mark.parametrize("kind", FILES)
 def test_nothing_jumps(captures: Path, kind: str) -> None:
-    assert _adapted(kind)[2] < 2.2
+    assert _adapted(kind)[2] < 1.6
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_elbows_of_arms_that_reach_ahead_stay_out_of_the_ground(captures: Path, name: str) -> None:
-    """On bodies with longer arms they hung into it."""
+def test_no_elbow_is_in_the_ground(captures: Path, name: str) -> None:
+    """On bodies with longer arms they hung into it, of arms that reach ahead and of hands that stand."""
     _, adapted, _ = _adapted("on all fours")
-    found = capture_contacts(load_capture(_path("on all fours")))
     positions, layout = adapted[name].positions, adapted[name].morphology.layout
-    for side, hand in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
-        free = freedom(contact_mask(found[hand], len(positions)), adapted[name].frame_rate) == 1.0
-        assert positions[free, layout.wrist(side) - 1, 2].min() > -0.005
+    for side in range(2):
+        assert positions[:, layout.wrist(side) - 1, 2].min() > -0.005
 
 
 def test_a_knee_that_is_dragged_along_does_not_stand(captures: Path) -> None:

@@ -29,7 +29,7 @@ from studio.core.solver.smoothing.easing import LOOKED
 from studio.core.solver.smoothing.stretch import Stretch, legs_of
 from studio.core.solver.standing.carrying import Hold, find_carrying
 from studio.core.solver.standing.footing import Footing, find_footing
-from studio.core.solver.standing.raised_arms import raise_arms
+from studio.core.solver.standing.raised_arms import keep_posture, raise_arms
 from studio.core.solver.standing.settling import Arms, settle
 from studio.core.solver.standing.shown_floor import shown_floor
 
@@ -121,7 +121,7 @@ def stand(
     contacts, touches = on_ground(contacts), contacts
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
-    carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations)
+    carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations, actor)
     upright, share = (positions, rotations), None if carrying is None else carrying.feet_share
     if carrying is not None:
         positions += carrying.shift[:, None]
@@ -138,6 +138,8 @@ def stand(
     if arms is not None:
         stance = records.Arms(motion.channels, arms.comforts, arms.wrists, arms.hands, arms.bends)
         place_arms(measures, stance, positions, rotations)
+        if ground.is_level:
+            keep_posture(morphology, arms, motion.frame_rate, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
     self_contact = self_contact_of(motion, morphology, touches, volume, actor, clears)
     if self_contact is not None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.morphology import AnyMorphology
+from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import (
     BODY_POINTS,
     ContactInterval,
@@ -26,6 +26,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.support.feet import SMALLEST, fill_gaps
 from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.realize import realize
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.single import PoseArray
 from studio.core.solver.standing.footing import STANDING_REACH, foot_states, freedom, hann_window
@@ -86,7 +87,8 @@ class Hold:
 class Carrying:
     """What of a body stands beside its feet: ``holds``, the root's ``shift`` (F, 3), the feet's ``share`` (F,), and
     the ``pose`` that leans with the ground, positions (F, P, 3) and rotations (F, S, 3, 3), before that shift, and the
-    positions of the ``upright`` one (F, P, 3) over the same places of the ground, from which feet are planned.
+    positions of the ``upright`` one (F, P, 3) over the same places of the ground, from which feet are planned; the
+    ``bones`` (2, F, 2, 3) of arms as they are to look while they stand.
     """
 
     holds: tuple[Hold, ...]
@@ -94,6 +96,7 @@ class Carrying:
     feet_share: FloatArray
     pose: tuple[FloatArray, FloatArray]
     upright: FloatArray
+    bones: FloatArray
 
 
 def clearance(body: AnyMorphology, point: ContactPoint) -> float:
@@ -121,8 +124,12 @@ def find_carrying(
     ground: Ground,
     positions: FloatArray,
     rotations: FloatArray,
+    actor: Morphology | None = None,
 ) -> Carrying | None:
-    """Who carries a retargeted motion, ``positions`` (F, P, 3), and how its root follows; None on feet alone."""
+    """Who carries a retargeted motion, ``positions`` (F, P, 3), and how its root follows; None on feet alone.
+
+    Arms that stand look as those of the ``actor`` do, if it is known.
+    """
     carrying = [each for each in contacts if not each.point.is_foot and each.first < motion.frame_count]
     if not carrying:
         return None
@@ -141,32 +148,55 @@ def find_carrying(
         leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
-    holds = tuple(_hold(point, spans[point], body, ground, track_of(point, body, positions)) for point in bearers)
+    bones = arm_bones(motion, body, actor, positions)
+    tracks = {point: _track(point, bones, body, ground, positions) for point in bearers}
+    holds = tuple(_hold(point, spans[point], body, ground, tracks[point]) for point in bearers)
     shift = np.zeros((motion.frame_count, 3))
     for hold, share in zip(holds, shares[1:], strict=True):
-        away = np.where(hold.standing[:, None], hold.places - track_of(hold.point, body, positions), 0.0)
+        away = np.where(hold.standing[:, None], hold.places - tracks[hold.point], 0.0)
         fill_gaps(away, hold.standing)
         shift += share[:, None] * away
     shift = averaged(shift, EASE, motion.frame_rate)
     if ground.is_level:
-        holds = tuple(_reached(hold, body, ground, positions + shift[:, None]) for hold in holds)
-    return Carrying(holds, shift, shares[0], pose, upright)
+        holds = tuple(
+            _reached(hold, tracks[hold.point] + shift, body, ground, positions + shift[:, None]) for hold in holds
+        )
+    return Carrying(holds, shift, shares[0], pose, upright, bones)
 
 
-def _reached(hold: Hold, body: AnyMorphology, ground: Ground, positions: FloatArray) -> Hold:
+def arm_bones(
+    motion: NormalizedMotion, body: AnyMorphology, actor: Morphology | None, positions: FloatArray
+) -> FloatArray:
+    """(2, F, 2, 3) upper arms and forearms of a body, directed as those of the ``actor``, else as in ``positions``.
+
+    Where a folded arm keeps the way from shoulder to wrist, bones of other lengths look elsewhere.
+    """
+    pose, layout = (positions, body.layout) if actor is None else (realize(motion, actor)[0], actor.layout)
+    wrists = [layout.wrist(side) for side in range(2)]
+    ways = np.array([np.diff(pose[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
+    lengths = np.array([lengths_of(body, at.M_ARM + 2 * side)[..., None] for side in range(2)])
+    return np.asarray(normalized(ways) * lengths)
+
+
+def _track(
+    point: ContactPoint, bones: FloatArray, body: AnyMorphology, ground: Ground, positions: FloatArray
+) -> FloatArray:
+    """``track_of`` a point, of a hand on level ground where the ``bones`` (2, F, 2, 3) of its arm take it."""
+    if point.member != "hand" or not ground.is_level:
+        return track_of(point, body, positions)
+    return np.asarray(positions[:, body.layout.wrist(point.side) - 2] + bones[point.side].sum(axis=1))
+
+
+def _reached(hold: Hold, track: FloatArray, body: AnyMorphology, ground: Ground, positions: FloatArray) -> Hold:
     """A hand put where an arm that is longer than the actor's comes to stand as it swings; others as they are."""
     if hold.point.member != "hand":
         return hold
-    track = track_of(hold.point, body, positions)
     shoulders = positions[:, body.layout.wrist(hold.point.side) - 2]
-    swings = swung(track, shoulders, np.maximum(hold.places[:, 2] - track[:, 2], 0.0)) - track
+    wrists = swung(track, shoulders, np.maximum(hold.places[:, 2] - track[:, 2], 0.0))
     places, normals = hold.places.copy(), hold.normals.copy()
     for first, last in spans_of(hold.standing):
         span = slice(first, last + 1)
-        foot = places[first] - clearance(body, hold.point) * normals[first]
-        places[span], normals[span] = _place_on(
-            foot[:2] + np.median(swings[span, :2], axis=0), hold.point, body, ground
-        )
+        places[span], normals[span] = _place_on(np.median(wrists[span, :2], axis=0), hold.point, body, ground)
     return replace(hold, places=places, normals=normals)
 
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.carrying import swung
+from studio.core.solver.standing.carrying import FADE, smoothstep, swung
 from studio.core.solver.standing.footing import freedom, smooth_drops
 from studio.core.solver.standing.settling import Arms
 
@@ -21,10 +21,10 @@ STRAIGHT, SLIGHT = 0.9999, 0.02
 """Part of its length to which a raised arm stretches at most, and metres that count for its bend as its hinge has it: a
 straight arm has none of its own.
 """
-OUTRIGHT = 0.02
-"""Metres of an elbow from the line between shoulder and wrist at which it is turned by half: a straight arm's stays."""
 LET_GO = 0.3
 """Seconds after a hand has left the ground, or before it stands, in which it is raised by degrees."""
+OUTRIGHT = 0.02
+"""Metres of an elbow from the line between shoulder and wrist at which it is turned by half: a straight arm's stays."""
 OUTWARDS = 2.0
 """How much more an elbow goes away from the body the deeper it is in the ground."""
 TURNS = 3
@@ -49,6 +49,44 @@ def raise_arms(
         free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, LET_GO)
         _raise_hand(side, free, body, ground, frame_rate, positions, rotations)
         _raise_elbow(side, free, body, ground, positions, rotations)
+
+
+def keep_posture(
+    body: AnyMorphology, arms: Arms, frame_rate: float, positions: FloatArray, rotations: FloatArray
+) -> None:
+    """Turn ``arms`` that stand about the lines from their shoulders to their wrists, in place, until both bones look as
+    much as can be as they are to: the elbow is off the line where the difference of their directions is.
+    """
+    for side in range(2):
+        wrist = body.layout.wrist(side)
+        shoulders, line = positions[:, wrist - 2], normalized(positions[:, wrist] - positions[:, wrist - 2])
+        now = _across(positions[:, wrist - 1] - shoulders, line)
+        upper, lower = np.moveaxis(normalized(arms.bones[side]), 1, 0)
+        wish = _across(upper - lower, line)
+        angles = _angles(line, now, wish) * _outright(now)
+        angles *= smoothstep(np.minimum(np.linalg.norm(wish, axis=1), 1.0))  # a straight arm's elbow may look anywhere
+        angles *= smoothstep(np.minimum(2.0 - 2.0 * np.abs(angles) / np.pi, 1.0))
+        angles *= 1.0 - freedom(arms.standing[side], frame_rate, FADE)
+        _turn_arm(side, body, angles[:, None] * line, positions, rotations)
+
+
+def _angles(line: FloatArray, now: FloatArray, then: FloatArray) -> FloatArray:
+    """(F,) radians about unit vectors ``line`` from ``now`` to ``then``, all (F, 3), both across it."""
+    return np.asarray(np.arctan2(np.sum(np.cross(now, then) * line, axis=1), np.sum(now * then, axis=1)))
+
+
+def _outright(now: FloatArray) -> FloatArray:
+    """(F,) the part of its turn that an elbow takes that is off its arm's line by ``now`` (F, 3)."""
+    wide = np.sum(now**2, axis=1)
+    return np.asarray(wide / (wide + OUTRIGHT**2))
+
+
+def _turn_arm(side: int, body: AnyMorphology, turns: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+    """Turn an arm by ``turns`` (F, 3) about the line from its shoulder to its wrist, in place; the hand stays."""
+    wrist, arm = body.layout.wrist(side), body.layout.spine_count + 3 + 4 * side
+    turned, upper = Rotation.from_rotvec(turns).as_matrix(), positions[:, wrist - 1] - positions[:, wrist - 2]
+    positions[:, wrist - 1] += np.einsum("fij,fj->fi", turned, upper) - upper
+    rotations[:, arm : arm + 2] = turned[:, None] @ rotations[:, arm : arm + 2]
 
 
 def _raise_hand(
@@ -129,12 +167,8 @@ def _raise_elbow(
         now, then = (
             _across(each - shoulders, line) for each in (elbows, elbows + _ways_out(elbows, shoulders, out, ground))
         )
-        angles = np.arctan2(np.sum(np.cross(now, then) * line, axis=1), np.sum(now * then, axis=1))
-        wide = np.sum(now**2, axis=1)
-        angles *= wide / (wide + OUTRIGHT**2)
-        turned = Rotation.from_rotvec(angles[:, None] * line).as_matrix()
-        positions[:, wrist - 1] += np.einsum("fij,fj->fi", turned, now) - now
-        rotations[:, arm : arm + 2] = turned[:, None] @ rotations[:, arm : arm + 2]
+        turns = (_angles(line, now, then) * _outright(now))[:, None] * line
+        _turn_arm(side, body, turns, positions, rotations)
 
 
 def _across(ways: FloatArray, line: FloatArray) -> FloatArray:

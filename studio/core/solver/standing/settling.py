@@ -64,7 +64,7 @@ ROUNDS = 4
 class Arms:
     """Arms that stand now and then: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) the
     side to which the elbow goes, ``comforts`` (2, F) the part of its length to which each stretches freely, 0 where it
-    is left alone, ``standing`` (2, F) where they stand.
+    is left alone, ``standing`` (2, F) where they stand, and ``bones`` (2, F, 2, 3) as they are to look then.
     """
 
     wrists: FloatArray
@@ -72,6 +72,7 @@ class Arms:
     bends: FloatArray
     comforts: FloatArray
     standing: NDArray[np.bool_]
+    bones: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +118,7 @@ def settle(
     positions[:], rotations[:] = places, turns
     for hold in _kneeling_of(kept):
         _let_go_of_knees(hold, footing, motion, body, positions, rotations)
-    return footing, _arms(kept, motion, body, positions, rotations), tuple(kept.values())
+    return footing, _arms(kept, carrying.bones, motion, body, positions, rotations), tuple(kept.values())
 
 
 def _kneeling_of(holds: dict[ContactPoint, Hold]) -> list[Hold]:
@@ -367,6 +368,7 @@ def _on_both(
 
 def _arms(
     holds: dict[ContactPoint, Hold],
+    bones: FloatArray,
     motion: NormalizedMotion,
     body: AnyMorphology,
     positions: FloatArray,
@@ -392,4 +394,4 @@ def _arms(
         edges = np.flatnonzero(np.diff(np.concatenate([[False], placed, [False]]).astype(np.int8)))
         for first, past in edges.reshape(-1, 2):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
-    return Arms(wrists, hands, bends, comforts, standing)
+    return Arms(wrists, hands, bends, comforts, standing, bones)
