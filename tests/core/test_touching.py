@@ -121,6 +121,22 @@ def test_any_window_of_frames_is_as_in_the_whole() -> None:
     np.testing.assert_array_equal(part.positions, whole.positions[30:51])
 
 
+def test_what_is_asked_at_one_moment_leaves_the_arms_alone_long_before_and_after() -> None:
+    motion, actor, contacts = guard()
+    moment = motion.duration / 2
+    curve = ActivationCurve(moment - 0.1, moment, moment, moment + 0.1)
+    wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
+    asked = PositionConstraint("motion", "Reach", wrist, Chain(), 0, curve, target=(0.3, 0.4, 1.2))
+    free = AdaptRequest(motion, bundled_characters()["giant"].morphology, contacts, actor=actor, clears=True)
+    before, after = adapt(free), adapt(replace(free, constraints=(asked,)))
+    far = np.abs(motion.times - moment) > 0.6
+    assert far.sum() > 10
+    np.testing.assert_array_equal(after.positions[far], before.positions[far])
+    row = round(moment * motion.frame_rate)
+    part = adapt(replace(free, constraints=(asked,)), row - 8, row + 20)
+    np.testing.assert_allclose(part.positions, after.positions[row - 8 : row + 21], atol=1e-12)
+
+
 def test_a_mirrored_touch_is_of_the_other_hand() -> None:
     contacts = [ContactInterval("m", each, 0, 1) for each in (Touch.LEFT_HAND_ON_HIPS, Touch.HANDS_TOGETHER)]
     points = [each.point for each in mirrored_contacts(contacts)]

@@ -5,6 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.activation import ActivationCurve
+from studio.core.constraints.balance import BalanceConstraint, Support
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.own_place import OwnPlace
+from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.solver.adapt import adapt
@@ -12,9 +18,12 @@ from studio.core.solver.request import AdaptRequest
 from studio.engine.live_adaptation import StandingSolver
 from studio.io.character_file import bundled_characters
 from tests.core.motions import walk
+from tests.core.test_touching import guard
 
 MOTION, CONTACTS = walk(120)
 BODY = bundled_characters()["child"].morphology
+SEEN = 1e-4
+"""Metres: less, as the solver keeps poses in 32 bits, is seen by nobody."""
 GROUNDS = (
     Ground(),
     Steps(0.0, 0.17, 0.30, 12, 0.0, (0.4, 0.0)),
@@ -38,3 +47,21 @@ def test_a_ground_that_changes_between_two_frames_leaves_no_trace_of_the_one_bef
         assert np.array_equal(shown.rotations[0], fresh.rotations[frame])
     whole = solver(request, 0, None)
     assert np.array_equal(whole.positions, adapt(request).kept().positions)
+
+
+def test_a_frame_of_a_body_that_changes_is_as_in_the_whole_clip_its_arms_out_of_the_body_too() -> None:
+    """Each body is new to the solver, as while a measure is dragged; a place is the body's own of another moment."""
+    (motion, actor, contacts), solver = guard(), StandingSolver()
+    wrist, curve = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), ActivationCurve(0.0, 0.3, 5.0, 5.0)
+    own = OwnPlace(wrist, motion.duration, (0.05, 0.0, 0.05))
+    asked = (
+        PositionConstraint("motion", "reach", wrist, Chain(trunk=1.0), 0, curve, target=own),
+        BalanceConstraint("motion", "balance", BodyPoint(BodyPart.PELVIS), Chain(root=1.0), 1, curve, place=Support()),
+    )
+    for frame, name in ((0, "giant"), (20, "child"), (60, "stocky_man")):
+        body = bundled_characters()[name].morphology
+        request = AdaptRequest(motion, body, contacts, asked, actor=actor, clears=True)
+        shown, whole = solver(request, frame, frame), adapt(request)
+        assert np.abs(shown.positions[0] - whole.positions[frame]).max() < SEEN
+        rest = solver(request, 0, None)
+        assert np.abs(rest.positions[:] - whole.positions).max() < SEEN

@@ -26,7 +26,7 @@ from studio.core.solver.asking.self_contact import SelfContact, hands_standing, 
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
 from studio.core.solver.smoothing.easing import LOOKED
-from studio.core.solver.smoothing.stretch import Stretch, legs_of
+from studio.core.solver.smoothing.stretch import Stretch, constraint_activations, legs_of
 from studio.core.solver.standing.carrying import Hold, find_carrying
 from studio.core.solver.standing.footing import Footing, find_footing
 from studio.core.solver.standing.raised_arms import keep_posture, raise_arms
@@ -34,6 +34,10 @@ from studio.core.solver.standing.settling import Arms, settle
 from studio.core.solver.standing.shown_floor import shown_floor
 
 FloatArray = NDArray[np.float64]
+
+
+AROUND = 1.0
+"""Seconds around frames whose poses have to do with what is solved in them, as a balance's support has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +67,23 @@ class Standing:
         """The same with its poses in half the memory, see ``core.single``."""
         footing = replace(self.footing, feet=single(self.footing.feet), toes=single(self.footing.toes))
         return replace(self, footing=footing, positions=single(self.positions), rotations=single(self.rotations))
+
+    def with_arms_right(self, windows: Sequence[slice]) -> "Standing":
+        """The same with hands where they touch and arms out of the body, in place, in some ``windows`` at least.
+
+        There, and a second around, it is as with all frames in one window.
+        """
+        contact, motion = self.self_contact, self.motion
+        if contact is None:
+            return self
+        wanted = np.zeros(motion.frame_count, dtype=np.bool_)
+        for window in windows:
+            wanted[contact.around(contact.around(self.around(window, AROUND)))] = True
+        free = 1.0 - hands_standing(self.contacts, motion.frame_count, motion.frame_rate)
+        for run in runs_in(slice(0, motion.frame_count), wanted, 1):
+            contact.close(run, free[run], self.positions[run], self.rotations[run])
+        raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, self.positions, self.rotations)
+        return self
 
     def around(self, window: slice, seconds: float) -> slice:
         """``window`` and ``seconds`` on either side, as far as there are frames."""
@@ -98,9 +119,7 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
 def standing_of(request: AdaptRequest) -> Standing:
     """How the motion of ``request`` stands before its constraints."""
-    ground, volume, actor = request.ground, request.volume, request.actor
-    known = request.motion, request.morphology, request.contacts, ground, volume, actor
-    return stand(*known, request.limited, request.clears)
+    return stand_but_for_arms(request).with_arms_right([slice(0, request.motion.frame_count)])
 
 
 def stand(
@@ -117,6 +136,13 @@ def stand(
 
     What its hands touch they touch here; where it ``clears``, its arms stay out of it (``solver.self_contact``).
     """
+    known = motion, morphology, tuple(contacts)
+    return standing_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))
+
+
+def stand_but_for_arms(request: AdaptRequest) -> Standing:
+    """``standing_of`` before ``Standing.with_arms_right``, which takes most of the time."""
+    motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
     positions, rotations = realize(motion, morphology)
     contacts, touches = on_ground(contacts), contacts
     ground = ground.felt_at(positions)
@@ -141,11 +167,8 @@ def stand(
         if ground.is_level:
             keep_posture(morphology, arms, motion.frame_rate, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
-    self_contact = self_contact_of(motion, morphology, touches, volume, actor, clears)
-    if self_contact is not None:
-        asked = hands_standing(contacts, motion.frame_count, motion.frame_rate)
-        self_contact.close(slice(None), asked, positions, rotations)
-        raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
+    volume, actor, limited = request.volume, request.actor, request.limited
+    self_contact = self_contact_of(motion, morphology, touches, volume, actor, request.clears)
     known = contacts, ground
     return Standing(
         motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited, self_contact
@@ -166,31 +189,55 @@ def hold(
 
     ``tracks`` over the whole motion for all that they follow beyond the body itself; StudioError where one is missing.
     ``bound`` lets a report ask what would be without the feet's contacts or the joints' limits. Every frame is solved
-    from its own pose alone; ``eased``, frames around such where joints jolt are eased in time (METHOD (36)).
+    from its own pose alone; ``eased``, frames around such where joints jolt are eased in time (METHOD (36)). Frames in
+    which nothing is asked, and nothing soon before or after, stay as they stand.
     """
     count = standing.motion.frame_count
     window = slice(first, count if last is None else min(last + 1, count))
+    positions, rotations = part_of(standing.positions, window), part_of(standing.rotations, window)
     if not constraints:
-        unsolved = part_of(standing.positions, window), part_of(standing.rotations, window)
-        return _answer(standing, first, *unsolved, np.empty((0, len(unsolved[0]))))
-    self_contact = standing.self_contact
-    touched = self_contact.around(window) if self_contact else window
+        return _answer(standing, first, positions, rotations, np.empty((0, len(positions))))
+    activations = constraint_activations(constraints, standing.contacts, standing.motion)
+    share, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
+    if self_contact:
+        share = self_contact.beside(share)
+    positions, rotations = positions[:].copy(), rotations[:].copy()
+    residuals = np.full((len(constraints), len(positions)), np.nan)
+    for run in runs_in(window, share > 0.0, math.ceil(2.0 * LOOKED * standing.motion.frame_rate)):
+        touched = self_contact.around(run) if self_contact else run
+        stretch = _solved(standing, constraints, touched, tracks, bound, eased)
+        posed = stretch.answer(touched)
+        if self_contact:
+            free = share[touched, None, None] * (1.0 - stretch.arms_asked(touched))
+            self_contact.close(touched, free, *posed[:2])
+        rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
+        positions[rows], rotations[rows], residuals[:, rows] = posed[0][own], posed[1][own], posed[2][:, own]
+    return _answer(standing, first, positions, rotations, residuals)
+
+
+def _solved(
+    standing: Standing, constraints: Sequence[Constraint], touched: slice, tracks: Tracks, bound: Bound, eased: bool
+) -> Stretch:
+    """The frames ``touched``, solved with as many around as have to do with how they are ``eased``."""
     seen = standing.around(touched, LOOKED if eased else 0.0)
     stretch = Stretch(standing, constraints, seen, tracks, bound)
     if stretch.solve() and eased and stretch.eases(touched):
-        while not within(wide := standing.around(stretch.with_runs(touched), LOOKED), seen):
+        while not are_among(wide := standing.around(stretch.with_runs(touched), LOOKED), seen):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             stretch = Stretch(standing, constraints, seen, tracks, bound)
             stretch.solve()
         stretch.ease(touched)
-    positions, rotations, residuals = stretch.answer(touched)
-    if self_contact:
-        self_contact.close(touched, stretch.arms_asked(touched), positions, rotations)
-    rows = slice(window.start - touched.start, max(window.stop - touched.start, 0))
-    return _answer(standing, first, positions[rows], rotations[rows], residuals[:, rows])
+    return stretch
 
 
-def within(frames: slice, others: slice) -> bool:
+def runs_in(window: slice, mask: NDArray[np.bool_], apart: int) -> list[slice]:
+    """The runs of frames of a ``window`` where ``mask`` (F,) is true; those no more than ``apart`` are one."""
+    frames = window.start + np.flatnonzero(mask[window])
+    runs = np.split(frames, np.flatnonzero(np.diff(frames) > apart) + 1)
+    return [slice(int(run[0]), int(run[-1]) + 1) for run in runs if len(run)]
+
+
+def are_among(frames: slice, others: slice) -> bool:
     """Whether some frames are all among others."""
     return bool(others.start <= frames.start and frames.stop <= others.stop)
 

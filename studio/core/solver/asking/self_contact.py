@@ -91,32 +91,38 @@ class SelfContact:
         frames = math.ceil(seconds * self.frame_rate)
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
-    def close(self, window: slice, asked: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+    def beside(self, acts: FloatArray) -> FloatArray:
+        """(F,) how far arms are put right again after what ``acts`` (F,) in [0, 1]: eased before and after that."""
+        half = max(1, round(EASED * self.frame_rate))
+        near = maximum_filter1d(acts, 2 * half + 1, mode="constant")
+        return np.asarray(convolve1d(near, hann_window(half), mode="nearest"))
+
+    def close(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Put the arms of posed frames of a ``window`` (F, P, 3), (F, S, 3, 3) right, in place.
 
-        ``asked`` (F, 2, 2) how far something else has the wrist, and the elbow, of each arm. Frames are right that
+        ``free`` (F, 2, 2) how far the wrist, and the elbow, of each arm may be moved for it. Frames are right that
         have all that are ``around`` them in the window.
         """
         volume, proximal = packed(self.volume), np.array(self.body.layout.proximal_points())
-        firm, kept = self.firm[window], 1.0 - asked
+        firm = self.firm[window]
         lying = np.zeros((len(positions), 2))
         for each in self.resting:
             lying[:, each.side] = np.maximum(lying[:, each.side], each.firm[window])
         everywhere = np.ones(len(firm), dtype=np.bool_)
-        self._clear(window, kept, lying, 0.0 * firm, everywhere, positions, rotations)
+        self._clear(window, free, lying, 0.0 * firm, everywhere, positions, rotations)
         for each in self.resting:
             rest_hands(
-                each.side, each.capsules, each.spots[window], each.firm[window] * kept[:, each.side, 0], volume,
+                each.side, each.capsules, each.spots[window], each.firm[window] * free[:, each.side, 0], volume,
                 proximal, positions, rotations,
             )  # fmt: skip
         if firm.any():
-            free = kept[:, :, 0]
-            ways = free / np.maximum(free.sum(axis=1), 1e-6)[:, None]
-            whole = firm * (1.0 - asked[:, :, 0].prod(axis=1))
+            wrists = free[:, :, 0]
+            ways = wrists / np.maximum(wrists.sum(axis=1), 1e-6)[:, None]
+            whole = firm * (1.0 - (1.0 - wrists).prod(axis=1))
             join_hands(self.gaps[window], whole[:, None] * ways, positions, rotations)
         touches = (lying > 0.0).any(axis=1) | (firm > 0.0)
         if touches.any():
-            self._clear(window, kept, lying, firm, touches, positions, rotations)
+            self._clear(window, free, lying, firm, touches, positions, rotations)
 
     def _clear(
         self,
