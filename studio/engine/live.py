@@ -28,7 +28,10 @@ class Live(Protocol):
         """
 
     def asked_at(self, performer_id: str) -> float | None:
-        """When (``time.monotonic``) that was asked last which ``shown`` answers; None while there is none."""
+        """When (``time.monotonic``) that was asked last which ``shown`` answers; None while there is none.
+
+        What is dragged is asked when the mouse is moved, not when the window comes to hear of it.
+        """
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """The newest adapted motion."""

@@ -23,6 +23,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.document.document import Document
 from studio.engine.driven import Driven
 from studio.engine.frames import Frames, Solve
+from studio.engine.hand import Hand
 from studio.engine.live_play import LivePlay
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
@@ -149,6 +150,7 @@ class LiveAdaptation(QObject):
         self.driven = Driven(self._prepare)
         self._interactive = False
         self._asked_at: dict[str, float] = {}
+        self._hand = Hand(self)
         self._changed_at = time.monotonic()
         self._scheduler = SolveScheduler(self, workers)
         self._scheduler.answered.connect(self._take)
@@ -176,6 +178,7 @@ class LiveAdaptation(QObject):
     def interactive(self, value: bool) -> None:
         if value != self._interactive:
             self._interactive = value
+            self._hand.listen(value)
             if not value and not self.play.running:
                 self._rest.stop()
                 self._turn.start(0)
@@ -308,6 +311,7 @@ class LiveAdaptation(QObject):
         """Stop the timers, drop requests, join the workers."""
         for timer in (self._turn, self._rest, self._telling):
             timer.stop()
+        self._hand.listen(False)
         self.play.close()
         self._document.entity_changed.disconnect(self._schedule)
         self._document.project_opened.disconnect(self._begin_anew)
@@ -322,7 +326,7 @@ class LiveAdaptation(QObject):
             self._schedule("performers", "")
 
     def _schedule(self, _collection: str, _entity_id: str) -> None:
-        self._changed_at = time.monotonic()
+        self._changed_at = self._hand.moved_at
         if self.play.running:
             return
         if self._interactive:

@@ -191,7 +191,10 @@ class Canvas(QWidget):
         self._pixels = np.ascontiguousarray(pixels)
         height, width = self._pixels.shape[:2]
         self._image = QImage(self._pixels.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)
-        self.update()
+        if self.moving:
+            self.repaint()  # at once: the next move of the mouse would be worked on before
+        else:
+            self.update()
 
     def _refine(self) -> None:
         """As long as nothing moves, one more sample of a smooth still per turn."""

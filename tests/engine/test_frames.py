@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QApplication, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -53,6 +56,21 @@ def shown(live: LiveAdaptation, performer_id: str) -> Any:
     motion = live.shown(performer_id)
     assert motion is not None
     return motion.positions[FRAME - motion.first_frame]
+
+
+@pytest.mark.parametrize(("late", "told"), [(0.2, 0.2), (1000.0, 0.0)])
+def test_a_pose_is_as_old_as_the_move_of_the_mouse_that_it_answers(live: Any, late: float, told: float) -> None:
+    """However late the window takes the move; an event whose time cannot be is taken as of now."""
+    place, none = QPointF(5.0, 5.0), Qt.KeyboardModifier.NoModifier
+    left = Qt.MouseButton.LeftButton
+    event = QMouseEvent(QEvent.Type.MouseMove, place, place, Qt.MouseButton.NoButton, left, none)
+    event.setTimestamp(round(1000 * (time.monotonic() - late)))
+    widget = QWidget()
+    QApplication.sendEvent(widget, event)
+    drag(live.document, (0.4, 0.1, 1.2))
+    live.bring(live.document.playhead.time)
+    active = live.document.active_performer_id
+    assert time.monotonic() - live.asked_at(active) == pytest.approx(told, abs=0.1)
 
 
 def test_every_move_is_shown_at_once_as_the_whole_clip_has_that_frame(live: Any) -> None:

@@ -11,7 +11,7 @@ from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.follow import UNTURNED, FollowTracked
+from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.normalized.compose import Composite
@@ -23,6 +23,8 @@ from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
 
 FloatArray = NDArray[np.float64]
+
+_UNTURNED = np.eye(3)[None]
 
 
 def point_track(
@@ -37,9 +39,9 @@ def point_track(
 def own_track(place: OwnPlace, unasked: Unasked, body: AnyMorphology, frame_rate: float) -> Track:
     """A place that is the body's own, one frame for all: the body stands as ``unasked`` has it."""
     row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
-    frame = slice(row, row + 1)
-    track = point_track(place.point, UNTURNED, unasked.positions[frame], unasked.rotations[frame], body.still)
-    return Track(track.places + body.leg_length * np.array(place.offset), np.eye(3)[None])
+    origin, segment = point_indices(place.point, body.still.layout)
+    there = unasked.positions[row, origin] + unasked.rotations[row, segment] @ np.array(place.point.offset)
+    return Track((there + body.leg_length * np.array(place.offset))[None], _UNTURNED)
 
 
 def performer_track(

@@ -1,0 +1,42 @@
+"""Hand: when the mouse that drags something was moved last, whenever the window comes to hear of it."""
+
+import time
+
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt
+
+LATE = 1.0
+"""Seconds after which an event comes at most; one that seems later has no time, or that of another clock."""
+
+
+class Hand(QObject):
+    """Listens to all mouse events of the program, but only while something is dragged."""
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._moved_at: float | None = None
+
+    def listen(self, on: bool) -> None:
+        """Begin, or end."""
+        self._moved_at = None
+        program = QCoreApplication.instance()
+        if program is not None and on:
+            program.installEventFilter(self)
+        elif program is not None:
+            program.removeEventFilter(self)
+
+    @property
+    def moved_at(self) -> float:
+        """When (``time.monotonic``) the mouse was moved last with a button down; now where that is not known."""
+        return time.monotonic() if self._moved_at is None else self._moved_at
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Notes the time and takes nothing."""
+        if event.type() == QEvent.Type.MouseMove and event.buttons() != Qt.MouseButton.NoButton:  # type: ignore[attr-defined]
+            self._moved_at = when(event.timestamp())  # type: ignore[attr-defined]
+        return False
+
+
+def when(milliseconds: int) -> float:
+    """The ``time.monotonic`` of an event, whose own clock begins with the machine; now where that cannot be."""
+    now = time.monotonic()
+    return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < LATE else now
