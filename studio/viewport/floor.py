@@ -109,9 +109,10 @@ class SoftShadows:
         middle = np.mean([points[0, :2] for points, _ in bodies], axis=0) if bodies else np.zeros(2)
         centre = np.round(middle / cell) * cell
         self._dark[:] = 0
-        for points, morphology in bodies:
-            for place, radius, strength in _spots(points, morphology, ground):
-                self._darken((place - centre + SHADOW_REACH) / cell, radius / cell, strength)
+        spots = [spot for points, morphology in bodies for spot in _spots(points, morphology, ground)]
+        if spots:
+            places, radii, strengths = (np.array(each) for each in zip(*spots, strict=True))
+            self._darken((places - centre + SHADOW_REACH) / cell, radii / cell, strengths)
         shade = (1.0 - self._dark).reshape(-1, 1)
         tone = FLOOR if ground.is_level else np.full(3, 255.0)
         np.multiply(shade, tone.astype(np.float32), out=self._bytes, casting="unsafe")
@@ -122,15 +123,17 @@ class SoftShadows:
         self.actor.SetVisibility(ground.is_level)
         self.actor.SetPosition(centre[0], centre[1], ground.height + SHADOW_LIFT)
 
-    def _darken(self, place: NDArray[np.float64], radius: float, strength: float) -> None:
-        reach = 2.2 * radius
-        first = np.maximum(np.floor(place - reach).astype(int), 0)
-        last = np.minimum(np.ceil(place + reach).astype(int) + 1, SHADOW_CELLS)
-        if (first >= last).any():
-            return
-        across, along = (np.exp(-(((np.arange(first[k], last[k]) - place[k]) / radius) ** 2)) for k in (0, 1))
-        window = self._dark[first[1] : last[1], first[0] : last[0]]
-        window += (strength * along[:, None] * across[None, :] * (1 - window)).astype(np.float32)
+    def _darken(self, places: NDArray[np.float64], radii: NDArray[np.float64], strengths: NDArray[np.float64]) -> None:
+        """Soft spots at ``places`` (S, 2) of the picture, each over what is light yet."""
+        away = np.arange(SHADOW_CELLS) - places[:, :, None]
+        fades = np.exp(-((away / radii[:, None, None]) ** 2)).astype(np.float32)
+        reach = 2.2 * radii[:, None]
+        firsts = np.maximum(np.floor(places - reach), 0).astype(int).tolist()
+        ends = np.minimum(np.ceil(places + reach) + 1, SHADOW_CELLS).astype(int).tolist()
+        for fade, strength, first, end in zip(fades, strengths.tolist(), firsts, ends, strict=True):
+            across, along = (fade[axis, first[axis] : max(end[axis], 0)] for axis in (0, 1))
+            window = self._dark[first[1] : max(end[1], 0), first[0] : max(end[0], 0)]
+            window += strength * along[:, None] * across * (1 - window)
 
 
 def _spots(

@@ -27,7 +27,7 @@ from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
 from studio.core.solver.smoothing.easing import LOOKED
 from studio.core.solver.smoothing.stretch import Stretch, constraint_activations, legs_of
-from studio.core.solver.standing.carrying import Hold, find_carrying
+from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.standing.footing import Footing, find_footing
 from studio.core.solver.standing.raised_arms import keep_posture, raise_arms
 from studio.core.solver.standing.settling import Arms, settle
@@ -71,7 +71,7 @@ class Standing:
     def with_arms_right(self, windows: Sequence[slice]) -> "Standing":
         """The same with hands where they touch and arms out of the body, in place, in some ``windows`` at least.
 
-        There, and a second around, it is as with all frames in one window.
+        There, and a second around, it is as with all frames in one window. It comes before ``kept``.
         """
         contact, motion = self.self_contact, self.motion
         if contact is None:
@@ -80,15 +80,22 @@ class Standing:
         for window in windows:
             wanted[contact.around(contact.around(self.around(window, AROUND)))] = True
         free = 1.0 - hands_standing(self.contacts, motion.frame_count, motion.frame_rate)
+        positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
         for run in runs_in(slice(0, motion.frame_count), wanted, 1):
-            contact.close(run, free[run], self.positions[run], self.rotations[run])
-        raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, self.positions, self.rotations)
+            contact.close(run, free[run], positions[run], rotations[run])
+        raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, positions, rotations)
         return self
 
     def around(self, window: slice, seconds: float) -> slice:
         """``window`` and ``seconds`` on either side, as far as there are frames."""
         frames = math.ceil(seconds * self.motion.frame_rate)
         return slice(max(window.start - frames, 0), min(window.stop + frames, self.motion.frame_count))
+
+    @cached_property
+    def limb_freedoms(self) -> FloatArray:
+        """(4, F) how free of its contacts each limb is."""
+        count, rate = self.motion.frame_count, self.motion.frame_rate
+        return np.array([limb_freedom(self.contacts, limb, count, rate) for limb in range(4)])
 
     @cached_property
     def peaks(self) -> FloatArray:
@@ -197,7 +204,7 @@ def hold(
     positions, rotations = part_of(standing.positions, window), part_of(standing.rotations, window)
     if not constraints:
         return _answer(standing, first, positions, rotations, np.empty((0, len(positions))))
-    activations = constraint_activations(constraints, standing.contacts, standing.motion)
+    activations = constraint_activations(constraints, standing)
     share, self_contact = np.asarray((activations > 0.0).any(axis=0), dtype=np.float64), standing.self_contact
     if self_contact:
         share = self_contact.beside(share)

@@ -148,5 +148,5 @@ def _yielding(standing: Standing, constraints: Sequence[Constraint], window: sli
     rate = standing.motion.frame_rate
     times = np.arange(standing.motion.frame_count)[window] / rate
     wanted = np.array([each.activation.at(times) for each in constraints])
-    given = constraint_activations(constraints, standing.contacts, standing.motion)[:, window]
+    given = constraint_activations(constraints, standing)[:, window]
     return np.asarray(given < wanted - 1e-9)

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from studio.core.body.joint_limits import limits_of
 from studio.core.body.morphology import at_frames
-from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody
@@ -34,7 +33,6 @@ from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Solve
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_leash import RootLeash
 from studio.core.solver.smoothing.wished import brought
-from studio.core.solver.standing.carrying import limb_freedom
 from studio.core.solver.standing.footing import Footing
 from studio.core.solver.standing.support import mass_path, standing_points, support_path
 
@@ -63,7 +61,7 @@ class Stretch:
         asked, cleared = [constraints[c] for c in self._order], [constraints[c] for c in self._clear]
         everything = [*(each.constraint for each in held), *asked]
         self._rows = pack(everything, body.layout, targets_of(standing, constraints, window, tracks), self._held)
-        activations = constraint_activations([*asked, *cleared], standing.contacts, standing.motion)
+        activations = constraint_activations([*asked, *cleared], standing)
         acts = activations[: len(asked), window]
         if held:
             place_held(self._rows, held, window)
@@ -309,16 +307,14 @@ def legs_of(footing: Footing, motion: NormalizedMotion, window: slice) -> Legs:
     return Legs(motion.channels[window], *(np.ascontiguousarray(each[:, window]) for each in stance))
 
 
-def constraint_activations(
-    constraints: Sequence[Constraint], contacts: Sequence[ContactInterval], motion: NormalizedMotion
-) -> FloatArray:
+def constraint_activations(constraints: Sequence[Constraint], standing: "Standing") -> FloatArray:
     """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
+    motion = standing.motion
     activations = np.empty((len(constraints), motion.frame_count))
-    standing = {contact.point.limb for contact in contacts}
     for row, constraint in zip(activations, constraints, strict=True):
         curve = constraint.activation
         row[:] = 1.0 if curve.is_whole(0.0, motion.duration) else curve.at(motion.times)
         limb = limb_of(constraint.point.part)
-        if limb >= 0 and limb in standing:
-            row *= limb_freedom(contacts, limb, motion.frame_count, motion.frame_rate)
+        if limb >= 0:
+            row *= standing.limb_freedoms[limb]
     return activations
