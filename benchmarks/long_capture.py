@@ -43,8 +43,9 @@ from studio.core.constraints.own_place import OwnPlace  # noqa: E402
 from studio.core.constraints.position import PositionConstraint  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.document.document import Document  # noqa: E402
-from studio.engine.live_adaptation import StandingSolver, normalised  # noqa: E402
+from studio.engine.live_adaptation import normalised  # noqa: E402
 from studio.engine.saving import save_in_background  # noqa: E402
+from studio.engine.standing_solver import StandingSolver  # noqa: E402
 from studio.io.bvh import read_bvh  # noqa: E402
 from studio.io.character_file import bundled_characters  # noqa: E402
 from studio.io.importing import load_annotations, load_capture  # noqa: E402

@@ -1,25 +1,23 @@
 """LiveAdaptation: every visible performer's adapted motion, kept up to date while the document changes."""
 
-import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QObject, QTimer, Signal
 
 from studio.cli.warm_up import WarmUp
-from studio.core.body.morphology import AnyMorphology, Morphology
+from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
-from studio.core.constraints.target import own_places_of
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.performers.circles import solve_circle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.performers.stage import in_order, leaders_of
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.engine.driven import Driven
 from studio.engine.frames import Frames, Solve
@@ -27,21 +25,16 @@ from studio.engine.hand import Hand
 from studio.engine.live_play import LivePlay
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
+from studio.engine.standing_solver import StandingSolver
 from studio.engine.tasks import PATIENCE
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
-
-if TYPE_CHECKING:
-    from studio.core.solver.adapt import Standing
 
 WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, REST_MILLISECONDS = 120, 150
 """How often windows are solved while a hand moves, and after which rest whole motions are."""
-KEPT_STANDING = 16
 TELL_MILLISECONDS = 100
 _SOURCE, _EXPECTED, _TOGETHER = "source ", "expected ", "\n"
 
-Windows = tuple[tuple[int, int], ...]
-"""First frames and those past the last."""
 Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
 
 
@@ -51,46 +44,6 @@ def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
 
     motion, actor = normalize(capture)
     return motion, actor.morphology
-
-
-class StandingSolver:
-    """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest.
-
-    Asked for some frames it puts only the arms right that these have to do with: the rest of a body that is dragged
-    is not seen. What it keeps, and its answers, take half the memory that solving takes. Any thread may call it.
-    """
-
-    def __init__(self) -> None:
-        self._kept: dict[tuple[NormalizedMotion, AnyMorphology], tuple[object, Windows, Standing]] = {}
-        self._lock = threading.Lock()
-
-    def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
-        from studio.core.solver.adapt import hold, stand_but_for_arms
-
-        key, count = (request.motion, request.morphology), request.motion.frame_count
-        ground = (
-            *(request.contacts, request.ground, request.volume, request.actor),
-            *(request.limited, request.clears),
-        )
-        whole: Windows = ((0, count),)
-        windows = whole if last is None else ((first, last + 1), *own_frames(request))
-        kept = self._kept.get(key)
-        if kept is None or kept[0] != ground or kept[1] not in (whole, windows):
-            standing = stand_but_for_arms(request).with_arms_right([slice(*each) for each in windows])
-            kept = ground, windows, standing.kept()
-            with self._lock:
-                while len(self._kept) >= KEPT_STANDING:
-                    self._kept.pop(next(iter(self._kept)))
-                self._kept[key] = kept
-        return hold(kept[2], request.constraints, first, last, request.tracks, eased=request.eased).kept()
-
-
-def own_frames(request: AdaptRequest) -> Windows:
-    """The frames, first and past the last, that the body's own places are of which constraints ask."""
-    rate, last = request.motion.frame_rate, request.motion.frame_count - 1
-    places = (place for each in request.constraints for place in own_places_of(each))
-    rows = sorted({min(max(round(place.time * rate), 0), last) for place in places})
-    return tuple((row, row + 1) for row in rows)
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:

@@ -20,7 +20,8 @@ from studio.core.solver.performers.performing import perform
 from studio.core.stage.scope import Scope
 from studio.document.document import Document
 from studio.engine.frames import LONG
-from studio.engine.live_adaptation import LiveAdaptation, StandingSolver, normalised
+from studio.engine.live_adaptation import LiveAdaptation, normalised
+from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_constraint, make_project
 
 FRAMES, FRAME = 60, 15
