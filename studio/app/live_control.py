@@ -246,7 +246,7 @@ class LiveControl:
         )
         self.bench.live.interactive = followed
         self._moved_at = time.monotonic()
-        moved = replace(prop, position=(x, y, z), held=None)
+        moved = replace(prop, position=(x, y, z), held=None, later=())
         document.replace("props", tracked.prop_id, moved, f"Track {prop.name}", self._gesture)
 
     def track_camera(self, on: bool) -> None:

@@ -90,7 +90,7 @@ def _following(
                     tracks[follow] = performer_track(follow.point, follow.turn, motion, rows, there, places[key])
                 case FollowProp():
                     prop = props[follow.prop_id]
-                    tracks[follow] = seen_from(follow, prop, stage_track(prop, request.motion.times, None), places[key])
+                    tracks[follow] = seen_from(follow, prop, stage_track(prop, request.motion.times), places[key])
                 case FollowTracked():
                     try:
                         tracks[follow] = tracked_track(follow, capture)

@@ -130,8 +130,8 @@ def references(entity: Entity) -> tuple[tuple[str, str], ...]:
         case Constraint():
             followed = (pair for each in follows_of(entity) for pair in _followed(each))
             return (("motions", entity.motion_id), *_scoped(entity.scope), *followed)
-        case Prop() if entity.holder:
-            return (("performers", entity.holder),)
+        case Prop():
+            return tuple(("performers", each.performer_id) for each in entity.holds)
         case Behaviour():
             return entity.references
     return ()

@@ -39,13 +39,14 @@ def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: fl
     from studio.core.solver.performers.props import Holder, stage_track  # not before it is needed: it loads kernels
 
     prop = project.props[prop_id]
-    pose = posed.get(prop.holder or "")
-    holder = None
-    if pose is not None:
+    hands = {}
+    for key in prop.holders & posed.keys():
+        pose = posed[key]
         timing = timing_of(project, pose.performer) if pose.performer.clips else None
-        holder = Holder(pose.motion, [pose.row], pose.placement, pose.over_time, timing)
-    track = stage_track(prop, [time], holder)
-    leg = pose.motion.body.leg_length if pose else 1.0
+        hands[key] = Holder(pose.motion, [pose.row], pose.placement, pose.over_time, timing)
+    track, hold = stage_track(prop, [time], hands), prop.held_at(time)
+    holder = posed.get(hold.performer_id) if hold else None
+    leg = holder.motion.body.leg_length if holder else 1.0
     return PropPose(prop, track.places[0], track.rotations[0], time, leg)
 
 
@@ -62,10 +63,10 @@ def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
     match prop.held_at(pose.time):
         case InHand() as held:
             x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ pose.axes.T @ way).tolist()
-            return replace(prop, held=replace(held, point=replace(held.point, offset=(x, y, z))))
+            return prop.with_hold(held, replace(held, point=replace(held.point, offset=(x, y, z))))
         case Carried() as carried:
             x, y, z = (np.array(carried.offset) + pose.axes.T @ way / pose.leg_length).tolist()
-            return replace(prop, held=replace(carried, offset=(x, y, z)))
+            return prop.with_hold(carried, replace(carried, offset=(x, y, z)))
     x, y, z = place.tolist()
     if isinstance(prop.position, KeyedPlace):
         return replace(prop, position=prop.position.with_key(pose.time, (x, y, z)))
@@ -81,7 +82,7 @@ def turned_prop(pose: PropPose, angle: float) -> Prop:
     if isinstance(held, InHand):
         about = np.array([0.0, 0.0, math.sin(angle / 2), math.cos(angle / 2)])
         turn = multiply(np.array(held.turn), from_matrix(pose.axes.T @ to_matrix(about) @ pose.axes))
-        return replace(prop, held=replace(held, turn=tuple(turn.tolist())))
+        return prop.with_hold(held, replace(held, turn=tuple(turn.tolist())))
     if isinstance(prop.heading, KeyedNumber):
         return replace(prop, heading=prop.heading.with_key(pose.time, heading_of(pose) + angle))
     return replace(prop, heading=wrapped(prop.heading + angle))
@@ -104,11 +105,11 @@ def unheld(pose: PropPose, *, keyed: bool) -> Prop:
     heading: float | KeyedNumber = heading_of(pose)
     if keyed:
         position, heading = KeyedPlace((pose.time,), ((x, y, z),)), KeyedNumber((pose.time,), (heading_of(pose),))
-    return replace(pose.prop, position=position, heading=heading, held=None)
+    return replace(pose.prop, position=position, heading=heading, held=None, later=())
 
 
-def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> Prop:
-    """The prop fixed to a point of a body, at the middle of the palm where that is a hand, turned as it is."""
+def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> InHand:
+    """How the prop is fixed to a point of a body, at the middle of the palm where that is a hand, turned as it is."""
     motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
     from studio.core.solver.asking.packing import point_indices  # loads kernels
 
@@ -118,5 +119,4 @@ def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) 
     middle = (motion.positions[row, far] - motion.positions[row, origin]) / 2 if point.part in HANDS else np.zeros(3)
     x, y, z = (axes.T @ middle).tolist()
     turn = from_matrix((holder.placement.rotation @ axes).T @ pose.axes)
-    held = InHand(performer_id, replace(point, offset=(x, y, z)), tuple(turn.tolist()))
-    return replace(pose.prop, held=held)
+    return InHand(performer_id, replace(point, offset=(x, y, z)), tuple(turn.tolist()))

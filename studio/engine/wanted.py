@@ -14,11 +14,12 @@ from studio.core.project import Performer, Project
 from studio.core.solver.performers.awaiting import awaited
 from studio.core.solver.performers.circles import Player
 from studio.core.solver.performers.rows import Asked, composite_of, constraints_in, frame_count_of, is_plain, timing_of
-from studio.core.solver.performers.stage import Followed, asked_of, followed_by, tracks_of
+from studio.core.solver.performers.stage import Followed, asked_of, followed_by, props_of, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer
 from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Prop
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
 Results = Callable[[str], AdaptedMotion | None]
@@ -41,6 +42,7 @@ class Wanted:
     eased: bool = True
     clears: bool = True
     layers: tuple[Layer, ...] = ()
+    props: tuple[Prop, ...] = ()
 
     def stands_as(self, other: "Wanted | None") -> bool:
         """Whether a body stands on the ground as another does before anything is asked of it."""
@@ -72,7 +74,7 @@ def wanted_of(project: Project, key: str, circle: tuple[str, ...], result_of: Re
     body = character.body_over(timing.begin, timing.frame_rate, frame_count_of(project, performer))
     return Wanted(
         performer, motions, body, asked, ground, followed, Placement.of(performer), volume,
-        performer.limited, performer.eased, performer.clears, performer.layers,
+        performer.limited, performer.eased, performer.clears, performer.layers, props_of(project, key),
     )  # fmt: skip
 
 
@@ -90,4 +92,4 @@ def player_of(project: Project, key: str, wanted: Wanted, prepare: Prepare) -> P
         composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, wanted.volume,
         actor, wanted.limited, wanted.eased, wanted.clears,
     )  # fmt: skip
-    return Player(request, composite, wanted.placement)
+    return Player(request, composite, wanted.placement, project.props)

@@ -20,12 +20,13 @@ from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
 from studio.core.project import CLASSES, COLLECTIONS, Entity, Project
+from studio.core.stage.prop import Prop
 from studio.io.json_text import json_of
 from studio.io.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
 
 PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
-    **dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 3, "contacts": 3, "props": 2,
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 2, "performers": 2, "constraints": 3, "contacts": 3, "props": 3,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
@@ -84,11 +85,13 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 
 def _schema_of(collection: str, entity: Entity) -> int:
-    """A contact with the ground, and a body that does not grow, say what they have always said."""
+    """A contact with the ground, a body that does not grow, a prop that is not handed on: as they have always been."""
     if isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint):
         return 2
     if isinstance(entity, Character) and isinstance(entity.proportions, Proportions):
         return 1
+    if isinstance(entity, Prop) and not entity.later:
+        return 2
     return ENTITY_SCHEMAS[collection]
 
 

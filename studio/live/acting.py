@@ -28,7 +28,7 @@ SLOWING = 0.5
 
 @dataclass(frozen=True)
 class Act:
-    """What a state lets a performer play, and what is asked of it besides; who ``steps`` lifts its feet to begin it."""
+    """What a state lets a performer play, and what is asked of it besides; ``steps`` where it begins with a step."""
 
     clip: Clip
     asked: tuple[Constraint, ...] = ()
@@ -62,9 +62,11 @@ class Seen:
         prop = self.project.props.get(follow.prop_id) if follow else None
         if follow is None or prop is None:
             return None
-        held = self.results.get(prop.holder or "")
-        holder = Holder(held, [0.0], Placement.of(self.project.performers[prop.holder or ""])) if held else None
-        track = stage_track(prop, [self.seconds], holder)
+        hands = {
+            key: Holder(self.results[key], [0.0], Placement.of(self.project.performers[key]))
+            for key in prop.holders & self.results.keys()
+        }
+        track = stage_track(prop, [self.seconds], hands)
         offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
         return np.asarray(track.places[0] + track.rotations[0] @ offset)
 

@@ -31,7 +31,7 @@ from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
 from studio.library.searching import Asked, find
 from studio.library.striking import Blow, make_strike
-from studio.live.stepping import STEP_SECONDS, stepping
+from studio.live.keeping import STEP_SECONDS
 
 FloatArray = NDArray[np.float64]
 
@@ -185,8 +185,7 @@ class Fighter:
         played = self._played()
         start, change = self._after(played)
         whole = compose((played, replace(self.guard, start=start, own=own, ease=STEP_SECONDS)))
-        motion, contacts = stepping(whole.motion, whole.contacts, change)
-        return self._plan(State.STEP, motion, contacts, change)
+        return self._plan(State.STEP, whole.motion, whole.contacts, change)
 
     def _strike(self, played: Piece, place: FloatArray, limbs: Sequence[Limb], kinds: Sequence[Kind]) -> Plan:
         motion = played.motion

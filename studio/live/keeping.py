@@ -14,10 +14,11 @@ from studio.core.stage.manners import KeepDistance
 from studio.core.stage.placement import Placement
 from studio.core.stage.whom import PELVIS, followed_by
 from studio.live.acting import Act, Seen
-from studio.live.stepping import STEP_SECONDS
 
 FloatArray = NDArray[np.float64]
 
+STEP_SECONDS = 0.6
+"""What a step of both feet takes."""
 LONGEST_STEP, WIDEST_TURN = 0.4, 0.7
 """Metres and radians of one step."""
 TURNED_ENOUGH = 0.25

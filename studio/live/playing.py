@@ -27,7 +27,6 @@ from studio.core.solver.performers.rows import composite_of, constraints_in, pie
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.smoothing.stretch import targets_of
 from studio.core.solver.standing.led import Stance, led_from
-from studio.live.stepping import stepping
 
 FloatArray = NDArray[np.float64]
 
@@ -96,21 +95,16 @@ def asked_anew(project: Project, key: str, playing: Playing) -> Playing:
     return replace(playing, asked=_asked(project, key, playing.composite, playing.standing, playing.kept))
 
 
-def taken_over(
-    project: Project, key: str, before: Playing, frame: int, tracks: Tracks, prepare: Prepare, steps: bool = False
-) -> Playing:
+def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: Tracks, prepare: Prepare) -> Playing:
     """The only clip of a performer's row, which takes over as the clip starts from ``frame`` of what played ``before``.
 
     What acted in that frame goes in ``COMING`` seconds, where it was (``tracks`` have where it followed), unless it is
-    asked in the clip as well. Who ``steps`` lifts one foot after the other, to stand where the clip is placed.
+    asked in the clip as well.
     """
     clip = project.performers[key].clips[0]
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
     composite = go_on(_shown(before, frame, pieces[0].start), _played(before, frame), pieces)
     first = round(composite.timing.frame_at(pieces[0].start))
-    if steps:
-        motion, contacts = stepping(composite.motion, composite.contacts, first)
-        composite = replace(composite, motion=motion, contacts=contacts)
     playing = _playing(project, key, composite, prepare)
     playing = replace(playing, standing=led_from(playing.standing, first, Stance.of(before.standing, frame)))
     begins = playing.time_of(first)

@@ -5,22 +5,20 @@ ground, bodies, who is there. In each step performers are solved leaders first, 
 that begin where the last step ended, so a step costs about the same whenever it is done.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.follow import FollowPerformer
-from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.project import Performer, Project
 from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.circles import Paths, Player, paths_of, solve_circle
 from studio.core.solver.performers.performing import Prepare
-from studio.core.solver.performers.stage import followed_by, in_order, tracks_of
+from studio.core.solver.performers.stage import followed_by, in_order, props_of, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.behaviour import Running, advance, begun
 from studio.core.stage.clip import Clip
@@ -53,6 +51,8 @@ class _Part:
     begun: Begun | None = None
     tracks: Tracks = field(default_factory=dict)
     result: AdaptedMotion | None = None
+    passed: Mapping[float, AdaptedMotion] = field(default_factory=dict)
+    """What it was as it took or let go of something, by the seconds of the stage."""
 
 
 class LiveStage:
@@ -90,6 +90,15 @@ class LiveStage:
         """The clip that a performer plays now; None before its first step."""
         part = self._parts.get(key)
         return None if part is None else _clip_of(part)
+
+    def asked(self, key: str) -> tuple[tuple[str, Constraint, float], ...]:
+        """What is asked of a performer in this step and how much, in the order of its result's residuals.
+
+        By its id in ``staged``; without one, what was asked before and goes.
+        """
+        playing, frame = self._parts[key].playing, self._parts[key].frame
+        time, names = playing.time_of(frame), {id(each): name for name, each in playing.asked}
+        return tuple((names.get(id(each), ""), each, float(each.activation.at(time))) for each in playing.active(frame))
 
     def start(self, key: str, clip: Clip, blend: float = 0.0) -> None:
         """Let a performer go over to a clip, where its body is, in ``blend`` seconds; 0 in as many as that needs."""
@@ -133,8 +142,17 @@ class LiveStage:
                 self.failures |= dict.fromkeys(circle, str(error))
         for key, result in solved.items():
             self._parts[key].result = result
+        self._remember_hands(solved)
         self.results = solved
         return solved
+
+    def _remember_hands(self, results: Mapping[str, AdaptedMotion]) -> None:
+        """Keep where everybody was as something was taken or let go of: clips that play then are soon forgotten."""
+        for held in (held for prop in self.project.props.values() for held in prop.holds):
+            part, result = self._parts.get(held.performer_id), results.get(held.performer_id)
+            for moment in (held.begin, held.end):
+                if moment is not None and part and result and moment <= self.seconds and moment not in part.passed:
+                    part.passed = {**part.passed, moment: replace(result, passed={})}
 
     # What plays
 
@@ -224,7 +242,7 @@ class LiveStage:
             assert part.wish is not None
             act, part.wish = replace(part.wish, clip=replace(part.wish.clip, start=self.seconds)), None
             staged = _staged(self.project, self._parts, {key: act})
-            part.playing = taken_over(staged, key, part.playing, part.frame, part.tracks, self._prepare, act.steps)
+            part.playing = taken_over(staged, key, part.playing, part.frame, part.tracks, self._prepare)
             part.act, self._staged = act, staged
             self._note(key)
 
@@ -244,10 +262,10 @@ class LiveStage:
     def _solved(self, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion]) -> dict[str, AdaptedMotion]:
         """One frame of performers who follow each other, mostly of one alone, after all whom they follow."""
         players = {key: self._player(key, circle, solved) for key in circle}
-        if not any(_follow_each_other(each.request.constraints, circle) for each in players.values()):
+        unasked = dict(paths_of(players, {key: self._unasked(key) for key in circle})) if len(circle) > 1 else {}
+        if not unasked:
             self._paths.pop(circle, None)
             return {key: self._frame(key, each.request) for key, each in players.items()}
-        unasked = dict(paths_of(players, {key: self._unasked(key) for key in circle}))
         expected = self._expected(circle, unasked)
         found = solve_circle(players, self._frame, expected, SWEEPS if expected else FIRST_SWEEPS)
         self._paths[circle] = found.paths, unasked
@@ -259,7 +277,9 @@ class LiveStage:
         part = self._parts[key]
         playing, frame = part.playing, part.frame
         constraints = playing.active(frame)
-        followed = followed_by(self._staged, key, solved.get, circle, constraints)
+        holds = any(key in each.holders for each in props_of(self._staged, key))
+        own = self._unasked(key) if holds else None
+        followed = followed_by(self._staged, key, solved.get, circle, constraints, own)
         if followed is None:
             raise StudioError(f"'{self._staged.performers[key].name}' follows somebody who cannot be adapted.")
         part.tracks = tracks_of(followed, playing.composite.at(frame))
@@ -267,16 +287,18 @@ class LiveStage:
         request = AdaptRequest(
             standing.motion, standing.morphology, standing.contacts, constraints, standing.ground, part.tracks
         )
-        return Player(request, playing.composite, Placement.of(self._staged.performers[key]), frame)
+        placement = Placement.of(self._staged.performers[key])
+        return Player(request, playing.composite, placement, self._staged.props, frame)
 
     def _frame(self, key: str, request: AdaptRequest) -> AdaptedMotion:
         part = self._parts[key]
         posed = hold(part.playing.solvable, request.constraints, part.frame, part.frame, request.tracks)
-        return replace(posed, composite=part.playing.composite)
+        return replace(posed, composite=part.playing.composite, passed=part.passed)
 
     def _unasked(self, key: str) -> AdaptedMotion:
         part = self._parts[key]
-        return hold(part.playing.standing, (), part.frame, part.frame)
+        posed = hold(part.playing.standing, (), part.frame, part.frame)
+        return replace(posed, composite=part.playing.composite, passed=part.passed)
 
     def _expected(self, circle: tuple[str, ...], unasked: Paths) -> Paths:
         """Where all are expected that is followed: as far from where it would be unasked as in the last step."""
@@ -317,8 +339,3 @@ def _stands_otherwise(project: Project, before: Project, performer: Performer, w
     bodies = [given.characters[each.character_id] for given, each in ((project, performer), (before, was))]
     manners = [(each.position, each.heading, each.limited, each.clears) for each in (performer, was)]
     return bodies[0] is not bodies[1] or project.ground is not before.ground or manners[0] != manners[1]
-
-
-def _follow_each_other(constraints: Iterable[Constraint], circle: tuple[str, ...]) -> bool:
-    follows = (follow for each in constraints for follow in follows_of(each))
-    return any(isinstance(each, FollowPerformer) and each.performer_id in circle for each in follows)

@@ -115,7 +115,7 @@ def _trimmed(
     place = _about(played.placement, motion, first, piece.mirrored)
     return replace(
         source, first=first, last=max(last, first), start=starts, repeats=1, joined=False, turn=place.turn,
-        offset=place.offset, ease=piece.ease if starts == begun else 0.0,
+        offset=place.offset, ease=piece.ease if starts - begun < 1e-9 else 0.0,
     )  # fmt: skip
 
 

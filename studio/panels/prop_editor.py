@@ -14,7 +14,7 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.engine.live import Live
-from studio.engine.performance import Posed, posed_performers
+from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINTS, point_words
 from studio.engine.props import PropPose, heading_of, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
@@ -87,28 +87,38 @@ class PropEditor(Editor):
         self._size.show_values(prop.size)
         self._where.show_value(where_of(prop))
         self._holder.offer([(key, each.name) for key, each in self.document.project.performers.items()])
-        self._holder.show_value(prop.holder)
-        if isinstance(prop.held, InHand):
-            place = (prop.held.point.part, prop.held.point.at_end)
-            if not self._point.offers(place):
-                self._point.add(place, point_words(prop.held.point).capitalize())
-            self._point.show_value(place)
-        self._show(prop.held is not None, self._holder_row, self._holder)
-        spanned = prop.held is not None and not prop.held.is_always
-        self._show(spanned, self._held_row, self._held, self._always)
-        if prop.held is not None:
-            self._held.setText(_span_words(prop.held))
-        self._show(isinstance(prop.held, InHand), self._point_row, self._point)
         self._rule.refresh()
         self._show(where_of(prop) == KEYED, self._keys_row, *self._keys)
-        self._show(not isinstance(prop.held, Carried), self._heading_row, self._heading)
         self._refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
         """It may go with a performer."""
         return super().concerns(collection, entity_id) or collection == "performers"
 
+    @property
+    def _hold_now(self) -> InHand | Carried | None:
+        """Who holds it at the playhead; where nobody does, who does first."""
+        prop: Prop = self.entity
+        return prop.held_at(self.document.playhead.time) or prop.held
+
+    def _refresh_hold(self) -> None:
+        hold = self._hold_now
+        self._holder.show_value(hold.performer_id if hold else None)
+        if isinstance(hold, InHand):
+            place = (hold.point.part, hold.point.at_end)
+            if not self._point.offers(place):
+                self._point.add(place, point_words(hold.point).capitalize())
+            self._point.show_value(place)
+        self._show(hold is not None, self._holder_row, self._holder)
+        self._show(hold is not None and not hold.is_always, self._held_row, self._held, self._always)
+        if hold is not None:
+            self._where.show_value(hold.kind)
+            self._held.setText(_span_words(hold))
+        self._show(isinstance(hold, InHand), self._point_row, self._point)
+        self._show(not isinstance(hold, Carried), self._heading_row, self._heading)
+
     def _refresh_moment(self) -> None:
+        self._refresh_hold()
         pose = self.pose
         self._position.show_values(pose.place.tolist())
         self._heading.show_value(math.degrees(heading_of(pose)))
@@ -153,7 +163,9 @@ class PropEditor(Editor):
             self._hold(where, self.document.active_performer_id or "")
 
     def _give(self, performer_id: str) -> None:
-        self._hold(where_of(self.entity), performer_id)
+        hold = self._hold_now
+        if hold is not None:
+            self._hold(hold.kind, performer_id)
 
     def _hold(self, where: str, performer_id: str, point: BodyPoint = RIGHT_HAND) -> None:
         project = self.document.project
@@ -162,24 +174,24 @@ class PropEditor(Editor):
             self.document.problem.emit("Nobody is there yet who could hold it. Show a body that plays a motion first.")
             self.refresh()
         elif where == Carried.kind:
-            self._set("Hold", held=self._meanwhile(Carried(performer_id)))
+            self._put_made("Hold", lambda: self._meanwhile(Carried(performer_id)))
         else:
-            self._put_made("Hold", lambda: self._in_hand(performer_id, point, holder))
+            self._put_made("Hold", lambda: self._meanwhile(in_hand(self.pose, performer_id, point, holder)))
 
-    def _in_hand(self, performer_id: str, point: BodyPoint, holder: Posed) -> Prop:
-        prop = in_hand(self.pose, performer_id, point, holder)
-        return replace(prop, held=self._meanwhile(prop.held)) if prop.held is not None else prop
-
-    def _meanwhile(self, hold: InHand | Carried) -> InHand | Carried:
-        """A hold at the time of the one that there is."""
-        old = self.entity.held
-        return hold if old is None else replace(hold, begin=old.begin, end=old.end)
+    def _meanwhile(self, hold: InHand | Carried) -> Prop:
+        """The prop with a hold at the time of the one that there is."""
+        prop, old = self.entity, self._hold_now
+        return prop.with_hold(old, replace(hold, begin=old.begin, end=old.end)) if old else prop.with_holds([hold])
 
     def _hold_always(self) -> None:
-        self._set("Always hold", held=replace(self.entity.held, begin=None, end=None))
+        hold = self._hold_now
+        if hold is not None:
+            self._put_made("Always hold", lambda: self.entity.with_holds([replace(hold, begin=None, end=None)]))
 
     def _fix(self, choice: tuple[BodyPart, bool]) -> None:
-        self._hold(InHand.kind, self.entity.holder, BodyPoint(choice[0], at_end=choice[1]))
+        hold = self._hold_now
+        if hold is not None:
+            self._hold(InHand.kind, hold.performer_id, BodyPoint(choice[0], at_end=choice[1]))
 
     def _set_key(self) -> None:
         self._put_made("Key", lambda: turned_prop(self._keyed_here(), 0.0))

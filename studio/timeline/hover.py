@@ -12,6 +12,7 @@ from studio.timeline.sheet import Sheet
 from studio.timeline.shown import HANDLES, LABEL_WIDTH, Hit, Part
 from studio.timeline.strips import StripState
 from studio.timeline.tracks import clip, constraint, growth, remarks
+from studio.timeline.tracks.hold import hold_under
 from studio.timeline.tracks.plot import PlotPicture
 
 
@@ -40,7 +41,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
         case "growth":
             return _growth_text(sheet, hit, position)
         case "props":
-            return _hold_text(sheet, hit)
+            return _hold_text(sheet, hit, position)
         case "lane":
             return f"{hit.id.replace('_', ' ').capitalize()}: double-click to add a contact"
     return ""
@@ -100,10 +101,10 @@ def _growth_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
     return f"Key of {shown.project.performers[hit.id].name}: {moment(time * shown.axis.frame_rate, time)}"
 
 
-def _hold_text(sheet: Sheet, hit: Hit) -> str:
+def _hold_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
     prop = sheet.shown.project.props[hit.id]
-    hold, performers = prop.held, sheet.shown.project.performers
-    if hold is None or hit.part == Part.EMPTY:
+    hold, performers = hold_under(sheet.shown, prop, position.x()), sheet.shown.project.performers
+    if hold is None:
         return f"{prop.name} lies"
     begin = "from the start" if hold.begin is None else f"from {hold.begin:.3f} s"
     end = "to the end" if hold.end is None else f"to {hold.end:.3f} s"

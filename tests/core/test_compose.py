@@ -136,10 +136,8 @@ def test_a_clip_is_turned_about_where_it_begins_and_moved_in_leg_lengths() -> No
 @pytest.mark.parametrize("overlap", [-0.5, 0.0, 0.4])
 @pytest.mark.parametrize(("first", "second"), list(permutations(EXAMPLES, 2)))
 def test_no_foot_slides_and_no_joint_jolts_where_one_clip_follows_another(
-    first: str, second: str, overlap: float, request: pytest.FixtureRequest
+    first: str, second: str, overlap: float
 ) -> None:
-    if (first, second) == ("front_kick", "reach_grasp") and overlap <= 0.0:
-        request.applymarker(pytest.mark.xfail(reason="a toe that leaves the guard accelerates 2.2 times as much"))
     before = example(first)
     row = compose((before, cut(example(second), start=before.end - overlap)))
     stands = standing(row)

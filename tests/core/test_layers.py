@@ -147,11 +147,7 @@ def test_hands_that_touch_let_go_where_one_of_them_plays_something_else() -> Non
 
 @pytest.mark.parametrize("region", [Region.UPPER_BODY, Region.RIGHT_ARM, Region.LEGS, Region.WHOLE])
 @pytest.mark.parametrize("second", EXAMPLES[1:])
-def test_no_foot_slides_and_no_joint_jolts_where_a_layer_comes_and_goes(
-    region: Region, second: str, request: pytest.FixtureRequest
-) -> None:
-    if Region.LEGS in region.parts and second == "reach_grasp":
-        request.applymarker(pytest.mark.xfail(reason="feet that stand apart would have to step, as they do in a row"))
+def test_no_foot_slides_and_no_joint_jolts_where_a_layer_comes_and_goes(region: Region, second: str) -> None:
     base = "straight_punch" if region in (Region.LEGS, Region.WHOLE) else "walk_turn"
     composite = row_with(over(part(second, 60, 270, 1.0), region), row=base)
     stands = standing(composite)

@@ -84,7 +84,7 @@ def test_a_wrist_goes_along_on_every_body() -> None:
 
 @every_rule
 def test_a_prop_moves_by_it_in_the_time_of_the_stage(rule: ProceduralPlace) -> None:
-    assert np.array_equal(stage_track(Prop("Ball", position=rule), TIMES, None).places, rule.at(TIMES))
+    assert np.array_equal(stage_track(Prop("Ball", position=rule), TIMES).places, rule.at(TIMES))
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Staged, perform
 from studio.core.solver.performers.props import Holder, stage_track
 from studio.core.solver.performers.stage import asked_of
+from studio.core.stage.holding import grips
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.library.scenes import carrying
@@ -50,7 +51,7 @@ def sides_missed(project: Project, made: Staged) -> float:
         frames = each.played.frame_count
         holder = Holder(each.played, np.arange(frames), placement)
         prop = project.props[f"box {key}"]
-        track = stage_track(prop, np.arange(frames) / 60.0, holder)
+        track = stage_track(prop, np.arange(frames) / 60.0, {key: holder})
         for point, side in ((LEFT, 1.0), (RIGHT, -1.0)):
             wrist = placement.to_stage(place_of(point, each.played))
             asked = track.places + track.rotations @ (np.array([-0.7, side, 0.0]) * prop.size / 2)
@@ -78,7 +79,7 @@ def test_a_box_stays_ahead_of_who_carries_it_and_does_not_sway_with_the_arms(car
     for key, each in performed(carry).performances.items():
         frames = each.played.frame_count
         holder = Holder(each.played, np.arange(frames), Placement.of(carry.performers[key]))
-        track = stage_track(carry.props[f"box {key}"], [0.0], holder)
+        track = stage_track(carry.props[f"box {key}"], [0.0], {key: holder})
         root = holder.placement.to_stage(each.played.positions[:, 0])
         away = np.einsum("fi,fi->f", track.places - root, track.rotations[:, :, 0]) / each.played.body.leg_length
         assert away.min() > 0.25
@@ -86,10 +87,10 @@ def test_a_box_stays_ahead_of_who_carries_it_and_does_not_sway_with_the_arms(car
 
 
 def test_a_prop_without_keys_stays_and_one_with_keys_passes_them() -> None:
-    still = stage_track(Prop("Box", position=(1.0, 2.0, 3.0), heading=0.5), [0.0, 1.0], None)
+    still = stage_track(Prop("Box", position=(1.0, 2.0, 3.0), heading=0.5), [0.0, 1.0])
     assert still.places.tolist() == [[1.0, 2.0, 3.0]]
     keyed = Prop("Ball", position=KeyedPlace((0.0, 2.0), ((0, 0, 0), (2, 0, 1))), heading=KeyedNumber((1.0,), (0.3,)))
-    track = stage_track(keyed, [0.0, 1.0, 2.0, 9.0], None)
+    track = stage_track(keyed, [0.0, 1.0, 2.0, 9.0])
     np.testing.assert_allclose(track.places, [[0, 0, 0], [1, 0, 0.5], [2, 0, 1], [2, 0, 1]], atol=1e-12)
     assert np.arctan2(track.rotations[:, 1, 0], track.rotations[:, 0, 0]) == pytest.approx(0.3)
 
@@ -123,15 +124,19 @@ def test_a_hand_is_not_asked_to_follow_what_it_holds() -> None:
     assert asked_of(project, "performer 0") == ()
 
 
-def test_a_prop_that_goes_with_who_follows_in_turn_is_refused_in_a_sentence() -> None:
+def test_two_who_follow_what_the_other_one_holds_follow_where_it_is_in_the_end() -> None:
     project = make_project(characters=2, constraints=0)
+    hand = BodyPoint(BodyPart.RIGHT_HAND)
     for name, holder in (("one", "performer 0"), ("other", "performer 1")):
-        project = project.with_entity("props", name, Prop(name, held=InHand(holder, BodyPoint(BodyPart.RIGHT_HAND))))
+        project = project.with_entity("props", name, Prop(name, held=InHand(holder, hand)))
         asked = make_constraint(point=LEFT, target=FollowProp(name))
         project = project.with_entity("constraints", name, asked)
-    made = perform(project, project.performers, prepared, adapt)
-    assert all("goes with" in reason for reason in made.failures.values())
-    assert len(made.failures) == 2
+    made = performed(project).performances
+    for name, holder, follower in (("one", "performer 0", "performer 1"), ("other", "performer 1", "performer 0")):
+        there = Placement.of(project.performers[holder]).to_stage(place_of(hand, made[holder].adapted))
+        followed = made[follower].request.tracks[FollowProp(name)].places
+        seen = Placement.of(project.performers[follower]).to_stage(followed)
+        assert np.linalg.norm(seen - there, axis=1).max() < 1e-3
 
 
 def test_a_prop_that_is_turned_in_a_hand_turns_what_follows_it() -> None:
@@ -190,14 +195,14 @@ def test_a_prop_lies_until_it_is_picked_up_goes_with_the_hands_and_lies_where_it
     placement = Placement.of(project.performers[key])
     holder = Holder(made.adapted, timing.frames_at(times), placement, timing=timing)
     prop = project.props[f"box {key}"]
-    track = stage_track(prop, times, holder)
-    own = stage_track(replace(prop, held=None), [0.0, 8.0], None)
+    track = stage_track(prop, times, {key: holder})
+    own = stage_track(replace(prop, held=None), [0.0, 8.0])
     assert track.places[times < PICKED] == pytest.approx(np.tile(own.places[0], (np.sum(times < PICKED), 1)))
     after = track.places[times > PUT]
     assert np.ptp(after, axis=0) == pytest.approx(0.0, abs=1e-9)
     if put:
         assert after[0] == pytest.approx(own.places[-1])
-    alone = stage_track(replace(prop, held=replace(prop.held, begin=None, end=None)), times, holder).places
+    alone = stage_track(replace(prop, held=replace(prop.held, begin=None, end=None)), times, {key: holder}).places
     middle = (times > PICKED + 0.4) & (times < PUT - 0.4)
     assert track.places[middle] == pytest.approx(alone[middle], abs=1e-9)
     steps = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
@@ -218,7 +223,7 @@ def test_wrists_are_on_a_box_from_before_it_is_picked_up_until_it_is_put_down_on
         times = np.arange(PICKED + 0.35, PUT - 0.05, 1.0 / 60.0)
         frames = np.rint(timing.frames_at(times)).astype(int)
         prop = project.props[f"box {key}"]
-        track = stage_track(prop, times, Holder(made.adapted, frames, placement, timing=timing))
+        track = stage_track(prop, times, {key: Holder(made.adapted, frames, placement, timing=timing)})
         for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
             sides = track.places + track.rotations @ (np.array([-0.7, side, 0.0]) * np.array(prop.size) / 2)
             wrists = placement.to_stage(place_of(wrist, made.adapted)[frames])
@@ -228,3 +233,71 @@ def test_wrists_are_on_a_box_from_before_it_is_picked_up_until_it_is_put_down_on
 def test_a_prop_is_not_put_down_before_it_is_picked_up() -> None:
     with pytest.raises(ValueError, match="later one"):
         Carried("performer 0", begin=2.0, end=1.0)
+
+
+GIVEN = 3.0
+"""Seconds at which one hands a box to the other."""
+
+
+def handing() -> Project:
+    """Two walk beside each other: one carries a box until the other takes it, all wrists on it meanwhile."""
+    project = carrying.three_boxes()
+    one, other = list(project.performers)[:2]
+    box = replace(project.props[f"box {one}"], held=Carried(one, carrying.AHEAD, end=GIVEN))
+    box = box.taken(Carried(other, carrying.AHEAD), GIVEN)
+    x, y = project.performers[one].position
+    beside = replace(project.performers[other], position=(x, y + 0.5))
+    project = replace(project, constraints={}, props={"box": box}).with_entity("performers", other, beside)
+    motion = project.performers[one].clips[0].motion_id
+    asked = [*grips(motion, one, "box", "box", (0.0, GIVEN), 0), *grips(motion, other, "box", "box", (GIVEN, 8.0), 0)]
+    return project.with_entities("constraints", [(f"grip {place}", each, None) for place, each in enumerate(asked)])
+
+
+def test_who_hands_a_box_to_another_holds_it_until_then_and_the_other_from_then_on() -> None:
+    project = handing()
+    one, other = list(project.performers)[:2]
+    made = performed(project).performances
+    times = np.arange(1.0, 5.5, 1.0 / 60.0)
+    holders = {
+        key: Holder(
+            made[key].adapted,
+            made[key].composite.timing.frames_at(times),
+            Placement.of(project.performers[key]),
+            timing=made[key].composite.timing,
+        )
+        for key in (one, other)
+    }
+    prop = project.props["box"]
+    track = stage_track(prop, times, holders)
+    alone = [stage_track(replace(prop, held=Carried(key, carrying.AHEAD), later=()), times, holders) for key in holders]
+    assert track.places[times < GIVEN] == pytest.approx(alone[0].places[times < GIVEN], abs=1e-9)
+    after = times > GIVEN + 0.35
+    assert track.places[after] == pytest.approx(alone[1].places[after], abs=1e-9)
+    far = np.linalg.norm(alone[1].places - alone[0].places, axis=1)[np.searchsorted(times, GIVEN)]
+    steps = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
+    usual = max(np.linalg.norm(np.diff(each.places, axis=0), axis=1).max() for each in alone)
+    assert far > 0.2
+    assert steps.max() < usual + 2.0 * far / 0.3 / 60.0  # the steepest of an ease in 0.3 s
+    for key, holds in ((one, times < GIVEN), (other, times > GIVEN)):
+        placement = Placement.of(project.performers[key])
+        rows = np.rint(np.asarray(holders[key].rows)).astype(int)
+        for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
+            sides = track.places + track.rotations @ (np.array([-0.7, side, 0.0]) * np.array(prop.size) / 2)
+            wrists = placement.to_stage(place_of(wrist, made[key].adapted)[rows])
+            assert np.linalg.norm(wrists - sides, axis=1)[holds].max() < 2e-3
+
+
+def test_who_takes_a_prop_takes_it_out_of_the_hands_that_hold_it_then() -> None:
+    box = Prop("Box", held=Carried("a")).taken(Carried("b"), 2.0).taken(Carried("c"), 3.0)
+    assert [(each.performer_id, each.begin, each.end) for each in box.holds] == [
+        ("a", None, 2.0),
+        ("b", 2.0, 3.0),
+        ("c", 3.0, None),
+    ]
+    assert [each.performer_id for each in box.taken(Carried("d"), 2.5).holds] == ["a", "b", "d"]
+    assert box.holders == {"a", "b", "c"}
+    assert [each.performer_id for each in box.without("b").holds] == ["a", "c"]
+    moved = box.with_span(box.holds[1], 2.5, 2.8).holds
+    assert [(each.begin, each.end) for each in moved] == [(None, 2.5), (2.5, 2.8), (2.8, None)]
+    with pytest.raises(ValueError, match="lets go before"):
+        Prop("Box", held=Carried("a"), later=(Carried("b", begin=1.0),))

@@ -157,7 +157,7 @@ def test_following_an_unmoved_prop_is_a_fixed_target(body: Morphology) -> None:
     stage = own.to_stage(place)
     prop = Prop("Box", position=tuple(stage - [0.0, 0.0, 0.1]), heading=0.3)
     follow = FollowProp("box", (0.0, 0.0, 0.1))
-    tracks = {follow: seen_from(follow, prop, stage_track(prop, [0.0], None), own)}
+    tracks = {follow: seen_from(follow, prop, stage_track(prop, [0.0]), own)}
     same(
         solved(body, ask(PositionConstraint, RIGHT, ALL, target=follow), tracks=tracks, frames=(25, 40)),
         solved(body, ask(PositionConstraint, RIGHT, ALL, target=tuple(place)), frames=(25, 40)),

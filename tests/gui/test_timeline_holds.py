@@ -60,3 +60,31 @@ def test_a_prop_is_picked_up_and_put_down_at_the_playhead_from_the_menu(window):
     curves = [each.activation for each in document.project.constraints.values() if " on box" in each.name]
     assert all(isinstance(each, ActivationCurve) and each.full_end == pytest.approx(0.4, abs=0.02) for each in curves)
     assert len({each.full for each in curves}) == 1
+
+
+def test_the_moment_at_which_a_prop_is_handed_on_is_dragged_for_both(document, timeline, hand, box):
+    other = list(document.project.performers)[1]
+    handed = document.project.props[box].taken(Carried(other), 80 / RATE)
+    document.replace("props", box, handed, "Hand on")
+    hand.drag(place(timeline, box, 80) - QPoint(1, 0), pixels(timeline, -20))
+    one, two = document.project.props[box].holds
+    assert (one.end * RATE, two.begin * RATE) == pytest.approx((60, 60))
+    words = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place(timeline, box, 70)))
+    assert document.project.performers[other].name in words
+
+
+def test_who_picks_up_what_another_one_holds_takes_it_out_of_its_hands(window):
+    document = window.bench.document
+    one = next(iter(document.project.performers))
+    other = document.add("performers", document.project.performers[one], "Add")
+    prop_id = document.add("props", Prop("Box"), "Add box")
+    for performer_id, seconds in ((one, 0.2), (other, 0.4)):
+        document.selection.set(("performers", performer_id), ("props", prop_id))
+        document.playhead.set_time(seconds)
+        window.actions_by_id.by_id["pick_up_prop"].trigger()
+    first, second = document.project.props[prop_id].holds
+    assert (first.performer_id, second.performer_id) == (one, other)
+    assert first.end == second.begin == pytest.approx(0.4, abs=0.02)
+    of_first = [each for each in document.project.constraints.values() if each.scope.performer_id == one]
+    assert len(of_first) == 4
+    assert all(each.activation.full_end == pytest.approx(0.4, abs=0.02) for each in of_first)

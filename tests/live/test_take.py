@@ -7,12 +7,15 @@ import pytest
 
 from studio.core.constraints.keyed import KeyedPlace
 from studio.core.project import Project, new_id
+from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import motion_of, perform
 from studio.core.stage.scope import Scope
+from studio.library.scenes.sparring import KEYS
 from studio.live.stage import LiveStage
 from studio.live.take import Take, edits_of
 from tests.live.test_live_stage import STEP, WRIST, clip_of, prepare, reaching, staged
+from tests.live.test_sparring import moved, scene
 
 
 def with_take(project: Project, take: Take) -> Project:
@@ -126,3 +129,27 @@ def test_what_was_asked_of_a_clip_alone_is_asked_of_what_was_recorded_of_it():
     play.misses()
     [clip] = play.taken.performers["one"].clips
     assert any(each.scope.clip_id == clip.id and each.point == WRIST for each in play.taken.constraints.values())
+
+
+def test_steps_to_keep_a_distance_are_in_the_take_where_they_were_played():
+    project = moved(scene(), 2.2, 0.3)
+    stage = LiveStage(project, prepare)
+    stage.step(0.0)
+    stage.record()
+    seen = {key: [] for key in KEYS}
+    for _ in range(150):
+        for key, result in stage.step(STEP).items():
+            seen[key].append(result.positions[0, 0])
+    take = stage.recorded()
+    taken = with_take(project, take)
+    made = perform(taken, KEYS, prepare, lambda request: adapt(replace(request, eased=False)))
+    assert not made.failures
+    for key, roots in seen.items():
+        one = made.performances[key]
+        timing = one.composite.timing
+        frames = [round(timing.frame_at(take.begin + (step + 1) * STEP)) for step in range(len(roots))]
+        misses = np.linalg.norm(one.adapted.positions[frames, 0] - np.array(roots), axis=1)
+        assert np.linalg.norm(roots[-1] - roots[0]) > 0.2
+        assert misses[-20:].max() < 0.01
+        assert misses.max() < 0.06  # nobody knew of what was to come
+        assert contact_quality(one.played, one.composite.contacts, taken.ground).slide < 1e-3

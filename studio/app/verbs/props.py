@@ -101,7 +101,7 @@ def selected_prop(bench: Workbench) -> str | None:
 def is_held(bench: Workbench) -> bool:
     """Whether somebody holds the selected prop at some time."""
     prop_id = selected_prop(bench)
-    return prop_id is not None and bench.document.project.props[prop_id].held is not None
+    return prop_id is not None and bool(bench.document.project.props[prop_id].holds)
 
 
 def hold(bench: Workbench) -> None:
@@ -112,13 +112,17 @@ def hold(bench: Workbench) -> None:
 
 
 def pick_up(bench: Workbench) -> None:
-    """The active body picks the selected prop up at the playhead, with both hands unless it has it in one."""
+    """The active body picks the selected prop up at the playhead, with both hands unless it has it in one.
+
+    Who holds it then lets go of it: it is handed over.
+    """
     document, prop_id, performer_id, clip = _holding(bench)
     prop, now = document.project.props[prop_id], document.playhead.time
-    if isinstance(prop.held, InHand) and prop.holder == performer_id:
-        end = prop.held.end if prop.held.end is not None and prop.held.end > now else None
-        held = replace(prop.held, begin=now, end=end)
-        document.replace("props", prop_id, replace(prop, held=held), f"Pick up {prop.name}")
+    hold = prop.held_at(now) or prop.held
+    if isinstance(hold, InHand) and hold.performer_id == performer_id:
+        end = hold.end if hold.end is not None and hold.end > now else None
+        held = prop.with_span(hold, now, end)
+        document.replace("props", prop_id, held, f"Pick up {prop.name}")
         return
     rate = document.project.frame_rate_of(clip)
     _hold(bench, now, (motion_time(clip, rate, now), clip.last / rate))
@@ -128,19 +132,25 @@ def put_down(bench: Workbench) -> None:
     """Whoever holds the selected prop puts it down at the playhead; hands leave it."""
     document, prop_id = bench.document, selected_prop(bench)
     prop, now = document.project.props[prop_id or ""], document.playhead.time
-    if prop_id is None or prop.held is None or (prop.held.begin is not None and prop.held.begin >= now):
+    begun = [each for each in prop.holds if each.begin is None or each.begin < now]
+    if prop_id is None or not begun:
         raise StudioError("Nobody holds the prop here. Select one that is held, and go to a later moment.")
     text = f"Put down {prop.name}"
     with document.group(text):
-        document.replace("props", prop_id, replace(prop, held=replace(prop.held, end=now)), text)
-        for performer_clip in document.project.performers[prop.held.performer_id].clips:
-            time = motion_time(performer_clip, document.project.frame_rate_of(performer_clip), now)
-            for key, each in document.project.constraints_of(performer_clip.motion_id).items():
-                if _grips(each, prop_id, prop.held.performer_id) and each.activation.at(time) > 0.0:
-                    curve = each.activation
-                    full = min(curve.full, time)
-                    left = ActivationCurve(min(curve.start, full), full, time, time + REACHING, curve.shape)
-                    document.replace("constraints", key, replace(each, activation=left), text)
+        document.replace("props", prop_id, prop.with_holds([*begun[:-1], replace(begun[-1], end=now)]), text)
+        _leave(document, prop_id, begun[-1].performer_id, now, text)
+
+
+def _leave(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
+    """Hands of who lets go of a prop leave it."""
+    for clip in document.project.performers[performer_id].clips:
+        time = motion_time(clip, document.project.frame_rate_of(clip), now)
+        for key, each in document.project.constraints_of(clip.motion_id).items():
+            if _grips(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
+                curve = each.activation
+                full = min(curve.full, time)
+                left = ActivationCurve(min(curve.start, full), full, time, time + REACHING, curve.shape)
+                document.replace("constraints", key, replace(each, activation=left), text)
 
 
 def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
@@ -162,12 +172,18 @@ def _hold(bench: Workbench, begin: float | None, seconds: tuple[float, float]) -
     """Both hands hold the prop from ``begin`` on, and are on it during ``seconds`` of the motion."""
     document, prop_id, performer_id, clip = _holding(bench)
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
-    text = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}"
+    text, hold = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}", Carried(performer_id)
     with document.group(text):
-        if not isinstance(prop.held, Carried) or prop.holder != performer_id or begin is not None:
-            document.replace("props", prop_id, replace(prop, held=Carried(performer_id, begin=begin)), text)
+        if begin is not None:
+            giver = prop.held_at(begin)
+            document.replace("props", prop_id, prop.taken(hold, begin), text)
+            if giver is not None and giver.performer_id != performer_id:
+                _leave(document, prop_id, giver.performer_id, begin, text)
+        elif not isinstance(prop.held, Carried) or prop.holders != {performer_id}:
+            document.replace("props", prop_id, prop.with_holds([hold]), text)
         others = document.project.constraints_of(clip.motion_id)
-        for key in [key for key, each in others.items() if _grips(each, prop_id, performer_id)]:
-            document.remove("constraints", key, text)
+        for key, each in others.items():
+            if _grips(each, prop_id, performer_id) and (begin is None or each.activation.end > seconds[0]):
+                document.remove("constraints", key, text)
         last = max((each.priority for each in document.project.constraints_of(clip.motion_id).values()), default=-1) + 1
         document.add_all("constraints", grips(clip.motion_id, performer_id, prop_id, prop.name, seconds, last), text)

@@ -16,9 +16,9 @@ from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.differences import blended, difference, moved
-from studio.core.normalized.joining import Join, Planar, join, stepping_there
+from studio.core.normalized.joining import Join, Planar, Step, join, stepping_there
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import POINTS, Held, Mask, Piece, PieceSource, Played, Source
+from studio.core.normalized.pieces import AS_IT_IS, POINTS, Held, Mask, Piece, PieceSource, Played, Source
 from studio.core.normalized.resample import Resampled, common_spine
 from studio.core.normalized.transition import Transition, joint_peaks
 from studio.core.stage.timing import Timing
@@ -169,7 +169,9 @@ class _Row:
         if not piece.joined:
             return stepping_there(*known, source.around(begins, piece.own))
         found = join(*known, weights)
-        return replace(found, placement=source.around(begins, piece.own, found.placement))
+        if piece.own == AS_IT_IS:
+            return found
+        return stepping_there(*known, source.around(begins, piece.own, found.placement))
 
     def _put(self, source: Source, first: int, last: int) -> None:
         frames = np.arange(first, last + 1)
@@ -189,7 +191,7 @@ class _Row:
         """A piece takes over at ``first``, the end of what is there; what was different dies away."""
         rate, frames = self.timing.frame_rate, np.arange(first, last + 1)
         transition = self._transition(source, first, last, seconds)
-        seconds = seconds or max(transition.seconds, _step_seconds(found))
+        seconds = seconds or max(transition.seconds, step_seconds(found))
         if seconds != transition.seconds:
             transition = self._transition(source, first, last, seconds)
         channels = source.channels(frames)
@@ -215,38 +217,66 @@ class _Row:
         """Whether a piece overlaps what is there for as long as a blend needs."""
         if first > self.end - 2:
             return False
-        needed = max(self._transition(source, first, last).seconds, _step_seconds(found))
+        needed = max(self._transition(source, first, last).seconds, step_seconds(found))
         return needed <= (min(self.end, last + 1) - first) / self.timing.frame_rate
 
     def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: Join) -> None:
         """Put ``channels`` and what ``stands`` from ``first`` on, of which ``blending`` frames are a blend."""
         old_until, new_from = first + int(OLD_UNTIL * blending), first + int(np.ceil(NEW_FROM * blending))
-        if found.stepping is not None:
-            air = np.arange(old_until, new_from + 1)
-            height = np.clip(STEP_HEIGHT * found.step, *STEP_HEIGHTS)
-            rise = height * np.sin(np.pi * (air - old_until) / max(len(air) - 1, 1)) ** 2
-            channels[air - first, at.LIMB_SLACK + 2 + found.stepping] += rise[: len(channels)]
-        self._merge(stands, first, old_until, new_from, found.stepping)
+        flights = flights_of(found.steps, min(old_until, self.end - 1), new_from)
+        raise_feet(channels, flights, first)
+        self._merge(stands, first, old_until, new_from, flights)
         last = first + len(channels) - 1
         self.channels[first : last + 1], self.end = channels, last + 1
 
-    def _merge(self, stands: Mask, first: int, old_until: int, new_from: int, stepping: int | None) -> None:
-        """Contacts across a blend: one that goes on in the new clip is one; others keep clear of it."""
+    def _merge(self, stands: Mask, first: int, old_until: int, new_from: int, flights: Sequence["Flight"]) -> None:
+        """Contacts across a blend: one that goes on in the new clip is one; others keep clear of it.
+
+        Who steps stands until it is lifted, and again once it has landed.
+        """
+        flying = {each.step.side: each for each in flights}
         new, old = np.zeros_like(self.stands), np.array(self.stands)
         new[:, first : first + stands.shape[1]] = stands
         old[:, self.end :] = False
         self.stands[:, first:] = False
         for row, point in enumerate(POINTS):
             olds, news = spans_of(old[row]), spans_of(new[row])
-            steps = point.is_foot and point.side == stepping
+            flight = flying.get(point.side) if point.is_foot else None
+            leaves, lands = (flight.leaves, flight.lands) if flight else (old_until, new_from)
             for a, b in olds:
-                meets = not steps and any(c <= b + 1 and d >= a for c, d in news)
-                self.stands[row, a : (b if meets else min(b, max(old_until, a))) + 1] = True
+                meets = any(c <= b + 1 and d >= a for c, d in news)
+                until = leaves if flight and meets else min(b, leaves)
+                self.stands[row, a : (b if meets and not flight else max(until, a)) + 1] = True
             for c, d in news:
-                meets = not steps and any(c <= b + 1 and d >= a for a, b in olds)
-                self.stands[row, (c if meets else max(c, new_from)) : d + 1] = True
+                meets = not flight and any(c <= b + 1 and d >= a for a, b in olds)
+                self.stands[row, (c if meets else max(c, lands)) : d + 1] = True
 
 
-def _step_seconds(found: Join) -> float:
-    """Seconds that a foot needs for the step it has to do."""
-    return 0.0 if found.stepping is None else STEP_SECONDS + found.step
+def step_seconds(found: Join) -> float:
+    """Seconds that feet need for the steps they have to do."""
+    return sum(STEP_SECONDS + each.way for each in found.steps)
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A step that stands last in the frame ``leaves`` and first again in ``lands``."""
+
+    step: Step
+    leaves: int
+    lands: int
+
+
+def flights_of(steps: Sequence[Step], first: int, last: int) -> list[Flight]:
+    """Steps between two frames, one after the other, all as long."""
+    ends = np.rint(np.linspace(first, last, len(steps) + 1)).astype(int).tolist()
+    return [Flight(step, *between) for step, *between in zip(steps, ends, ends[1:], strict=False)]
+
+
+def raise_feet(channels: FloatArray, flights: Sequence[Flight], first: int) -> None:
+    """Lift feet for their steps, in place, in ``channels`` that begin with frame ``first``."""
+    for each in flights:
+        frames = np.arange(each.leaves, each.lands + 1)
+        height = np.clip(STEP_HEIGHT * each.step.way, *STEP_HEIGHTS)
+        rise = height * np.sin(np.pi * (frames - each.leaves) / max(len(frames) - 1, 1)) ** 2
+        inside = frames - first < len(channels)
+        channels[frames[inside] - first, at.LIMB_SLACK + 2 + each.step.side] += rise[inside]

@@ -18,6 +18,9 @@ STANDING, BODY, SWINGING = 20.0, 1.0, 0.05
 SAME_PLACE = 0.06
 """Leg lengths by which a foot may stand beside itself and still be held in one place through a blend."""
 
+FARTHEST = 1.2
+"""Leg lengths of the longest step: who is put farther away is there at once."""
+
 
 @dataclass(frozen=True)
 class Planar:
@@ -35,12 +38,19 @@ class Planar:
 
 
 @dataclass(frozen=True)
+class Step:
+    """The foot of a ``side`` (0 left, 1 right) has ``way`` leg lengths to go."""
+
+    side: int
+    way: float
+
+
+@dataclass(frozen=True)
 class Join:
-    """How the new motion has to be placed, and the foot (0 left, 1 right) that has ``step`` leg lengths to go then."""
+    """How the new motion has to be placed, and which feet step then, one after the other."""
 
     placement: Planar
-    stepping: int | None = None
-    step: float = 0.0
+    steps: tuple[Step, ...] = ()
 
 
 def join(
@@ -62,7 +72,7 @@ def join(
     tries = [_least_squares(old, new, shares[:, None] * _weights(each)) for each in alone]
     left = [_miss(old, new, placement, both_stand, 1 - kept) for kept, placement in enumerate(tries)]
     kept = int(left[1] < left[0])  # the foot that leaves the other the shorter way
-    return Join(tries[kept], 1 - kept, left[kept])
+    return Join(tries[kept], (Step(1 - kept, left[kept]),))
 
 
 def stepping_there(
@@ -72,13 +82,11 @@ def stepping_there(
     spine_places: FloatArray,
     placement: Planar,
 ) -> Join:
-    """As ``join``, where the placement is given: one foot may have to step where the other goes on standing."""
+    """As ``join``, where the placement is given: feet step there, but not where that is out of their reach."""
     old, new = (_points(channels, spine_places) for channels in (first, second))
-    misses = [_miss(old, new, placement, both_stand, side) for side in range(2)]
-    if max(misses) < SAME_PLACE or min(misses) >= SAME_PLACE:
-        return Join(placement)
-    side = int(misses[1] > misses[0])
-    return Join(placement, side, misses[side])
+    ways = [_miss(old, new, placement, both_stand, side) for side in range(2)]
+    steps = tuple(Step(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
+    return Join(placement, steps if max(ways) < FARTHEST else ())
 
 
 def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:

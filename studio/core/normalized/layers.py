@@ -4,6 +4,7 @@ All of it happens in channels, which hold no lengths: the trunk in the pelvis, h
 the hips in the world. What stands is asked of whoever has the limb that stands.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -13,9 +14,9 @@ from numpy.typing import NDArray
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, spans_of
 from studio.core.constraints.activation import EaseShape, ease
 from studio.core.kernels import layout as at
-from studio.core.normalized.compose import FEET, Composite, compose
+from studio.core.normalized.compose import FEET, Composite, Flight, compose, flights_of, raise_feet, step_seconds
 from studio.core.normalized.differences import blended, difference, moved
-from studio.core.normalized.joining import Planar, join
+from studio.core.normalized.joining import Join, Planar, join, stepping_there
 from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.pieces import POINTS, Mask, Piece
 from studio.core.normalized.resample import Resampled
@@ -26,6 +27,9 @@ FloatArray = NDArray[np.float64]
 
 GONE, WHOLE = 0.1, 0.9
 """Shares of a layer until which what stands below it stands, and from which what stands in it does."""
+
+BREAK = 0.1
+"""Seconds for less than which nothing that stands is lifted because another clip has it in the air."""
 
 
 @dataclass(frozen=True)
@@ -70,18 +74,21 @@ class _Over:
             return self._row
         below = self._row.motion.channels[self._frames]
         own = Resampled(self._own.motion, self._places).at(self._own.timing.frames_at(self._times))
+        comes, goes = Join(Planar()), Join(Planar())
         if self._overlay.additive:
             own = self._added(below, own)
         elif Region.LEGS in self._overlay.region.parts:
-            own = self._placed(below, own)
-        shares = self._shares(below, own)
+            own, comes, goes = self._placed(below, own)
+        shares = self._shares(below, own, step_seconds(comes), step_seconds(goes))
+        flights = self._flights(shares, comes, goes)
         over = blended(below, own, shares)
         over[shares == 1.0] = own[shares == 1.0]
         channels = np.array(self._row.motion.channels)
         changed = self._frames[shares > 0.0]
         channels[np.ix_(changed, self._columns)] = over[shares > 0.0][:, self._columns]
+        raise_feet(channels, flights, 0)
         channels.setflags(write=False)
-        contacts = self._row.contacts if self._overlay.additive else self._contacts(shares)
+        contacts = self._row.contacts if self._overlay.additive else self._contacts(shares, flights)
         return replace(self._row, motion=replace(self._row.motion, channels=channels), contacts=contacts)
 
     def _added(self, below: FloatArray, own: FloatArray) -> FloatArray:
@@ -96,18 +103,36 @@ class _Over:
         by[:, at.HIPS], by[:, at.HIPS + 1] = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
         return moved(below, by)
 
-    def _placed(self, below: FloatArray, own: FloatArray) -> FloatArray:
-        """The clip's channels where its legs stand as those below do as it begins."""
-        begin = slice(0, max(round(LONGEST / 2 * self._row.timing.frame_rate), 1))
-        frames = self._frames[begin]
-        both = (self._stands(self._row)[FEET][:, frames] & self._own_stands()[FEET][:, frames]).T
-        found = join(below[begin], own[begin], both, self._places, np.ones(len(frames))).placement
-        if found == Planar():
-            return own
-        return placed(own, found.turn, np.array(found.offset))
+    def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, Join, Join]:
+        """The clip where its legs stand as those below do as it begins, and who steps as it comes and goes."""
+        count = max(round(LONGEST / 2 * self._row.timing.frame_rate), 1)
+        both = (self._stands(self._row)[FEET] & self._own_stands()[FEET])[:, self._frames].T
+        begin, end = slice(0, count), slice(max(len(own) - count, 0), len(own))
+        comes = join(below[begin], own[begin], both[begin], self._places, np.ones(len(both[begin])))
+        if comes.placement != Planar():
+            own = placed(own, comes.placement.turn, np.array(comes.placement.offset))
+        return own, comes, stepping_there(own[end], below[end], both[end], self._places, Planar())
 
-    def _shares(self, below: FloatArray, own: FloatArray) -> FloatArray:
-        """(N,) how much of the layer is seen: it fades but where the row itself begins and ends."""
+    def _flights(self, shares: FloatArray, comes: Join, goes: Join) -> list[Flight]:
+        """Who steps, in the row's frames, while the layer fades in and out."""
+        share, middle = shares / self._overlay.weight, len(shares) // 2
+        first = self._frames[0]
+        ends = (
+            (comes, np.flatnonzero((share[:middle] > GONE) & (share[:middle] < WHOLE))),
+            (goes, middle + np.flatnonzero((share[middle:] > GONE) & (share[middle:] < WHOLE))),
+        )
+        return [
+            flight
+            for join, fading in ends
+            if len(fading)
+            for flight in flights_of(join.steps, first + fading[0], first + fading[-1])
+        ]
+
+    def _shares(self, below: FloatArray, own: FloatArray, coming: float, going: float) -> FloatArray:
+        """(N,) how much of the layer is seen: it fades but where the row itself begins and ends.
+
+        Feet that step need so many seconds while it is ``coming`` and ``going``.
+        """
         row, rate = self._row.timing, self._row.timing.frame_rate
         begin, end = self._own.timing.start, self._own.timing.end
         by = np.where(self._columns, difference(below, own), 0.0)
@@ -116,17 +141,19 @@ class _Over:
         longest = (end - begin) / 2.0
         shares = np.full(len(self._times), self._overlay.weight)
         ends = (
-            (begin > row.start + 0.5 / rate, self._overlay.fades[0], by[:reach], self._times - begin),
-            (end < row.end - 0.5 / rate, self._overlay.fades[1], by[len(by) - reach :], end - self._times),
+            (begin > row.start + 0.5 / rate, self._overlay.fades[0], by[:reach], self._times - begin, coming),
+            (end < row.end - 0.5 / rate, self._overlay.fades[1], by[len(by) - reach :], end - self._times, going),
         )
-        for fades, asked, differs, since in ends:
-            seconds = min(asked or fade_seconds(differs, peaks), longest)
+        for fades, asked, differs, since, steps in ends:
+            seconds = min(asked or max(fade_seconds(differs, peaks), steps), longest)
             if fades and seconds > 0.0:
                 shares *= ease(since / seconds, EaseShape.QUINTIC)
         return shares
 
-    def _contacts(self, shares: FloatArray) -> tuple[ContactInterval, ...]:
-        """What stands: of limbs that the layer has, as it says; what stands in both stands through its fades."""
+    def _contacts(self, shares: FloatArray, flights: Sequence[Flight]) -> tuple[ContactInterval, ...]:
+        """What stands: of limbs that the layer has, as it says; what stands in both stands through its fades, but who
+        steps.
+        """
         own, ended = points_of(self._overlay.region)
         if not own and not ended:
             return self._row.contacts
@@ -140,6 +167,17 @@ class _Over:
             if point in own:
                 kept = (share < GONE) | theirs[row]
                 standing = (below[row] & kept) | (theirs[row] & (share > WHOLE))
+                longest = BREAK * self._row.timing.frame_rate
+                for first, last in spans_of(below[row] & ~standing):
+                    if (
+                        last - first < longest
+                        and standing[max(first - 1, 0)]
+                        and standing[min(last + 1, len(share) - 1)]
+                    ):
+                        standing[first : last + 1] = True
+                for each in flights:
+                    if point.is_foot and point.side == each.step.side:
+                        standing[each.leaves + 1 : each.lands] = False
             elif point in ended:
                 standing = below[row] & (share < GONE)
             if np.array_equal(standing, below[row]):

@@ -1,5 +1,6 @@
 """What is asked of the solver and what it answers: values that any thread may hold."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -73,6 +74,8 @@ class AdaptedMotion:
     unasked: Unasked | None = None
     composite: Composite | None = None
     """What of a stage it is, where it is of one: which clips play in which of its frames."""
+    passed: Mapping[float, "AdaptedMotion"] = field(default_factory=dict)
+    """What it was, of a stage that plays live, at the seconds at which it took or let go of something."""
 
     @property
     def body(self) -> AnyMorphology:

@@ -1,7 +1,8 @@
 """Props: things on the stage that bodies hold, strike and stand beside."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import ClassVar
 
@@ -83,7 +84,8 @@ class Carried(Hold):
 class Prop:
     """A thing of ``size`` metres, centred at ``position``, turned by ``heading`` about Z.
 
-    Keys and rules count seconds of the stage. While it is ``held``, that says where it is.
+    Keys and rules count seconds of the stage. While it is ``held``, that says where it is; ``later`` are those who hold
+    it after that, one after the other: who begins as another ends takes it out of the other's hands.
     """
 
     name: str
@@ -94,6 +96,7 @@ class Prop:
     mesh: TriangleMesh | None = None
     """Of the shape that is one, fitted into the size."""
     held: InHand | Carried | None = None
+    later: tuple[InHand | Carried, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': a size"))
@@ -103,18 +106,73 @@ class Prop:
             raise ValueError(f"'{self.name}': a prop needs a finite heading and sides longer than zero.")
         if self.shape is PropShape.MESH and self.mesh is None:
             raise ValueError(f"'{self.name}': load a mesh first, then it can be the shape.")
+        for one, after in zip(self.holds, self.holds[1:], strict=False):
+            if one.end is None or after.begin is None or after.begin < one.end:
+                raise ValueError(f"'{self.name}': who holds it first lets go before the next one takes it.")
+        if self.later and self.held is None:
+            raise ValueError(f"'{self.name}': who holds it later comes after somebody who held it.")
 
     @property
-    def holder(self) -> str | None:
-        """The performer with whom it goes."""
-        return self.held.performer_id if self.held else None
+    def holds(self) -> tuple[InHand | Carried, ...]:
+        """All who hold it, in the order of time."""
+        return self.later if self.held is None else (self.held, *self.later)
+
+    @property
+    def holders(self) -> frozenset[str]:
+        """The performers with whom it goes at some time."""
+        return frozenset(each.performer_id for each in self.holds)
 
     def held_at(self, time: float) -> InHand | Carried | None:
-        """How it is held at a second of the stage."""
-        return self.held if self.held is not None and self.held.holds_at(time) else None
+        """How it is held at a second of the stage, by who took it last."""
+        return next((each for each in reversed(self.holds) if each.holds_at(time)), None)
 
-    @property
-    def is_put(self) -> bool:
-        """Whether keys of its place say where it is put down."""
-        begun = -math.inf if self.held is None or self.held.begin is None else self.held.begin
-        return isinstance(self.position, KeyedPlace) and self.position.times[-1] > begun
+    def with_holds(self, holds: Sequence[InHand | Carried]) -> "Prop":
+        """The same, held so."""
+        return replace(self, held=holds[0] if holds else None, later=tuple(holds[1:]))
+
+    def with_hold(self, old: InHand | Carried, new: InHand | Carried) -> "Prop":
+        """The same, held otherwise by one of those who hold it."""
+        return self.with_holds([new if each is old else each for each in self.holds])
+
+    def with_span(self, hold: InHand | Carried, begin: float | None, end: float | None) -> "Prop":
+        """The same, held then by one of those who hold it, as far as the others leave it.
+
+        Who hands it to the next one, or takes it out of another's hands, still does.
+        """
+        holds = list(self.holds)
+        place = next(at for at, each in enumerate(holds) if each is hold)
+        if place > 0 and begin is not None:
+            before = holds[place - 1]
+            hands = before.end == hold.begin
+            begin = max(begin, before.begin if hands and before.begin is not None else before.end or begin)
+            if hands:
+                holds[place - 1] = replace(before, end=begin)
+        if place + 1 < len(holds) and end is not None:
+            after = holds[place + 1]
+            hands = after.begin == hold.end
+            end = min(end, after.end if hands and after.end is not None else (end if hands else after.begin or end))
+            if hands:
+                holds[place + 1] = replace(after, begin=end)
+        if begin is not None and end is not None:
+            begin = min(begin, end)
+        holds[place] = replace(hold, begin=begin, end=end)
+        return self.with_holds(holds)
+
+    def taken(self, hold: InHand | Carried, time: float) -> "Prop":
+        """The same, taken at a second: out of the hands of who holds it then. What would come after is forgotten."""
+        before = [each for each in self.holds if each.begin is None or each.begin < time]
+        ended = [replace(each, end=time if each.end is None else min(each.end, time)) for each in before]
+        return self.with_holds([*ended, replace(hold, begin=time)])
+
+    def without(self, performer_id: str) -> "Prop":
+        """The same, which one performer never holds."""
+        return self.with_holds([each for each in self.holds if each.performer_id != performer_id])
+
+    def is_put(self, place: int) -> bool:
+        """Whether keys of its place say where it is put down by who holds it in that ``place`` of their order."""
+        hold, after = self.holds[place], self.holds[place + 1 : place + 2]
+        if not isinstance(self.position, KeyedPlace) or (after and after[0].begin == hold.end):
+            return False
+        begun = -math.inf if hold.begin is None else hold.begin
+        taken = after[0].begin if after and after[0].begin is not None else math.inf
+        return any(begun < time <= taken for time in self.position.times)

@@ -23,7 +23,7 @@ def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ..
             over = tuple(layer for layer in old.layers if layer.clip.motion_id != entity_id)
             steps: tuple[Edit, ...] = (Edit(name, key, old, replace(old, clips=kept, layers=over)),)
         elif collection == "performers" and isinstance(old, Prop):
-            steps = (Edit(name, key, old, replace(old, held=None)),)
+            steps = (Edit(name, key, old, old.without(entity_id)),)
         elif isinstance(old, Behaviour):
             steps = (Edit(name, key, old, without(old, collection, entity_id)),)
         else:

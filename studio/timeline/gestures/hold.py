@@ -1,12 +1,11 @@
 """Drags on the time in which a prop is held."""
 
-from dataclasses import replace
-
 from PySide6.QtCore import QPointF
 
 from studio.timeline.figures import moment
 from studio.timeline.gestures.gesture import EditGesture, Mark
 from studio.timeline.shown import Part, Shown
+from studio.timeline.tracks.hold import hold_under
 
 
 class DragHold(EditGesture):
@@ -17,12 +16,13 @@ class DragHold(EditGesture):
     def __init__(self, shown: Shown, entity_id: str, part: Part, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
         self.part = part
+        self._hold = hold_under(shown, self.original, press.x()) or self.original.holds[0]
         verb = {Part.FIRST: "Pick up", Part.LAST: "Put down"}.get(part, "Hold")
         self.text = f"{verb} {self.original.name} at another time"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The ends stay in order."""
-        hold = self.original.held
+        """The ends stay in order; the moment at which it is handed on is dragged for both."""
+        hold = self._hold
         first, last = (-1e9 if hold.begin is None else hold.begin), (1e9 if hold.end is None else hold.end)
         grabbed = hold.end if self.part == Part.LAST or hold.begin is None else hold.begin
         if grabbed is None:
@@ -34,5 +34,5 @@ class DragHold(EditGesture):
             begin = min(begin + way, last) if self.part == Part.FIRST else begin + way
         if self.part != Part.FIRST and end is not None:
             end = max(end + way, first) if self.part == Part.LAST else end + way
-        self.put(replace(self.original, held=replace(hold, begin=begin, end=end)))
+        self.put(self.original.with_span(hold, begin, end))
         self.mark = Mark(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)

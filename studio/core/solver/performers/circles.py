@@ -7,7 +7,7 @@ who cannot is met where it is.
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from types import MappingProxyType
@@ -15,7 +15,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.constraints.follow import FollowPerformer
+from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import follows_of
 from studio.core.normalized.compose import Composite
@@ -24,6 +24,7 @@ from studio.core.solver.performers.awaiting import awaited
 from studio.core.solver.performers.stage import leader_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
+from studio.core.stage.prop import Prop
 
 FloatArray = NDArray[np.float64]
 Solve = Callable[[str, AdaptRequest], AdaptedMotion]
@@ -46,6 +47,8 @@ class Player:
     request: AdaptRequest
     composite: Composite
     placement: Placement
+    props: Mapping[str, Prop] = field(default_factory=dict)
+    """All that it may follow, by id."""
     frame: int | None = None
     """The one frame of its motion that is solved; None for all."""
 
@@ -56,8 +59,8 @@ class Player:
         return np.asarray(frames / self.composite.timing.frame_rate)
 
 
-Paths = Mapping[tuple[str, FollowPerformer], Track]
-"""Where those are whom each follows, by who follows and what."""
+Paths = Mapping[tuple[str, FollowPerformer | FollowProp], Track]
+"""Where those are whom each follows, and props that go with them, by who follows and what."""
 
 
 @dataclass(frozen=True)
@@ -140,10 +143,12 @@ def _target(constraint: PositionConstraint) -> FollowPerformer:
 
 def paths_of(
     players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
-) -> Iterable[tuple[tuple[str, FollowPerformer], Track]]:
+) -> Iterable[tuple[tuple[str, FollowPerformer | FollowProp], Track]]:
     """``Paths`` as ``results`` have them."""
     for key, player in players.items():
         for follow in {follow for each in player.request.constraints for follow in follows_of(each)}:
+            if isinstance(follow, FollowProp) and player.props[follow.prop_id].holders & (players.keys() - {key}):
+                yield (key, follow), _prop_path(follow, player, players, results)
             if isinstance(follow, FollowPerformer) and follow.performer_id in players:
                 leader = players[follow.performer_id]
                 places = leader.placement, player.placement
@@ -152,12 +157,27 @@ def paths_of(
                 yield (key, follow), track
 
 
+def _prop_path(
+    follow: FollowProp, player: Player, players: Mapping[str, Player], results: Mapping[str, AdaptedMotion]
+) -> Track:
+    """A prop that goes with others of the circle, as one of it sees it."""
+    from studio.core.solver.performers.props import Holder, seen_from, stage_track
+
+    prop, seconds = player.props[follow.prop_id], player.composite.timing.begin + player.times
+    hands = {}
+    for key in prop.holders & players.keys():
+        timing, result = players[key].composite.timing, results[key]
+        rows = timing.frames_at(seconds) - result.first_frame
+        hands[key] = Holder(result, rows, players[key].placement, timing=timing)
+    return seen_from(follow, prop, stage_track(prop, seconds, hands), player.placement)
+
+
 def _meet(
     meeting: Meeting,
     players: Mapping[str, Player],
     results: Mapping[str, AdaptedMotion],
     before: Paths,
-    tracks: dict[tuple[str, FollowPerformer], Track],
+    tracks: dict[tuple[str, FollowPerformer | FollowProp], Track],
 ) -> None:
     """Give both the one place between them: at first by their shares, then nearer to who did not get there."""
     for first in (True, False):

@@ -118,7 +118,7 @@ def player_of(
         constraints=constraints,
         tracks=awaited(tracks_of(followed, composite), constraints, composite.timing.frame_rate),
     )
-    return Player(request, composite, Placement.of(performer))
+    return Player(request, composite, Placement.of(performer), project.props)
 
 
 def unasked_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:

@@ -1,7 +1,9 @@
 """Where props are: fixed, keyed, moving by a rule, or with a performer; on the stage, as arrays over time."""
 
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +20,7 @@ from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.following import performer_track, point_track
 from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
-from studio.core.stage.prop import Carried, Prop
+from studio.core.stage.prop import Carried, InHand, Prop
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
@@ -27,12 +29,22 @@ HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 
 
 HANDING = 0.3
-"""Seconds in which a prop comes to where it is held, from where it was picked up, and to where it is put."""
+"""Seconds in which a prop comes to where it is held, from where it was taken, and to where it is put."""
+
+
+class Hands(Protocol):
+    """Who may hold a prop, at the times that are asked about."""
+
+    def track(self, hold: InHand | Carried) -> Track:
+        """Where what it holds so is on the stage; one frame for each time."""
+
+    def at(self, time: float) -> "Hands":
+        """The same at one second of the stage."""
 
 
 @dataclass(frozen=True, eq=False)
 class Holder:
-    """The performer with whom a prop goes: its motion, which frames (F,) of it, not rounded, and where it stands.
+    """A performer with whom a prop goes: its motion, which frames (F,) of it, not rounded, and where it stands.
 
     ``whole`` are all frames of it, ``timing`` is when they play: of a prop that is picked up or put down.
     """
@@ -45,53 +57,104 @@ class Holder:
 
     def at(self, time: float) -> "Holder":
         """The same at one second of the stage."""
-        whole, timing = self.whole or self.motion, self.timing
+        passed = self.motion.passed.get(time)
+        whole = passed or self.whole or self.motion
+        timing = passed.composite.timing if passed and passed.composite else self.timing
         rows = timing.frames_at([time]) - whole.first_frame if timing else np.zeros(1)
         return replace(self, motion=whole, rows=rows)
 
+    def track(self, hold: InHand | Carried) -> Track:
+        """Where what it holds so is on the stage."""
+        motion, placement = self.motion, self.placement
+        if isinstance(hold, InHand):
+            return performer_track(hold.point, hold.turn, motion, self.rows, placement, Placement())
+        if motion.unasked is None:
+            return Track(np.array([[0.0, 0.0, 0.0]]), np.eye(3)[None])
+        frames = np.rint(np.asarray(self.rows)).astype(np.int64) + motion.first_frame
+        return OwnHands(motion.unasked, motion.body, placement, frames).track(hold)
 
-def stage_track(prop: Prop, seconds: ArrayLike, holder: Holder | None) -> Track:
+
+@dataclass(frozen=True, eq=False)
+class OwnHands:
+    """The hands of a body that stands at ``placement``, as its motion has them in some frames ``rows`` (F,).
+
+    Hands that constraints hold on the prop do not move it.
+    """
+
+    unasked: Unasked
+    body: AnyMorphology
+    placement: Placement
+    rows: NDArray[np.int64]
+    timing: Timing | None = None
+
+    def at(self, time: float) -> "OwnHands":
+        """The same at one second of the stage."""
+        rows = np.rint(self.timing.frames_at([time])).astype(np.int64) if self.timing else np.zeros(1, dtype=np.int64)
+        return replace(self, rows=rows)
+
+    def track(self, hold: InHand | Carried) -> Track:
+        """Where what it holds so is on the stage."""
+        if isinstance(hold, Carried):
+            whole = carried_track(hold, self.unasked, self.body)
+        else:
+            whole = point_track(
+                hold.point, hold.turn, self.unasked.positions[:], self.unasked.rotations[:], self.body.still
+            )
+        rows = self.rows.clip(0, len(whole.places) - 1)
+        return Track(self.placement.to_stage(whole.places[rows]), self.placement.rotation @ whole.rotations[rows])
+
+
+def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
     """A prop's centre and axes on the stage at ``seconds`` (F,); one frame for all where it stays.
 
-    Without its ``holder``, who may not play yet, it is where it would be unheld.
+    ``hands`` are of those who hold it, at these seconds. Who is not among them does not play yet: it does not hold it.
     """
     times = np.atleast_1d(np.asarray(seconds, dtype=np.float64))
-    if prop.held is None or holder is None:
-        return _unheld(prop, times)
-    return handed(prop, times, _held(prop, holder), lambda time: _held(prop, holder.at(time)))
+    return _left_by([place for place, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
 
 
-def handed(prop: Prop, times: FloatArray, held: Track, held_at: Callable[[float], Track]) -> Track:
-    """A prop at ``times`` (F,) that is at ``held`` while it is held, and ``held_at`` a second.
+def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
+    """A prop as those leave it who hold it in these ``places`` of their order, as if nobody held it after them.
 
-    What it is away from there as it is picked up goes with the hands and dies away.
+    What it is away from the hands as it is taken goes with them and dies away; so is what it is away from its place as
+    it is put there.
     """
-    hold = prop.held
-    if hold is None or hold.is_always:
-        return held
-    count = len(times)
-    places, axes = (
-        np.array(np.broadcast_to(held.places, (count, 3))),
-        np.array(np.broadcast_to(held.rotations, (count, 3, 3))),
-    )
+    if not places:
+        return _unheld(prop, times)
+    hold, put = prop.holds[places[-1]], prop.is_put(places[-1])
+    theirs = hands[hold.performer_id]
+    if hold.is_always:
+        return theirs.track(hold)
+    track = _spread(theirs.track(hold), len(times))
     lasting = np.inf if hold.begin is None or hold.end is None else hold.end - hold.begin
-    for moment, way in ((hold.begin, 1.0), (hold.end if prop.is_put else None, -1.0)):
+    for moment, way, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
         if moment is not None:
             shares = 1.0 - ease(way * (times - moment) / max(min(HANDING, lasting / 2), 1e-6), EaseShape.QUINTIC)
-            there, here = _unheld(prop, np.array([moment])), held_at(moment)
-            places += shares[:, None] * (there.places - here.places)
-            axes = _part_of(there.rotations[0] @ here.rotations[0].T, shares) @ axes
-    before = np.zeros(count, dtype=bool) if hold.begin is None else times < hold.begin
-    after = np.zeros(count, dtype=bool) if hold.end is None else times > hold.end
-    own = _unheld(prop, times)
-    unheld = before | (after & prop.is_put)
-    places[unheld], axes[unheld] = (
-        np.broadcast_to(part, (count, *part.shape[1:]))[unheld] for part in (own.places, own.rotations)
-    )
-    if hold.end is not None and not prop.is_put and after.any():
-        left = handed(prop, np.array([hold.end]), held_at(hold.end), held_at)
-        places[after], axes[after] = left.places[0], left.rotations[0]
-    return Track(places, axes)
+            there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
+            track.places[:] += shares[:, None] * (there.places - here.places)
+            track.rotations[:] = _part_of(there.rotations[0] @ here.rotations[0].T, shares) @ track.rotations
+    if hold.begin is not None:
+        _put(track, times < hold.begin, _left_by(places[:-1], prop, times, hands))
+    if hold.end is not None and (times > hold.end).any():
+        _put(track, times > hold.end, _unheld(prop, times) if put else _at(hold.end, places, prop, hands))
+    return track
+
+
+def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:
+    """``_left_by`` at one second."""
+    return _left_by(places, prop, np.array([moment]), {key: each.at(moment) for key, each in hands.items()})
+
+
+def _spread(track: Track, count: int) -> Track:
+    """A copy of so many frames."""
+    places, rotations = np.broadcast_to(track.places, (count, 3)), np.broadcast_to(track.rotations, (count, 3, 3))
+    return Track(places.copy(), rotations.copy())
+
+
+def _put(track: Track, chosen: NDArray[np.bool_], other: Track) -> None:
+    """Where another one is in the ``chosen`` (F,) frames, in place."""
+    other = _spread(other, len(chosen))
+    track.places[chosen], track.rotations[chosen] = other.places[chosen], other.rotations[chosen]
 
 
 def _unheld(prop: Prop, times: FloatArray) -> Track:
@@ -116,24 +179,9 @@ def seen_from(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> T
     return Track(own.to_motion(places), own.rotation.T @ track.rotations @ to_matrix(np.array(follow.turn)))
 
 
-def own_hold(prop: Prop, unasked: Unasked, body: AnyMorphology, timing: Timing, own: Placement) -> Track:
-    """A prop on the stage at every frame of who holds it, standing at ``own``, as its motion has the hands.
-
-    Hands that constraints hold on the prop do not move it.
-    """
-    if isinstance(prop.held, Carried):
-        track = carried_track(prop.held, unasked, body)
-    else:
-        assert prop.held is not None
-        track = point_track(prop.held.point, prop.held.turn, unasked.positions[:], unasked.rotations[:], body.still)
-    whole = Track(own.to_stage(track.places), own.rotation @ track.rotations)
-
-    def held_at(time: float) -> Track:
-        row = min(max(round(timing.frame_at(time)), 0), len(whole.places) - 1)
-        return Track(whole.places[row : row + 1], whole.rotations[row : row + 1])
-
-    times = timing.begin + np.arange(len(whole.places)) / timing.frame_rate
-    return handed(prop, times, whole, held_at)
+def own_hands(unasked: Unasked, body: AnyMorphology, timing: Timing, own: Placement) -> OwnHands:
+    """A body's own hands in every frame of its motion."""
+    return OwnHands(unasked, body, own, np.arange(len(unasked.positions)), timing)
 
 
 def carried_track(held: Carried, unasked: Unasked, body: AnyMorphology) -> Track:
@@ -152,16 +200,3 @@ def turned_by(angles: FloatArray) -> FloatArray:
     turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
     turns[:, 1, 0], turns[:, 0, 1], turns[:, 2, 2] = np.sin(angles), -np.sin(angles), 1.0
     return turns
-
-
-def _held(prop: Prop, holder: Holder) -> Track:
-    motion, placement = holder.motion, holder.placement
-    if isinstance(prop.held, Carried):
-        if motion.unasked is None:
-            return Track(np.array([[0.0, 0.0, 0.0]]), np.eye(3)[None])
-        whole = carried_track(prop.held, motion.unasked, motion.body)
-        frames = np.rint(np.asarray(holder.rows)).astype(np.int64) + motion.first_frame
-        rows = frames.clip(0, len(whole.places) - 1)
-        return Track(placement.to_stage(whole.places[rows]), placement.rotation @ whole.rotations[rows])
-    assert prop.held is not None
-    return performer_track(prop.held.point, prop.held.turn, motion, holder.rows, placement, Placement())

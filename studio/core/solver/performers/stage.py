@@ -7,19 +7,19 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.objections import objection
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of
-from studio.core.errors import StudioError
 from studio.core.normalized.compose import Composite
 from studio.core.project import Performer, Project
 from studio.core.rotations import multiply, to_matrix
 from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
 from studio.core.solver.performers.rows import Asked, timing_of
-from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import InHand, Prop
 from studio.core.stage.timing import Timing
@@ -66,12 +66,19 @@ def leaders_of(project: Project, performer_id: str) -> set[str]:
     """The other performers that a performer follows."""
     known = project.known.get((leaders_of, performer_id))
     if known is None:
-        follows = [follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint)]
+        follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
         leaders = {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
-        holders = {project.props[follow.prop_id].holder for follow in follows if isinstance(follow, FollowProp)}
-        playing = {key for key in holders if key and project.performers[key].clips}
+        holders = frozenset[str]().union(*(each.holders for each in props_of(project, performer_id)))
+        playing = {key for key in holders if project.performers[key].clips}
         known = project.known[leaders_of, performer_id] = (leaders | playing) - {performer_id}
     return cast(set[str], known)
+
+
+def props_of(project: Project, performer_id: str) -> tuple[Prop, ...]:
+    """The props that a performer follows."""
+    follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
+    found = dict.fromkeys(follow.prop_id for follow in follows if isinstance(follow, FollowProp))
+    return tuple(project.props[key] for key in found)
 
 
 def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
@@ -121,31 +128,28 @@ def followed_by(
     result_of: Callable[[str], AdaptedMotion | None],
     circle: Collection[str] = (),
     constraints: Iterable[Constraint] | None = None,
+    own: AdaptedMotion | None = None,
 ) -> tuple[Followed, ...] | None:
     """All that a performer follows beyond its own body; None while the result of someone it follows is not there.
 
-    Those of its own ``circle`` are left out: where they are is found together with where this one is. Of some
-    ``constraints``, or of all that are asked.
+    Those of its own ``circle``, and props that go with them, are left out: where they are is found together with where
+    this one is. Of some ``constraints``, or of all that are asked. What it holds itself is where its motion has its
+    hands: its ``own``, unasked, where that is known already.
     """
-    performer = project.performers[performer_id]
+    performer, others = project.performers[performer_id], {*circle} - {performer_id}
     found: dict[Follow, Followed] = {}
     leaders = leaders_of(project, performer_id)
     asked = [each.constraint for each in asked_of(project, performer_id)] if constraints is None else constraints
     for follow in (follow for each in asked for follow in follows_of(each)):
         match follow:
-            case FollowProp():
-                prop = project.props[follow.prop_id]
-                holder = prop.holder or ""
-                if holder in circle and holder != performer_id:
-                    name = project.performers[holder].name
-                    raise StudioError(
-                        f"'{performer.name}' follows '{prop.name}', which goes with '{name}', who follows"
-                        f" '{performer.name}'. Let one of the two follow something else."
-                    )
-                result = result_of(holder) if holder in leaders else None
-                if holder in leaders and result is None:
+            case FollowProp() if not project.props[follow.prop_id].holders & others:
+                holders = project.props[follow.prop_id].holders & leaders
+                results = {key: result for key in holders if (result := result_of(key)) is not None}
+                if len(results) < len(holders):
                     return None
-                found[follow] = _prop(follow, project, performer_id, result)
+                if own is not None and performer_id in project.props[follow.prop_id].holders:
+                    results[performer_id] = own
+                found[follow] = _prop(follow, project, performer_id, results)
             case FollowTracked():
                 found[follow] = _tracked(follow, project, performer)
             case FollowPerformer() if follow.performer_id not in circle:
@@ -161,33 +165,38 @@ def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
     return {each.follow: each.make(composite) for each in followed}
 
 
-def _prop(follow: FollowProp, project: Project, performer_id: str, result: AdaptedMotion | None) -> Followed:
-    """A prop for one performer; ``result`` is the motion of another one with whom it goes."""
+def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapping[str, AdaptedMotion]) -> Followed:
+    """A prop for one performer; ``results`` are the motions of those with whom it goes, its own only if it is known."""
     prop, own = project.props[follow.prop_id], Placement.of(project.performers[performer_id])
-    leader = project.performers[prop.holder] if prop.holder and result is not None else None
-    timing = _timing_in(project, leader, result) if leader and result else None
+    leaders = {key: project.performers[key] for key in results}
+    timings = {key: _timing_in(project, leaders[key], result) for key, result in results.items()}
 
     def make(composite: Composite) -> Track | OwnPath:
         from studio.core.solver.performers.props import (  # here: it loads kernels
+            Hands,
             Holder,
-            own_hold,
+            own_hands,
             seen_from,
             stage_track,
         )
 
-        if prop.holder == performer_id:
-            return OwnPath(
-                lambda unasked, body: seen_from(follow, prop, own_hold(prop, unasked, body, composite.timing, own), own)
-            )
-        seconds, holder = _seconds_of(composite), None
-        if result is not None and timing is not None and leader is not None:
-            rows = timing.frames_at(seconds) - result.first_frame
-            holder = Holder(result, rows, Placement.of(leader), timing=timing)
-        return seen_from(follow, prop, stage_track(prop, seconds, holder), own)
+        seconds = _seconds_of(composite)
+        hands: dict[str, Hands] = {}
+        for key, result in results.items():
+            rows = timings[key].frames_at(seconds) - result.first_frame
+            hands[key] = Holder(result, rows, Placement.of(leaders[key]), timing=timings[key])
 
-    moving = prop.held is not None or not isinstance(prop.position, tuple) or isinstance(prop.heading, KeyedNumber)
-    depends = (result, timing, project.performers[performer_id].clips) if moving else ()
-    return Followed(follow, (prop, own, leader and Placement.of(leader), *depends), make)
+        def among(unasked: Unasked, body: AnyMorphology) -> Track:
+            mine = own_hands(unasked, body, composite.timing, own)
+            return seen_from(follow, prop, stage_track(prop, seconds, {**hands, performer_id: mine}), own)
+
+        if performer_id in prop.holders - hands.keys():
+            return OwnPath(among)
+        return seen_from(follow, prop, stage_track(prop, seconds, hands), own)
+
+    moving = prop.holds or not isinstance(prop.position, tuple) or isinstance(prop.heading, KeyedNumber)
+    depends = (*results.values(), *timings.values(), project.performers[performer_id].clips) if moving else ()
+    return Followed(follow, (prop, own, *map(Placement.of, leaders.values()), *depends), make)
 
 
 def _tracked(follow: FollowTracked, project: Project, performer: Performer) -> Followed:
@@ -253,7 +262,7 @@ def concerning(
             changes[name] = value.of(performer_id)
         if isinstance(value, FollowProp):
             prop = props[value.prop_id]
-            if isinstance(prop.held, InHand) and prop.held.is_always and prop.holder == performer_id:
+            if isinstance(prop.held, InHand) and prop.held.is_always and prop.held.performer_id == performer_id:
                 changes[name] = on_own_body(value, prop, prop.held)
                 if changes[name].point == constraint.point or objection(replace(constraint, **changes), ()):
                     return None
