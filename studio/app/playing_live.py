@@ -101,8 +101,10 @@ def toggle(bench: Workbench) -> None:
     bench.live.play.begin()
     active = bench.document.active_performer_id or ""
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
-    offered = ", ".join(f"{number} {name}" for number, name in enumerate(names[:9], 1))
-    bench.said.emit(f"The stage plays live. Press {offered} for the selected body, R to record, Esc to end.")
+    offered = [f"{number} {name}" for number, name in enumerate(names[:9], 1)]
+    own = [f"{', '.join(offered)} for the selected body"] if offered else []
+    heard = [f"{key} to {', '.join(states).lower()}" for key, states in keys_of(bench.document.project).items()]
+    bench.said.emit(f"The stage plays live. Press {'; '.join([*own, *heard, 'R to record'])}, Esc to end.")
 
 
 def record(bench: Workbench) -> None:
@@ -143,15 +145,15 @@ def afresh(clip: Clip) -> Clip:
     return replace(clip, joined=True, turn=0.0, offset=(0.0, 0.0))
 
 
-def keys_of(project: Project) -> set[str]:
-    """The keys that behaviours listen to."""
-    conditions = (
-        condition
-        for behaviour in project.behaviours.values()
-        for transition in behaviour.transitions
-        for condition in transition.conditions
-    )
-    return {condition.key for condition in conditions if isinstance(condition, KeyCondition)}
+def keys_of(project: Project) -> dict[str, list[str]]:
+    """The keys that behaviours listen to, and the states that they lead to."""
+    keys: dict[str, dict[str, None]] = {}
+    for behaviour in project.behaviours.values():
+        for transition in behaviour.transitions:
+            for condition in transition.conditions:
+                if isinstance(condition, KeyCondition):
+                    keys.setdefault(condition.key, {})[transition.target] = None
+    return {key: list(states) for key, states in keys.items()}
 
 
 def _name(project: Project, clip: Clip) -> str:

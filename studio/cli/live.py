@@ -1,4 +1,4 @@
-"""``live``: a fighter that keeps at striking distance of a tracked head and strikes, streamed out as VMC."""
+"""``live``: a fighter that keeps at striking distance of a tracked head and strikes, or a project's whole stage."""
 
 import select
 import sys
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from studio.cli.adaptation import chosen_characters, ready_capture
 from studio.cli.library_options import add_library_option
+from studio.cli.live_stage import run_live_stage
 from studio.core.errors import StudioError
 from studio.core.normalized.pieces import Piece
 from studio.io.importing import GUESS_ALL
@@ -35,7 +36,10 @@ CIRCLE, SWAY = 0.5, 0.35
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Who fights, against what, and where it is seen."""
+    """Who fights, against what, and where it is seen; or which stage plays, and the keys that are pressed meanwhile."""
+    parser.add_argument("--stage", type=Path, metavar="PROJECT", help="play a project's stage with its behaviours")
+    parser.add_argument("--press", nargs="+", metavar="KEY@S", help="keys that behaviours of the stage hear, and when")
+    parser.add_argument("--json", action="store_true", help="print what became of the stage as JSON")
     parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE")
     parser.add_argument("--guard", type=Path, metavar="CAPTURE", help="a motion that begins on guard, feet in place")
     parser.add_argument("--seconds", type=float, default=60.0, metavar="S", help="how long it goes on")
@@ -54,7 +58,9 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Fight, then say what became of it."""
+    """Fight, or play a stage, then say what became of it."""
+    if arguments.stage is not None:
+        return run_live_stage(arguments)
     library = opened_library(arguments)
     body = next(iter(chosen_characters([arguments.character]).values())).morphology
     inbox = Inbox()

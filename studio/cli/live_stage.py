@@ -1,0 +1,168 @@
+"""``live --stage``: a project's stage played live without a window, with its behaviours, and what became of it."""
+
+import math
+import time
+from argparse import Namespace
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from studio.cli.adapt_report import REACHED_DEG, REACHED_MM, Record, residual_record
+from studio.cli.printing import print_json, print_table
+from studio.cli.render import prepared
+from studio.cli.warm_up import compile_first
+from studio.core.constraints.base import Constraint
+from studio.core.errors import StudioError
+from studio.core.project import Project
+from studio.io.project_file import read_project
+from studio.live.stage import LiveStage
+
+STEP = 1.0 / 60.0
+FULLY = 1.0 - 1e-9
+
+
+@dataclass
+class Held:
+    """How often a constraint was asked for fully, and met, and by how much it was missed at most."""
+
+    constraint: Constraint
+    asked: int = 0
+    held: int = 0
+    worst: float = 0.0
+
+    def add(self, miss: float) -> None:
+        """One step in which it was asked for."""
+        factor, met = (math.degrees(1.0), REACHED_DEG) if self.constraint.unit == "rad" else (1000.0, REACHED_MM)
+        self.asked, self.held = self.asked + 1, self.held + (factor * miss <= met)
+        self.worst = max(self.worst, miss)
+
+    @property
+    def record(self) -> Record:
+        """As it is reported."""
+        counts = {"steps_asked": self.asked, "steps_held": self.held}
+        reached = {"reached": self.held == self.asked}
+        return {"name": self.constraint.name, **residual_record(self.constraint, self.worst), **counts, **reached}
+
+
+@dataclass
+class Part:
+    """What became of one performer."""
+
+    name: str
+    steps: int = 0
+    takeovers: int = 0
+    states: dict[str, int] = field(default_factory=dict)
+    held: dict[str, Held] = field(default_factory=dict)
+    failure: str = ""
+
+    @property
+    def record(self) -> Record:
+        """As it is reported."""
+        return {
+            "name": self.name,
+            "steps": self.steps,
+            "takeovers": self.takeovers,
+            "states": self.states,
+            "constraints": [each.record for each in self.held.values()],
+            "error": self.failure or None,
+        }
+
+
+def run_live_stage(arguments: Namespace) -> int:
+    """Play and report; 1 where somebody failed, which keeps nobody else from playing on."""
+    project = read_project(arguments.stage).project
+    presses = sorted(map(pressed, arguments.press or ()))
+    compile_first()
+    report = played(project, arguments.seconds, presses)
+    if arguments.json:
+        print_json({"source": str(arguments.stage), **report})
+    else:
+        print_report(report)
+    return 0 if report["ok"] else 1
+
+
+def pressed(text: str) -> tuple[float, str]:
+    """The second and the key of ``KEY@SECONDS``. Raises StudioError where it is none."""
+    key, _, seconds = text.rpartition("@")
+    try:
+        when = float(seconds)
+    except ValueError:
+        when = math.nan
+    if not key or not math.isfinite(when):
+        raise StudioError(f"'{text}' is no key press: say the key and the second, as in K@1.5.")
+    return when, key.upper()
+
+
+def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> Record:
+    """The report of a stage that plays live for so many of its own seconds, as fast as it can be solved."""
+    stage, waiting = LiveStage(project, prepared), list(presses)
+    parts = {key: Part(each.name) for key, each in project.performers.items() if each.visible and each.clips}
+    if not parts:
+        raise StudioError("Nobody who is shown plays anything: there is nothing to play live.")
+    stage.step(0.0)
+    stage.record()
+    spent = []
+    for _ in range(max(round(seconds / STEP), 1)):
+        while waiting and waiting[0][0] <= stage.seconds:
+            stage.press(waiting.pop(0)[1])
+        begun = time.thread_time()
+        stage.step(STEP)
+        spent.append(time.thread_time() - begun)
+        _note(stage, parts)
+    take = stage.recorded()
+    for key, begun_then in take.begun if take else ():
+        parts[key].takeovers += not begun_then.own
+    return {
+        "ok": not any(each.failure for each in parts.values()),
+        "steps": len(spent),
+        "steps_a_second": len(spent) / max(sum(spent), 1e-9),
+        "slowest_step_ms": 1000.0 * max(spent),
+        "performers": [each.record for each in parts.values()],
+    }
+
+
+def _note(stage: LiveStage, parts: dict[str, Part]) -> None:
+    """Add one step to what is known of everybody."""
+    for key, part in parts.items():
+        part.failure = stage.failures.get(key, part.failure)
+        result = stage.results.get(key)
+        if result is None:
+            continue
+        part.steps += 1
+        if key in stage.running:
+            state = stage.running[key].state
+            part.states[state] = part.states.get(state, 0) + 1
+        for (name, constraint, share), miss in zip(stage.asked(key), result.residuals[:, 0], strict=True):
+            if name and share >= FULLY and np.isfinite(miss):
+                part.held.setdefault(name, Held(constraint)).add(float(miss))
+
+
+def print_report(report: Record) -> None:
+    """How fast, a line a performer, a line a constraint, and who failed."""
+    print(
+        f"{report['steps']} steps, {report['steps_a_second']:.0f} a second of one processor's time, the slowest "
+        f"{report['slowest_step_ms']:.1f} ms\n"
+    )
+    performers = report["performers"]
+    rows = [
+        [each["name"], str(each["steps"]), str(each["takeovers"]), ", ".join(each["states"])] for each in performers
+    ]
+    print_table(("performer", "steps", "takeovers", "states"), rows)
+    lines = [
+        [asked["name"], each["name"], f"{asked['steps_held']} of {asked['steps_asked']}", _worst(asked)]
+        for each in performers
+        for asked in each["constraints"]
+    ]
+    if lines:
+        print()
+        print_table(("constraint", "performer", "steps held", "worst"), lines)
+    for each in performers:
+        if each["error"]:
+            print(f"\n{each['name']} failed: {each['error']}")
+
+
+def _worst(asked: Record) -> str:
+    if asked["residual_mm"] is None:
+        return f"{asked['residual_deg']:.1f} deg"
+    return f"{asked['residual_mm']:.1f} mm"

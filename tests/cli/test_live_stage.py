@@ -1,0 +1,65 @@
+"""``live --stage``: a project's stage plays live without a window, and what became of it is counted."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from studio.cli.live_stage import played, pressed
+from studio.cli.main import main
+from studio.core.errors import StudioError
+from studio.core.stage.behaviour import Transition
+from studio.core.stage.conditions import ClipEndCondition, EventCondition, KeyCondition, TimeCondition
+from studio.io.project_file import write_project
+from tests.live.test_live_stage import GUARD, KICK, STEP_BACK, of_two, reaching
+
+
+def fighting():
+    ways = (
+        Transition("guard", "back", (EventCondition("attack"),)),
+        Transition("guard", "kick", (KeyCondition("K"),)),
+        Transition("kick", "guard", (ClipEndCondition(),)),
+        Transition("back", "guard", (TimeCondition(0.5),)),
+    )
+    return of_two((GUARD, KICK, STEP_BACK), ways).project
+
+
+def test_a_stage_plays_for_so_many_seconds_and_tells_of_steps_states_and_takeovers():
+    report = played(fighting(), 2.0, [(0.4, "K")])
+    assert report["ok"]
+    assert report["steps"] == 120
+    assert report["steps_a_second"] > 0.0
+    for each in report["performers"]:
+        assert each["steps"] == 120
+        assert set(each["states"]) == {"guard", "kick"}
+        assert sum(each["states"].values()) == 120
+        assert each["takeovers"] >= 2
+
+
+def test_what_is_asked_is_counted_where_it_is_asked_wholly_and_where_it_is_met():
+    asked = {"near": reaching("straight_punch", (0.4, -0.2, 1.1)), "far": reaching("straight_punch", (4.0, 0.0, 1.1))}
+    project = replace(fighting(), constraints=asked)
+    near, far = played(project, 0.4)["performers"][0]["constraints"]
+    assert near["steps_asked"] == far["steps_asked"]
+    assert near["reached"] != far["reached"]
+
+
+def test_who_fails_is_told_and_the_rest_plays_on(tmp_path, capsys):
+    project = fighting()
+    broken = replace(project.captures["straight_punch"], body_map=None)
+    lonely = replace(project.performers["two"], clips=(replace(GUARD.clip, motion_id="reach_grasp"),))
+    project = project.with_entity("captures", "straight_punch", broken).with_entity("performers", "two", lonely)
+    project = replace(project, behaviours={})
+    path = tmp_path / "fight.studio"
+    write_project(path, project, "fight")
+    assert main(["live", "--stage", str(path), "--seconds", "0.2", "--json"]) == 1
+    one, two = json.loads(capsys.readouterr().out)["performers"]
+    assert one["error"]
+    assert not two["error"]
+    assert two["steps"] == 12
+
+
+@pytest.mark.parametrize("text", ["K", "@1", "K@soon", "K@nan"])
+def test_what_is_no_key_press_is_refused_in_a_sentence(text):
+    with pytest.raises(StudioError, match="no key press"):
+        pressed(text)
