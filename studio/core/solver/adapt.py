@@ -150,6 +150,7 @@ def stand(
 def stand_but_for_arms(request: AdaptRequest) -> Standing:
     """``standing_of`` before ``Standing.with_arms_right``, which takes most of the time."""
     motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
+    volume, actor, limited = request.volume, request.actor, request.limited
     positions, rotations = realize(motion, morphology)
     contacts, touches = on_ground(contacts), contacts
     ground = ground.felt_at(positions)
@@ -174,7 +175,6 @@ def stand_but_for_arms(request: AdaptRequest) -> Standing:
         if ground.is_level:
             keep_posture(morphology, arms, motion.frame_rate, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
-    volume, actor, limited = request.volume, request.actor, request.limited
     self_contact = self_contact_of(motion, morphology, touches, volume, actor, request.clears)
     known = contacts, ground
     return Standing(
