@@ -38,20 +38,22 @@ def one_target() -> Project:
     """The scene; StudioError where a bundled file cannot be read."""
     stuff = material(guard=("Guard", "straight_punch"))
     guard, _ = normalize(stuff.captures["straight_punch"])
-    pose = replace(guard, channels=guard.channels[CALM[1] : CALM[1] + 1])
     library, people = bundled_library(), bodies(5)
     project = Project(stuff.captures, stuff.motions, {}, {}, {}, stuff.contacts)
     for place, key in enumerate(BODIES):
-        asked = target_of(pose, people[key].morphology)
+        asked = target_of(guard, CALM[1], people[key].morphology)
         best = tried(find(library, asked, FEW), asked)[0].found
         project = _with_fighter(project, key, people[key], BESIDE * (1 - place), asked, best)
     return project
 
 
-def target_of(pose: NormalizedMotion, body: Morphology) -> Asked:
-    """What a body in this pose is to hit."""
+def target_of(
+    guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (AHEAD, HEIGHT)
+) -> Asked:
+    """What a body is to hit from a frame of its guard: ``place`` is ahead of its root, and above the ground."""
+    pose = replace(guard, channels=guard.channels[frame : frame + 1])
     x, y, _ = realize(pose, body)[0][0, 0].tolist()
-    return Asked(pose, body, (x + AHEAD, y, HEIGHT))
+    return Asked(pose, body, (x + place[0], y, place[1]))
 
 
 def _with_fighter(project: Project, key: str, character: Character, y: float, asked: Asked, found: Result) -> Project:
