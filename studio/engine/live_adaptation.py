@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.performers.circles import solve_circle
-from studio.core.solver.performers.rows import frame_count_of, timing_of
+from studio.core.solver.performers.rows import forget_rows, frame_count_of, timing_of
 from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
@@ -86,7 +86,8 @@ class LiveAdaptation(QObject):
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
-        self._solve, self._realise = solve or StandingSolver(), realise
+        self._standing = StandingSolver()
+        self._solve, self._realise = solve or self._standing, realise
         self._warm_up = warm_up
         self._wanted: dict[str, Wanted] = {}
         self._results: dict[str, AdaptedMotion] = {}
@@ -297,6 +298,9 @@ class LiveAdaptation(QObject):
             held.clear()
         self._frames.clear()
         self._unfinished.clear()
+        self._prepare.keep(self._document.project.captures.values())
+        self._standing.forget()
+        forget_rows()
         self._refresh(whole=True)
 
     def _refresh(self, whole: bool) -> None:

@@ -2,7 +2,7 @@
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Generic, TypeVar
 
 Result = TypeVar("Result")
@@ -42,3 +42,10 @@ class SolveCache(Generic[Result]):
             if not slot.results:
                 slot.results.append(self._compute(key))
             return slot.results[0]
+
+    def keep(self, keys: Iterable[Any]) -> None:
+        """Let go of what is held for any other key."""
+        kept = {id(each) for each in keys}
+        with self._lock:
+            for other in self._slots.keys() - kept:
+                del self._slots[other]

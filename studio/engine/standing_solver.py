@@ -48,6 +48,11 @@ class StandingSolver:
                 self._kept[key] = kept
         return hold(kept[2], request.constraints, first, last, request.tracks, eased=request.eased).kept()
 
+    def forget(self) -> None:
+        """Let go of all that is kept."""
+        with self._lock:
+            self._kept.clear()
+
 
 def own_frames(request: AdaptRequest) -> Windows:
     """The frames, first and past the last, that the body's own places are of which constraints ask."""

@@ -1,7 +1,9 @@
 """Every visible performer follows the document; a drag sees its window first; nothing is solved twice."""
 
+import gc
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field, replace
@@ -324,6 +326,19 @@ def test_the_real_solver_answers_for_every_performer(qapp: Any) -> None:
     results = [live.result("performer 0"), live.result("performer 1"), live.source("motion")]
     live.close()
     assert all(np.isfinite(result.positions).all() and result.frame_count == 60 for result in results)
+
+
+def test_motions_of_projects_that_are_gone_are_let_go(qapp: Any) -> None:
+    document = Document()
+    live = LiveAdaptation(document)
+    opened: list[weakref.ref[Any]] = []
+    for frames in range(20, 40):
+        document.new(make_project(characters=1, frames=frames))
+        assert live.wait(100.0)
+        opened += [weakref.ref(live.motion("motion")), weakref.ref(document.project.captures["capture"])]
+    gc.collect()
+    assert sum(each() is not None for each in opened) < 20  # of 40: workers and small caches hold their last few
+    live.close()
 
 
 def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothing(qapp: Any) -> None:

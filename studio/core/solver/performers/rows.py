@@ -7,9 +7,10 @@ import numpy as np
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import Carry, carried_over
-from studio.core.normalized.compose import Composite
+from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.layers import Overlay, layered
+from studio.core.normalized.mirror import mirrored
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece, Played
 from studio.core.project import Performer, Project
@@ -120,3 +121,9 @@ def constraints_in(asked: tuple[Asked, ...], composite: Composite, leg_length: f
         carried_over(each.constraint, carry_of(played[each.clip, each.repeat], composite.timing, leg_length))
         for each in asked
     )
+
+
+def forget_rows() -> None:
+    """Let go of the rows, layers and mirrored motions that are kept; they are made again where they are asked for."""
+    for kept in (compose, layered, mirrored):
+        kept.cache_clear()
