@@ -84,9 +84,9 @@ class LiveControl:
         self.broadcast: Broadcast | None = None
         self._out_port, self._seen, self._told_at = OUT_PORT, 0, time.monotonic()
         self._gesture, self._moved_at = 0, 0.0
-        self._tick = QTimer(bench, interval=TICK)
+        self._tick = QTimer(self.panel, interval=TICK)
         self._tick.timeout.connect(self.look)
-        self._telling = QTimer(bench, interval=TOLD)
+        self._telling = QTimer(self.panel, interval=TOLD)
         self._telling.timeout.connect(self.tell)
         panel = self.panel
         panel.listen_wanted.connect(self.listen)

@@ -34,11 +34,6 @@ class Act:
     asked: tuple[Constraint, ...] = ()
     steps: bool = False
 
-    @property
-    def again(self) -> "Act":
-        """The same once more, where it has led."""
-        return replace(self, clip=replace(self.clip, turn=0.0, offset=(0.0, 0.0)), steps=False)
-
 
 @dataclass(frozen=True)
 class Seen:

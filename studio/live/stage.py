@@ -225,8 +225,8 @@ class LiveStage:
         if state is not None:
             if part.act is None or state.clip is None or not state.loop:
                 return None
-            again = part.act.again
-            return replace(again, clip=replace(again.clip, first=state.clip.first))
+            again = replace(state.clip, joined=True, turn=0.0, offset=(0.0, 0.0), ease=part.act.clip.ease)
+            return replace(part.act, clip=again, steps=False)
         return Act(replace(part.row[0], joined=True, turn=0.0, offset=(0.0, 0.0)))
 
     def _begin_clips(self) -> None:

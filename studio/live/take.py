@@ -87,9 +87,9 @@ def _row(
     do with what comes before and after.
     """
     begun = [each for whose, each in take.begun if whose == key]
-    for each, after in zip(begun, [*begun[1:], None], strict=True):
+    for place, each in enumerate(begun):
         begin = -math.inf if each.own else each.since
-        end = math.inf if after is None else after.since - 1.0 / each.timing.frame_rate
+        end = math.inf if each is begun[-1] else begun[place + 1].since - 1.0 / each.timing.frame_rate
         for played in each.played:
             source = each.clips[played.piece.origin[0]]
             if source.motion_id not in project.motions:

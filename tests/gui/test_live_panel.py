@@ -5,10 +5,15 @@ import time
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QCoreApplication, QEvent
+from shiboken6 import isValid
 
+from studio.app.application import make_window
+from studio.app.settings import Settings
 from studio.core.normalized.realize import realize
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
+from studio.document.document import Document
 from studio.io.character_file import bundled_characters
 from studio.live.osc import encode_message
 from studio.live.recording import read_recording
@@ -16,6 +21,7 @@ from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox, UdpInput
 from studio.live.vmc import TRACKER, posed
 from studio.viewport.eyes import PLAIN
+from tests.builders import make_project
 from tests.core.motions import walk
 from tests.gui.window_use import PATIENCE, same
 
@@ -174,3 +180,16 @@ def test_a_flood_leaves_the_window_alive(control, window, qtbot):
         ticks.append(time.perf_counter() - last)
         last = time.perf_counter()
     assert np.median(ticks) < 0.033
+
+
+def test_what_is_still_asked_of_a_window_that_closes_keeps_no_clock_going(qapp, tmp_path):
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project()))
+    control = window.live_control
+    window.leave()
+    control.listen(0)
+    window.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    assert not isValid(control.panel)
+    assert not any(map(isValid, (control._tick, control._telling)))
+    for source in control.sources.values():
+        source.feeder.close()

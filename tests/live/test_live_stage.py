@@ -374,6 +374,19 @@ def test_a_distance_leads_into_a_state_and_what_loops_plays_again():
     assert stage.running["one"].state == "kick"
 
 
+def test_a_clip_of_a_state_that_is_moved_behind_what_plays_is_played_from_there_when_it_comes_again():
+    stage = of_two((GUARD,), ())
+    for step in range(10):
+        stage.step(STEP if step else 0.0)
+    fight = stage.project.behaviours["fight"]
+    later = replace(GUARD, clip=clip_of("straight_punch", 240, 270))
+    stage.project = replace(stage.project, behaviours={"fight": replace(fight, states=(later,))})
+    for _ in range(60):
+        stage.step(STEP)
+    assert (stage.playing("one").first, stage.playing("one").last) == (240, 270)
+    assert not stage.failures
+
+
 def test_a_state_without_a_clip_comes_to_rest():
     stage = of_two((State("still"),), ())
     shown = Shown(stage)

@@ -59,6 +59,18 @@ def test_a_row_that_nobody_touched_is_recorded_as_it_is():
     assert play.misses().max() < 1e-6
 
 
+def test_who_came_to_play_nothing_in_a_take_keeps_its_row():
+    play = Play(staged(clip_of("walk_turn", 100, 160)))
+    play.step(1, 0.0)
+    play.stage.record()
+    play.step(10)
+    take = play.stage.recorded()
+    project = play.stage.project
+    other = replace(project.performers["one"], name="Two")
+    project = project.with_entity("performers", "two", other)
+    assert with_take(project, take).performers["two"] == other
+
+
 def test_a_take_is_as_it_was_seen_before_and_after_what_was_improvised():
     play = Play(staged(clip_of("straight_punch", 60)))
     play.step(1, 0.0)
