@@ -38,7 +38,7 @@ from studio.core.normalized.normalize import normalize
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.solver.adapt import Bound, Standing, hold, stand
 from studio.core.solver.asking.chains import free_joints, point_masses, segment_masses
-from studio.core.solver.asking.recruiting import leg_room, limb_freedoms
+from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import FREED_AFTER
 from studio.core.solver.standing.support import mass_path
@@ -250,6 +250,18 @@ def test_a_leg_may_turn_as_far_as_its_foot_is_high() -> None:
     assert (np.diff(room, axis=1) > 0.0).all()
     assert room[:, 0].min() < 0.3
     assert room[:, 3].max() > 0.9
+
+
+def test_an_arm_that_lies_level_is_not_turned_and_one_that_hangs_is() -> None:
+    body = BODIES["adult_woman"]
+    positions = STANDING["adult_woman"].positions[:1].repeat(3, axis=0)
+    for side in range(2):
+        arm = slice(body.layout.collar(side) + 1, body.layout.collar(side) + 5)
+        shoulder = positions[:, arm.start : arm.start + 1]
+        lengths = np.arange(4)[None, :, None] * 0.25
+        ways = np.array([[0.0, 0.0, -1.0], [np.sqrt(0.5), 0.0, np.sqrt(0.5)], [0.6, 0.8, 0.0]])
+        positions[:, arm] = shoulder + lengths * ways[:, None]
+    assert arm_lever(body, positions) == pytest.approx(np.array([[1.0, 0.5, 0.0]] * 2))
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -409,7 +409,7 @@ class Easing(NamedTuple):
     carriers: Array
     """(n,) the segments that carry those whose jolts count as the source's, -1 none."""
     source: Array
-    """(1,) the greatest jolt of the unsolved motion that anybody needed to know so far, radians a second squared."""
+    """(3,) the greatest jolts of the unsolved motion that anybody needed to know so far, radians a second squared."""
     rate: Array
     """(1,) frames a second."""
     jolts: Array

@@ -16,6 +16,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.support.carrying import place_arms
+from studio.core.kernels.time.jolts import LEVER
 from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -105,6 +106,12 @@ class Standing:
         local = rotations.copy()
         local[:, 1:] = np.swapaxes(rotations[:, carriers[1:]], 2, 3) @ rotations[:, 1:]
         return np.asarray(angular_acceleration(local, self.motion.frame_rate).max(axis=0, initial=0.0))
+
+    @cached_property
+    def root_peak(self) -> float:
+        """The same of a bone that the root's travel turns (``kernels.time.jolts``)."""
+        pushes = np.linalg.norm(np.diff(self.positions[:, 0], 2, axis=0), axis=1)
+        return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / LEVER
 
 
 @dataclass(frozen=True)

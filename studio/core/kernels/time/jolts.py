@@ -2,8 +2,8 @@
 
 Of joints that a search turns it is the angular acceleration of their turns away from the motion, of its root that which
 a bone would have that follows; of limbs that constraints are about that of their own joints. ``jolts`` (F, 3) has the
-greatest of each at each frame, in radians a second squared; ``source`` (1,) the greatest of the unsolved motion that
-anybody needed to know so far.
+greatest of each at each frame, in radians a second squared; ``source`` (3,) the greatest of the same joints in the
+unsolved motion that anybody needed to know so far: a hand that is flicked lets no trunk jolt.
 """
 
 import math
@@ -48,14 +48,20 @@ def note_jolts(frame, clip):
     easing, motion, source, out_jolts = clip.easing, clip.motion, clip.easing.source, clip.easing.jolts
     middle, per_second, turned = frame - 1, easing.rate[0] * easing.rate[0], 0.0
     note_searched(middle, clip.asked.chain.joints, easing.states, per_second, out_jolts)
-    calm = CALM * source[0] / per_second
+    calm = CALM * source[2] / per_second
     for limb in range(4):
         if easing.limbs[limb] and not is_calm(limb, middle, calm * calm, motion.positions, motion.rotations):
             turned = max(turned, limb_jolt(limb, middle, motion.rotations))
     jolt = out_jolts[middle]
     jolt[2] = per_second * turned
-    if max(jolt[0], jolt[1]) > ADDED * source[0] or jolt[2] > WHOLE * source[0]:
-        source[0] = max(source[0], per_second * peak_at(middle, easing.carriers, motion.start_rotations))
+    if jolt[0] > ADDED * source[0]:
+        turned = peak_at(middle, easing.carriers, motion.start_rotations)
+        source[0] = max(source[0], per_second * min(travel_jolt(middle, motion.start_positions), turned))
+    if jolt[1] > ADDED * source[1]:
+        peak = searched_peak_at(middle, clip.asked.chain.joints, easing.carriers, motion.start_rotations)
+        source[1] = max(source[1], per_second * peak)
+    if jolt[2] > WHOLE * source[2]:
+        source[2] = max(source[2], per_second * peak_at(middle, easing.carriers, motion.start_rotations))
 
 
 @kernel
@@ -152,3 +158,23 @@ def peak_at(middle, carriers, rotations):
         if carriers[segment] >= 0:
             most = max(most, joint_jolt(middle, carriers[segment], segment, rotations))
     return most
+
+
+@kernel
+def searched_peak_at(middle, joints, carriers, rotations):
+    """The same of the joints of a search."""
+    most = 0.0
+    for joint in joints:
+        if 0 <= joint.segment < carriers.shape[0] and carriers[joint.segment] >= 0:
+            most = max(most, joint_jolt(middle, carriers[joint.segment], joint.segment, rotations))
+    return most
+
+
+@kernel
+def travel_jolt(middle, positions):
+    """The change of pace of a bone that follows the root's travel at one frame, in radians a frame squared."""
+    squared = 0.0
+    for axis in range(3):
+        way = positions[middle + 1, 0, axis] - 2.0 * positions[middle, 0, axis] + positions[middle - 1, 0, axis]
+        squared += way * way
+    return math.sqrt(squared) / LEVER

@@ -9,7 +9,7 @@ from studio.core.body.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval, contact_mask
 from studio.core.grounds.ground import Ground
 from studio.core.single import PoseArray
-from studio.core.solver.asking.chains import HIP_LIMIT
+from studio.core.solver.asking.chains import HIP_LIMIT, point_masses
 from studio.core.solver.standing.footing import freedom
 
 FloatArray = NDArray[np.float64]
@@ -51,4 +51,19 @@ def leg_room(body: AnyMorphology, ground: Ground, positions: PoseArray, window: 
         above = np.maximum(points[..., 2] - ground.height_at(points) - soles_above, 1e-9)
         beside = np.linalg.norm(points[..., :2] - positions[:, hip : hip + 1, :2], axis=-1)
         found.append((1.0 + ((HIP_LIMIT * beside / above) ** 4).sum(axis=1)) ** -0.25)
+    return np.array(found)
+
+
+def arm_lever(body: AnyMorphology, positions: PoseArray, window: slice = slice(None)) -> FloatArray:
+    """(2, F) part of its limit to which each arm may turn about its shoulder: how upright its mass hangs or is raised.
+
+    One that lies level along the way that the body is to take helps turned up as turned down: passing there, it would
+    change from one to the other between two frames. ``positions`` (all, P, 3) and ``window`` as ``leg_room`` has them.
+    """
+    found, positions, masses = [], positions[window], point_masses(body.layout)
+    for side in range(2):
+        shoulder = body.layout.collar(side) + 1
+        arm = slice(shoulder, shoulder + 4)
+        lever = np.einsum("p,fpi->fi", masses[arm], positions[:, arm] - positions[:, shoulder : shoulder + 1])
+        found.append(lever[:, 2] ** 2 / np.maximum((lever**2).sum(axis=1), 1e-12))
     return np.array(found)

@@ -71,7 +71,7 @@ class Solve:
 
     ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``carriers`` of every segment that
     counts as source (legs only where constraints are about them), ``states`` (F, N, 3) of the search, and as in
-    ``kernels.time.jolts`` the peak of the ``source`` (1,) as far as it is known and the ``sharp`` jolts (F, 3).
+    ``kernels.time.jolts`` the peaks of the ``source`` (3,) as far as they are known and the ``sharp`` jolts (F, 3).
     """
 
     layout: BodyLayout
@@ -92,7 +92,7 @@ class Solve:
         named = set(limbs.ravel().tolist())
         wished = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
         carriers, states = _carriers(layout, 2 in named or 3 in named), np.empty((frames, len(joints), 3))
-        return Solve(layout, rate, joints, wished, carriers, states, np.array([QUIET]), np.zeros((frames, 3)), held)
+        return Solve(layout, rate, joints, wished, carriers, states, np.full(3, QUIET), np.zeros((frames, 3)), held)
 
     def easing(
         self,
@@ -123,6 +123,13 @@ class Solve:
         """Whether any frame has to be looked at closer."""
         return bool(np.count_nonzero(self.sharp > EASED[0] * self.source))
 
+    def own_peaks(self, root: float, peaks: FloatArray) -> FloatArray:
+        """(3,) what ``jolts_of`` tells at most of the unsolved motion, whose ``root`` and segments (S,) have peaks."""
+        peaks, searched = peaks[: len(self.carriers)], self.joints["segment"]
+        joints = peaks[searched[(searched != ROOT) & (searched < len(peaks))]]
+        most = peaks.max(initial=QUIET)
+        return np.array([min(max(QUIET, root), most), joints.max(initial=QUIET), most])
+
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
 
@@ -144,7 +151,7 @@ class Level:
     """A level of priority with those above it: what is noted of their solve and what was ``solved``, frames first
     (positions, rotations, misses (F, C) and what else a solve writes), which constraints stand ``above`` it (C,),
     ``stands`` how many levels do that are solved and how many that keep clear do not, where any acts (F,), and what
-    peak of angular acceleration they are allowed (F,), radians a second squared.
+    peaks of angular acceleration they are allowed (F, 3), radians a second squared.
     """
 
     solve: Solve
@@ -164,7 +171,7 @@ class Level:
     @property
     def room(self) -> FloatArray:
         """(F,) how far it may be eased, from 0 to 1: near jolts of what is solved, and where it acts."""
-        rate, sharp = self.solve.rate, self.solve.sharp / self.allowed[:, None]
+        rate, sharp = self.solve.rate, self.solve.sharp / self.allowed
         beside = max(round(BESIDE * rate), 1)
         acting = minimum_filter1d(self.acts.astype(np.float64), 2 * beside + 1, mode="nearest")
         return _mean(acting, beside) * _around(_excess(sharp, EASED), rate, SEEN)
@@ -293,7 +300,7 @@ class Easing:
         allowed (2, 3), where that begins and where it is whole. What those above have become is no fault of a level.
         """
         level = self._levels[number]
-        allowed = np.maximum(level.allowed[:, None], self._jolts / parts[0])
+        allowed = np.maximum(level.allowed, self._jolts / parts[0])
         sharp = level.solve.jolts_of(poses[0], self._charts.turns(poses[1])) / allowed
         return self._spread(number, _excess(sharp, parts), around)
 

@@ -20,12 +20,11 @@ from studio.core.kernels.adapt import solve_frames
 from studio.core.kernels.records import Asked, BodyFrames, Legs, Motion, Recruits
 from studio.core.kernels.tasks.goals import AREA
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.quality.metrics import QUIET
 from studio.core.solver.asking.chains import carrying_chain, free_joints, point_masses, segment_masses
 from studio.core.solver.asking.clearance import down_to_stages, lowest_first, pack_clearance
 from studio.core.solver.asking.holding import held_points, place_held, release_hands
 from studio.core.solver.asking.packing import in_order, limb_of, pack
-from studio.core.solver.asking.recruiting import leg_room, limb_freedoms
+from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
 from studio.core.solver.asking.self_contact import arms_asked
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
 from studio.core.solver.performers.following import own_track
@@ -94,6 +93,7 @@ class Stretch:
         contacts, limbs = standing.contacts if bound.by_contacts else (), wishes["limbs"]
         free = limb_freedoms(limbs, wishes["rank"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
+        free[:, :2] *= arm_lever(standing.morphology, standing.positions, self.window)
         free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, self.window)
         return np.ascontiguousarray(free[:, self._joints.limbs])
 
@@ -222,7 +222,7 @@ class Stretch:
 
     def _level(self, number: int, solve: Solve) -> Level:
         """A level that was just solved."""
-        peak, down = max(QUIET, self.standing.peaks[: len(solve.carriers)].max()), self._ranks <= number
+        down = self._ranks <= number
         acts = np.zeros(len(self._positions), dtype=np.bool_)
         wishes = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
         for activation in (each for each, stands in zip(wishes, down[self._held :], strict=True) if stands):
@@ -231,7 +231,8 @@ class Stretch:
         brings = self._brings[0, asked].sum(axis=0) + self._brings[1, asked].max(axis=0, initial=0.0)
         solved, above = tuple(each.copy() for each in self._solved), self._ranks < number
         clears = int(np.count_nonzero(~above[len(asked) :]))
-        return Level(solve, solved, above, (self._rank_of(number), clears), acts, peak + brings)
+        allowed = solve.own_peaks(self.standing.root_peak, self.standing.peaks) + brings[:, None]
+        return Level(solve, solved, above, (self._rank_of(number), clears), acts, allowed)
 
     @cached_property
     def _brings(self) -> FloatArray:
