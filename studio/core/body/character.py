@@ -6,7 +6,7 @@ from functools import cached_property
 
 from studio.core.body.growth import KeyedProportions, grown
 from studio.core.body.morphology import AnyMorphology, Morphology, Proportions
-from studio.core.mesh.skin import Blending, SkinnedMesh, fit_skin, gripping
+from studio.core.mesh.skin import Blending, SkinnedMesh, gripping
 from studio.core.mesh.volume import BodyVolume, fitted_volume
 
 
@@ -61,4 +61,4 @@ class Character:
     @cached_property
     def volume(self) -> BodyVolume:
         """The room that the skin takes up on these measures."""
-        return fitted_volume(fit_skin(self.skin, self.build, self.morphology), self.morphology)
+        return fitted_volume(self.skin, self.build, self.morphology)

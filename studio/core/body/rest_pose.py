@@ -1,10 +1,12 @@
 """The rest pose: the stance in which a body is measured and its skin is bound."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import FloatArray, Morphology
-from studio.core.rotations import frame_along
+from studio.core.rotations import cross, frame_along
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 UP = np.array([0.0, 0.0, 1.0])
@@ -18,6 +20,12 @@ def rest_pose(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     Returns world ``positions`` (K+23, 3) of the points and ``rotations`` (K+18, 3, 3) of the segments, in the
     frames of ``canonical``. The longer of two unequal legs bends its knee.
     """
+    positions, rotations = _computed(morphology)
+    return positions.copy(), rotations.copy()
+
+
+@lru_cache(maxsize=64)
+def _computed(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     layout = morphology.layout
     positions = np.zeros((layout.point_count, 3))
     rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
@@ -44,7 +52,7 @@ def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotation
     outward = np.array([1.0, 1 - 2 * side, 1.0])
     clavicle = frame_along(morphology.clavicle_rest[side], FORWARD)
     bone = UPPER_ARM * outward
-    upper = frame_along(bone, np.cross(bone, FORWARD))
+    upper = frame_along(bone, cross(bone, FORWARD))
     forearm = turned(upper, ELBOW_FLEXION)
     lengths = (morphology.clavicle[side], *morphology.arm[side])
     first = morphology.layout.collar(side)

@@ -144,7 +144,7 @@ def gripping(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
 
 def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     """Positions (K+23, 3) and rotations (K+18, 3, 3) in which ``mesh``, fitted to ``morphology``, is bound."""
-    return _rest(morphology) if mesh.stance is None else _standing(mesh, morphology)
+    return rest_pose(morphology) if mesh.stance is None else _standing(mesh, morphology)
 
 
 @lru_cache(maxsize=64)
@@ -154,18 +154,9 @@ def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> Sk
     Each segment stretches with its bone and thickens with the body; a body scaled as a whole gives the mesh
     scaled as a whole. Raises ValueError when the two bodies have not the same number of spine segments.
     """
-    if build.layout != morphology.layout:
-        raise ValueError("A skin fits bodies with the same number of spine segments only.")
     if build == morphology:
         return mesh
-    old_positions, old_rotations = bound_pose(mesh, build)
-    new_positions, new_rotations = bound_pose(mesh, morphology)
-    scales = segment_scales(build, morphology)
-    proximal = list(build.layout.proximal_points())
-    forms = np.einsum("sij,sj,skj->sik", new_rotations, scales, old_rotations)
-    shifts = new_positions[proximal] - np.einsum("sij,sj->si", forms, old_positions[proximal])
-    form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
-    shift = np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
+    form, shift = _forms(mesh, build, morphology)
     turns = np.linalg.inv(form)
     normals = np.einsum("vji,vj->vi", turns, mesh.normals)
     hands = mesh.hands
@@ -181,6 +172,28 @@ def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> Sk
         centres=np.einsum("vij,vj->vi", form, mesh.centres) + shift,
         normals=normals / np.linalg.norm(normals, axis=1, keepdims=True),
     )
+
+
+def fit_vertices(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> NDArray[np.float32]:
+    """The vertices (V, 3) of ``fit_skin`` alone, in a third of its time."""
+    if build == morphology:
+        return mesh.vertices
+    form, shift = _forms(mesh, build, morphology)
+    return np.asarray(np.einsum("vij,vj->vi", form, mesh.vertices) + shift, dtype=np.float32)
+
+
+def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
+    """(V, 3, 3) and (V, 3) how each vertex is stretched and turned, then moved, from ``build`` to ``morphology``."""
+    if build.layout != morphology.layout:
+        raise ValueError("A skin fits bodies with the same number of spine segments only.")
+    old_positions, old_rotations = bound_pose(mesh, build)
+    new_positions, new_rotations = bound_pose(mesh, morphology)
+    scales = segment_scales(build, morphology)
+    proximal = list(build.layout.proximal_points())
+    forms = np.einsum("sij,sj,skj->sik", new_rotations, scales, old_rotations)
+    shifts = new_positions[proximal] - np.einsum("sij,sj->si", forms, old_positions[proximal])
+    form = np.einsum("vw,vwij->vij", mesh.weights, forms[mesh.segments])
+    return form, np.einsum("vw,vwi->vi", mesh.weights, shifts[mesh.segments])
 
 
 def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
@@ -225,7 +238,7 @@ def _foot_scales(build: Morphology, morphology: Morphology, side: int, shared: f
 
 def _bone_lengths(body: Morphology) -> FloatArray:
     """(K+18,) length of each segment: the distance between its two ends."""
-    positions, _ = _rest(body)
+    positions, _ = rest_pose(body)
     ends = positions[list(body.layout.distal_points())] - positions[list(body.layout.proximal_points())]
     return np.asarray(np.linalg.norm(ends, axis=1))
 
@@ -234,11 +247,6 @@ def _trunk_widths(body: Morphology) -> FloatArray:
     """Distance between the hips, and between the shoulders."""
     shoulders = np.ptp(body.collar_base[:, 1]) + body.clavicle.sum()
     return np.array([np.ptp(body.hip_offset[:, 1]), shoulders])
-
-
-@lru_cache(maxsize=64)
-def _rest(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
-    return rest_pose(morphology)
 
 
 @lru_cache(maxsize=64)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import FloatArray, Morphology
 from studio.core.body.rest_pose import rest_pose
-from studio.core.mesh.skin import SkinnedMesh
+from studio.core.mesh.skin import SkinnedMesh, fit_vertices
 
 LEVELS = (0.03, 0.30, 0.58, 0.80)
 """Heights at which the trunk is measured, parts of the way from the hips to the neck base."""
@@ -63,28 +63,28 @@ class BodyVolume:
 
 
 @lru_cache(maxsize=64)
-def fitted_volume(mesh: SkinnedMesh, morphology: Morphology) -> BodyVolume:
-    """The volume of a skin that stands in the rest pose of ``morphology`` (``skin.fit_skin``).
+def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> BodyVolume:
+    """The volume of a skin of ``build`` that stands in the rest pose of ``morphology`` (``skin.fit_skin``).
 
     Where the mesh has no vertices to measure, the body's proportions say what is usual.
     """
     usual, girth_unit = _Usual(morphology), _girth_unit(morphology)
     positions, rotations = rest_pose(morphology)
-    layout, main = morphology.layout, mesh.segments[:, 0]
+    layout, main, vertices = morphology.layout, mesh.segments[:, 0], fit_vertices(mesh, build, morphology)
     of_trunk = np.where(mesh.segments < layout.spine_count, mesh.weights, 0.0).sum(axis=1) > 0.5
     origins = positions[list(layout.proximal_points())]
 
     def in_bone(segment: int) -> tuple[FloatArray, FloatArray]:
         """Vertices of a segment in its axes, z in parts of its length; and their distances from it."""
-        local = (mesh.vertices[main == segment] - origins[segment]) @ rotations[segment]
+        local = (vertices[main == segment] - origins[segment]) @ rotations[segment]
         length = float(np.linalg.norm(positions[layout.distal_points()[segment]] - origins[segment]))
         return local / [1.0, 1.0, length], np.hypot(local[:, 0], local[:, 1])
 
     def section(level: int, height: float) -> tuple[float, float, float]:
-        near = of_trunk & (np.abs(mesh.vertices[:, 2] - height) < 0.025 * girth_unit)
+        near = of_trunk & (np.abs(vertices[:, 2] - height) < 0.025 * girth_unit)
         if near.sum() < 8:
             return usual.section(level, height)
-        x, y = mesh.vertices[near, 0].astype(np.float64), mesh.vertices[near, 1].astype(np.float64)
+        x, y = vertices[near, 0].astype(np.float64), vertices[near, 1].astype(np.float64)
         return float(np.abs(y).max()), float(x.max()), float(x.min())
 
     def girth(segment: int, begin: float, end: float, share: float, otherwise: float) -> float:
