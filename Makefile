@@ -5,24 +5,25 @@ STUDIO = .venv/bin/python main.py
 # Of all tests those that end within half a minute; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline tests/app
 
-.PHONY: run check test bench quality soak examples pictures format
+.PHONY: run check test lint fast bench quality soak examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
 
 check: .venv/.ready-to-test
-	.venv/bin/ruff format --check .
-	.venv/bin/ruff check .
-	.venv/bin/mypy
-	.venv/bin/lint-imports --no-logo
-	.venv/bin/python -m pytest -q $(FAST) --ignore tests/architecture/test_wheel.py
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint fast
 
-test: .venv/.ready-to-test
+test: lint
+	.venv/bin/python -m pytest
+
+lint: .venv/.ready-to-test
 	.venv/bin/ruff format --check .
 	.venv/bin/ruff check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-logo
-	.venv/bin/python -m pytest
+
+fast: .venv/.ready-to-test
+	.venv/bin/python -m pytest -q $(FAST) --ignore tests/architecture/test_wheel.py
 
 bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.bench
