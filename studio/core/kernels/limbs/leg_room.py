@@ -17,8 +17,10 @@ from studio.core.kernels.search.step import MET
 from studio.core.kernels.tasks.goals import POSITION, end_place
 from studio.core.kernels.tasks.task import ACTIVE
 
-STEPS = 14
-"""Times that the root goes back, at most."""
+STEPS = 30
+"""Times that the root goes back, at most: each leaves a third to two thirds of what was missed, and what more than
+``MET`` is left of it leads the steps that follow astray.
+"""
 WORTH = 0.8
 """Part of what was missed that is to be left for the root to stay where it went."""
 LEAST = 2e-3
