@@ -25,7 +25,7 @@ HELD = 0.5
 """Seconds for which the pose is held that the strike takes over from."""
 PLACES = ((0.75, 1.45), (0.85, 1.1), (0.95, 1.3), (0.75, 0.75), (1.0, 0.95), (0.95, 1.15))
 """Metres ahead of the root and above the ground, of the targets of figure 7."""
-WIDE, HIGH, PER_METRE = 190, 300, 110
+WIDE, HIGH, PER_METRE = 210, 280, 110
 """Pixels of a body's picture, and of a metre in it."""
 ACROSS = np.array([[1.0, 0.0], [0.35, 0.15], [0.0, 1.0]])
 """A body as it is seen from its right and a little above."""
@@ -72,7 +72,7 @@ def _draw(every: Sequence[Shown], file: Path) -> None:
 
 def _one(shown: Shown) -> str:
     middle = shown.driven[0] @ ACROSS
-    origin = np.array([0.4 * WIDE - PER_METRE * middle[0], HIGH - 30.0])
+    origin = np.array([0.32 * WIDE - PER_METRE * middle[0], HIGH - 30.0])
 
     def seen(points: NDArray[np.float64]) -> list[list[int]]:
         return np.rint(origin + PER_METRE * (points @ ACROSS) * [1.0, -1.0]).astype(np.int64).reshape(-1, 2).tolist()

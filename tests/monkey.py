@@ -7,6 +7,7 @@ code is 1 when there was any.
 """
 
 import argparse
+import contextlib
 import gc
 import json
 import logging
@@ -532,7 +533,7 @@ def main() -> int:
     if not has_display():
         os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     warnings.simplefilter("error")
-    with tempfile.TemporaryDirectory(prefix="morpho-studio-monkey-") as name:
+    with tempfile.TemporaryDirectory(prefix="morpho-studio-monkey-") as name, contextlib.chdir(name):
         for kind in ("CACHE", "CONFIG", "DATA", "STATE"):
             os.environ[f"XDG_{kind}_HOME"] = str(Path(name) / kind.lower())
         report = Soak(

@@ -167,6 +167,10 @@ class BatchDialog(QDialog):
             event.ignore()
             self.hide()
 
+    def reject(self) -> None:
+        """Escape is the close button: Qt would delete the dialog unasked."""
+        self.close()
+
     def _open_page(self) -> None:
         if not QDesktopServices.openUrl(QUrl.fromLocalFile(self._page)):
             raise StudioError(f"No program opens web pages here. The summary is {self._page}.")

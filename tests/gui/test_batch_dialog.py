@@ -4,7 +4,7 @@ import threading
 import time
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QCoreApplication, QEvent, Qt
 from PySide6.QtTest import QTest
 
 from studio.app.application import make_application, make_window
@@ -81,15 +81,17 @@ def test_stopped_while_the_workers_start_it_ends_at_once_and_nothing_goes_on(qtb
     assert dialog.start.isEnabled()
 
 
+@pytest.mark.parametrize("leave", [BatchDialog.close, BatchDialog.reject], ids=["button", "Escape"])
 def test_closed_while_it_runs_it_goes_on_and_says_in_the_window_what_came_of_it(
-    qtbot, window, dialog, tmp_path, monkeypatch
+    qtbot, window, dialog, tmp_path, monkeypatch, leave
 ):
     answer = {"files": 2, "unchanged": 0, "failed": 0, "page": "summary.html"}
     closed = threading.Event()
     monkeypatch.setattr("studio.app.batch_dialog.run_batch", lambda *_: (closed.wait(), answer)[1])
     dialog.out.setText(str(tmp_path / "out"))
     press(dialog.start)
-    dialog.close()
+    leave(dialog)
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
     closed.set()
     qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
     assert window.strip.text == "2 files: 2 adapted, 0 unchanged, 0 failed."
