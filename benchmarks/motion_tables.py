@@ -21,7 +21,7 @@ prepare_process()
 from studio.cli.adaptation import ReadyCapture, made_ready  # noqa: E402
 from studio.cli.printing import print_table  # noqa: E402
 from studio.core.grounds.ground import Ground  # noqa: E402
-from studio.core.quality.motion_quality import MotionQuality, motion_quality  # noqa: E402
+from studio.core.quality.motion_quality import PARTS, MotionQuality, motion_quality  # noqa: E402
 from studio.core.solver.adapt import adapt  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.io.character_file import bundled_characters  # noqa: E402
@@ -30,7 +30,7 @@ from studio.io.importing import load_capture  # noqa: E402
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
 TITLES = (
     "capture", "below mm", "drop cm", "knee mean", "knee most", "bob least", "bob most", "posture", "shoulders",
-    "hands cm", "jump", "peak",
+    "hands cm", "inside mm", "jump", *PARTS,
 )  # fmt: skip
 
 
@@ -54,8 +54,12 @@ def main(folders: Sequence[str]) -> int:
 
 def qualities(ready: ReadyCapture) -> list[MotionQuality]:
     """On the actor's own body, then on the bundled ones."""
-    bodies = [ready.actor.morphology, *(each.morphology for each in bundled_characters().values())]
-    adapted = (adapt(AdaptRequest(ready.motion, body, ready.contacts)) for body in bodies)
+    actor = ready.actor.morphology
+    bodies = [(actor, None), *((each.morphology, each.volume) for each in bundled_characters().values())]
+    adapted = (
+        adapt(AdaptRequest(ready.motion, body, ready.contacts, volume=volume, actor=actor, clears=True))
+        for body, volume in bodies
+    )
     first = ready.capture.first_frame
     return [motion_quality(each, ready.source, ready.contacts, Ground(), first) for each in adapted]
 
@@ -73,8 +77,9 @@ def worst(found: Sequence[MotionQuality]) -> list[float]:
         degrees(max(each.posture for each in found)),
         max((each.shoulders for each in found), key=abs),
         1e2 * max(each.hands for each in found),
+        1e3 * max(each.inside for each in found),
         max(each.jump for each in found),
-        max(each.peak for each in found),
+        *(max(each.peaks[part] for each in found) for part in PARTS),
     ]
 
 

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
+from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.quality.motion_quality import motion_quality, rises
-from studio.core.solver.adapt import adapt
+from studio.core.solver.adapt import adapt, standing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.io.character_file import bundled_characters
@@ -100,6 +101,33 @@ def test_no_elbow_is_in_the_ground(captures: Path, name: str) -> None:
     positions, layout = adapted[name].positions, adapted[name].morphology.layout
     for side in range(2):
         assert positions[:, layout.wrist(side) - 1, 2].min() > -0.005
+
+
+SLOPES = {"up": 0.0, "across": np.pi / 2, "down": np.pi}
+
+
+@pytest.mark.parametrize("name", ["tall_man", "giant"])
+@pytest.mark.parametrize("way", SLOPES)
+def test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt(captures: Path, way: str, name: str) -> None:
+    capture = load_capture(_path("on all fours"))
+    motion, actor = normalize(capture)
+    source = source_motion(motion, actor)
+    ahead = source.positions[-1, 0] - source.positions[0, 0]
+    direction = np.arctan2(ahead[1], ahead[0]) + SLOPES[way]
+    begin = source.positions[0, 0, :2] - 99.0 * np.array([np.cos(direction), np.sin(direction)])
+    ground, body = Slope(0.0, np.radians(15.0), direction, tuple(begin)), bundled_characters()[name].morphology
+    standing = standing_of(AdaptRequest(motion, body, contacts_of(capture), (), ground, actor=actor.morphology))
+    positions, rotations, layout = standing.positions[:], standing.rotations[:], body.layout
+    for hold in standing.holds:
+        if hold.point.member == "hand":
+            wrist, hand = layout.wrist(hold.point.side), layout.spine_count + 5 + 4 * hold.point.side
+            on, normals = hold.standing, hold.normals[hold.standing]
+            assert positions[on, wrist] == pytest.approx(hold.places[on], abs=1e-3)
+            fingers = rotations[on, hand] @ body.hand[hold.point.side]
+            assert np.einsum("fk,fk->f", fingers, normals) == pytest.approx(0.0, abs=1e-3)
+    adapted = AdaptedMotion(body, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))
+    peaks = motion_quality(adapted, source, (), ground, capture.first_frame).peaks
+    assert max(peaks["clavicles"], peaks["hands"]) < 2.0
 
 
 def test_a_knee_that_is_dragged_along_does_not_stand(captures: Path) -> None:

@@ -3,7 +3,7 @@
 Lengths are compared as if both bodies had legs of 85 cm; angles and ratios need no scale.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.feet import FLAT
 from studio.core.quality.metrics import QUIET, angular_acceleration
+from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 
@@ -29,6 +30,13 @@ DRIFT = 1.5
 """Seconds of which the mean is taken off the hips' height before its ups and downs are compared."""
 LEAST_STEP, LEAST_BOB = 0.01, 0.001
 """Metres that a joint's greatest step, and the bob, of a source count at least."""
+
+
+PARTS = {
+    "spine": (0, 1), "head": (2, 3), "clavicles": (4, 8), "arms": (5, 6, 9, 10), "hands": (7, 11),
+    "legs": (12, 13, 16, 17), "feet": (14, 18), "toes": (15, 19),
+}  # fmt: skip
+"""Segments, of those that ``_segments`` compares, by the part of the body that they are."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +60,15 @@ class MotionQuality:
     """Mean error of the wrists' distance while the source's are near each other."""
     jump: float
     """Greatest step of a joint in a frame beside the same joint's in the source."""
-    peak: float
-    """Greatest angular acceleration of a segment beside its own in the source."""
-    peak_segment: int
-    """Which segment that is."""
+    peaks: Mapping[str, float]
+    """Greatest angular acceleration of the segments of each of ``PARTS`` beside their own in the source."""
+    inside: float
+    """How much deeper an arm is in its own body than the actor's in the actor's, most."""
+
+    @property
+    def peak(self) -> float:
+        """The greatest of the peaks."""
+        return max(self.peaks.values())
 
 
 def motion_quality(
@@ -87,8 +100,8 @@ def motion_quality(
         shoulders=_least_shoulders(adapted) - _least_shoulders(source),
         hands=_hands(adapted, source),
         jump=_jump(adapted, source),
-        peak=float(peaks.max()),
-        peak_segment=int(peaks.argmax()),
+        peaks={part: float(peaks[list(segments)].max()) for part, segments in PARTS.items()},
+        inside=max(0.0, min(0.0, float(rooms(source).min())) - float(rooms(adapted).min())),
     )
 
 
