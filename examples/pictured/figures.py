@@ -17,11 +17,10 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.steps import Steps
 from studio.core.kernels.limbs.legs import hip_heights
-from studio.core.kernels.limbs.limb import place_limb, soft_reach
+from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT, place_limb, soft_reach
 from studio.core.kernels.records import Limb, Pose
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold, stand
-from studio.core.solver.standing.footing import STANDING_REACH, SWINGING_REACH
 from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
 
@@ -76,7 +75,7 @@ def reach_sharing() -> Figure:
     hard = np.minimum(asked, 1.0)
     left.plot(asked, hard, color=GREY, linestyle="--", label="as far as it goes")
     right.plot(asked[1:], np.diff(_opening(hard)) / np.diff(asked), color=GREY, linestyle="--")
-    for comfort, colour, who in ((SWINGING_REACH, RED, "leg in the air"), (STANDING_REACH, BLUE, "leg that stands")):
+    for comfort, colour, who in ((COMFORT, RED, "leg in the air"), (OWN_COMFORT, BLUE, "leg that stands")):
         soft = np.array([soft_reach(each, comfort) for each in asked])
         left.plot(asked, soft, color=colour, label=f"{who}, a = {comfort}")
         right.plot(asked[1:], np.diff(_opening(soft)) / np.diff(asked), color=colour)
@@ -140,7 +139,7 @@ def _literal_drops(ready: ReadyCapture, body: Morphology, ankles: np.ndarray) ->
     relative = ankles - standing.positions[:, 0]
     relative[..., 2] -= lift
     states = np.full(ankles.shape[:2], 3)
-    comforts = np.full(ankles.shape[:2], STANDING_REACH)
+    comforts = np.full(ankles.shape[:2], OWN_COMFORT)
     hip_heights(ready.motion.channels, body.packed[None], standing.rotations, relative, comforts, states, drops)
     return np.maximum(drops, 0.0) - lift
 

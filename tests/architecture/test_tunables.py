@@ -1,37 +1,65 @@
-"""Every number that somebody chose says what it is: constants of the solver and its kernels have a docstring."""
+"""Every number that somebody chose says what it is, and there are no more of them than are needed."""
 
 import ast
+from collections.abc import Iterator
 
 from tests.architecture.sources import ROOT, place_of
 
 ROOMS = ("studio/core/kernels", "studio/core/solver")
+MOST = 210
+"""Names of chosen numbers in the engine: who adds one finds another that says the same, or follows from others."""
 
 
-def tunables():
-    """Module-level constants with a fraction in them, and whether a docstring or a comment says what they are."""
+def tunables() -> Iterator[tuple[str, bool]]:
+    """Names of module-level numbers that are chosen, and whether a docstring or a comment says what they are."""
     for room in ROOMS:
         for file in sorted((ROOT / room).rglob("*.py")):
             lines = file.read_text(encoding="utf-8").splitlines()
             body = ast.parse("\n".join(lines)).body
             for place, node in enumerate(body):
-                if isinstance(node, ast.Assign) and is_chosen(node.value):
-                    yield f"{place_of(file, node.lineno)} {ast.unparse(node.targets[0])}", is_told(body, place, lines)
+                if isinstance(node, ast.Assign):
+                    told = is_told(body, place, lines)
+                    for name in chosen_names(node):
+                        yield f"{place_of(file, node.lineno)} {name}", told
 
 
-def is_chosen(value):
-    """Fractions as they are written, alone or several."""
-    parts = value.elts if isinstance(value, ast.Tuple) else [value]
-    return any(isinstance(part, ast.Constant) and isinstance(part.value, float) for part in parts)
+def chosen_names(node: ast.Assign) -> list[str]:
+    """Of one name for one value, or several for several: those whose value is not made of other constants."""
+    target, value = node.targets[0], node.value
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        pairs = zip(target.elts, value.elts, strict=True)
+    else:
+        pairs = zip([target], [value], strict=True)
+    return [ast.unparse(name) for name, part in pairs if is_chosen(part)]
 
 
-def is_told(body, place, lines):
+def is_chosen(value: ast.AST) -> bool:
+    """Fractions as they are written, alone or in a table; a part of another constant follows from that, and a record
+    says what it is.
+    """
+    if isinstance(value, ast.Constant):
+        return isinstance(value.value, float)
+    named = {part.id for part in ast.walk(value) if isinstance(part, ast.Name)}
+    if isinstance(value, ast.BinOp) and named - {"math", "np"}:
+        return False
+    if isinstance(value, ast.Call) and ast.unparse(value.func).split(".")[0] not in ("math", "np", "dict"):
+        return False
+    return any(is_chosen(part) for part in ast.iter_child_nodes(value))
+
+
+def is_told(body: list[ast.stmt], place: int, lines: list[str]) -> bool:
     """By a comment on its line, or a docstring after the run of assignments that it stands in."""
     if "#" in lines[body[place].lineno - 1]:
         return True
     while place < len(body) and isinstance(body[place], ast.Assign):
         place += 1
-    return place < len(body) and isinstance(body[place], ast.Expr) and isinstance(body[place].value, ast.Constant)
+    after = body[place] if place < len(body) else None
+    return isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
 
 
-def test_every_number_of_the_solver_says_what_it_is():
+def test_every_number_of_the_solver_says_what_it_is() -> None:
     assert [name for name, told in tunables() if not told] == []
+
+
+def test_numbers_that_somebody_chose_do_not_grow() -> None:
+    assert len(list(tunables())) <= MOST

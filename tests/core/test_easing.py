@@ -15,7 +15,8 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.time.jolts import LEVER, WHOLE
+from studio.core.kernels.tasks.goals import TURN_ARM as LEVER
+from studio.core.kernels.time.jolts import WHOLE
 from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import Bound, Standing, hold, place_of, stand

@@ -10,11 +10,10 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.limbs.legs import hip_heights, place_leg
+from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
 from studio.core.kernels.records import Legs, Pose
 from studio.core.normalized.realize import realize
 from studio.core.solver.standing.footing import (
-    STANDING_REACH,
-    SWINGING_REACH,
     find_footing,
     followed,
     foot_states,
@@ -77,9 +76,9 @@ def test_a_standing_leg_stretches_as_far_as_the_motions_own_or_nearly_straight()
     states = foot_states(CONTACTS, WALK.frame_count)
     comforts, _ = leg_stretches(WALK, states)
     standing = states != 0
-    assert (comforts[standing] >= STANDING_REACH - 1e-12).all()
+    assert (comforts[standing] >= OWN_COMFORT - 1e-12).all()
     assert (comforts < 1.0).all()
-    assert comforts.min() == pytest.approx(SWINGING_REACH, abs=0.02)
+    assert comforts.min() == pytest.approx(COMFORT, abs=0.02)
 
 
 @given(seeds)

@@ -25,6 +25,7 @@ from studio.core.kernels.limbs.reach import aim_at
 from studio.core.kernels.records import Body, Legs, Pose, Problem
 from studio.core.kernels.search.joints import ROOT
 from studio.core.kernels.search.placing import carry_body
+from studio.core.kernels.support.swing import FREED_AFTER
 from studio.core.kernels.tasks.balance import (
     add_leg_answer,
     centre_of_mass,
@@ -40,7 +41,6 @@ from studio.core.solver.adapt import Bound, Standing, hold, stand
 from studio.core.solver.asking.chains import free_joints, point_masses, segment_masses
 from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.footing import FREED_AFTER
 from studio.core.solver.standing.support import mass_path
 from studio.io.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton

@@ -16,7 +16,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.support.carrying import place_arms
-from studio.core.kernels.time.jolts import LEVER
+from studio.core.kernels.tasks.goals import TURN_ARM
 from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
@@ -111,7 +111,7 @@ class Standing:
     def root_peak(self) -> float:
         """The same of a bone that the root's travel turns (``kernels.time.jolts``)."""
         pushes = np.linalg.norm(np.diff(self.positions[:, 0], 2, axis=0), axis=1)
-        return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / LEVER
+        return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / TURN_ARM
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ FRAMES = 4
 HAND = BodyPoint(BodyPart.LEFT_HAND)
 ALWAYS = ActivationCurve(0.0, 0.0, 1.0, 1.0)
 CORNERS = (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1)
+"""Metres: a triangle that kernels are tried on."""
 
 
 def warm_up(morphology: Morphology) -> AdaptedMotion:

@@ -15,6 +15,7 @@ from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.search.step import MET
 from studio.core.kernels.tasks.goals import POSITION, end_place
+from studio.core.kernels.tasks.limb_rows import MISSED
 from studio.core.kernels.tasks.task import ACTIVE
 
 STEPS = 30
@@ -23,8 +24,6 @@ STEPS = 30
 """
 WORTH = 0.8
 """Part of what was missed that is to be left for the root to stay where it went."""
-LEAST = 2e-3
-"""Metres of miss below which the usual steps do."""
 
 
 @kernel
@@ -37,7 +36,7 @@ def make_room(level, problem):
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     c = cramped_leg(level, problem)
     first = miss_of(c, problem) if c >= 0 else 0.0
-    if first < LEAST:
+    if first < MISSED:
         return False
     miss = first
     copy_points(search.state, search.tried)

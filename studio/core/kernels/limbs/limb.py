@@ -5,6 +5,13 @@ import math
 from studio.core.kernels.algebra.turns import put_beside, put_turn, sine_and_cosine
 from studio.core.kernels.compiling import kernel, small_kernel
 
+COMFORT, OWN_COMFORT = 0.97, 0.985
+"""Part of its length up to which a limb stretches freely (METHOD (11)): where trunk or root help, or a leg is in the
+air; and where nothing helps, or the leg stands.
+"""
+STRETCHED = 0.9999
+"""Part of its length to which a limb stretches at most: a straight one has no bend of its own."""
+
 
 @small_kernel
 def place_limb(point, segment, frame, limb, pose):

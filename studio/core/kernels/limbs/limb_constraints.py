@@ -23,23 +23,21 @@ from studio.core.kernels.limits.joint_limits import (
     put_end,
     soft,
 )
-from studio.core.kernels.limits.within_limits import NEAR, step_within
+from studio.core.kernels.limits.within_limits import NEARLY, step_within
 from studio.core.kernels.tasks.goals import AREA, POSITION, end_place, turns_segment
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task import ACTIVE, STRICT
 
-CLOSE_ENOUGH = 5e-5
+CLOSE_ENOUGH = 0.25 * STRICT
 """Metres (or radians) of error that are left as they are."""
 STEPS_WITHIN, LATE_WITHIN = 6, 3
 """Steps that a limb takes along its limits towards what it misses, at most, and those that it may add where little is
-missed: whole up to ``NEAR``, none from ``FAR_WITHIN`` metres on.
+missed: whole up to ``NEARLY``, none from ``FAR_WITHIN`` metres on.
 """
 FAR_WITHIN = 0.008
 STILL_WITHIN = 1e-4
 """Radians of such a step after which no other follows."""
 HUNG = 1
 """What ``hung`` of a search is where a limb stays as ``kernels.time.activation_blend`` keeps it."""
-LIMB_COMFORT = 0.985
-"""Part of its reach from which on a limb that nothing helps stretches ever less (``soft_reach``)."""
 
 
 @kernel
@@ -306,7 +304,7 @@ def go_along_limits(limb, problem):
     )
     for attempt in range(STEPS_WITHIN + (LATE_WITHIN if row.helped else 0)):
         left = distance(goal, point) if attempt >= STEPS_WITHIN else 0.0
-        part = min((FAR_WITHIN - left) / (FAR_WITHIN - NEAR), 1.0)
+        part = min((FAR_WITHIN - left) / (FAR_WITHIN - NEARLY), 1.0)
         if part <= 0.0:
             return
         x, y, z = wish[0], wish[1], wish[2]

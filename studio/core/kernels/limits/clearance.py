@@ -15,7 +15,7 @@ from studio.core.kernels.algebra.turns import turn_by
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.body.parts import turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limbs.limb import soft_reach
+from studio.core.kernels.limbs.limb import COMFORT, STRETCHED, soft_reach
 from studio.core.kernels.limbs.reach import reach_to, span_range
 from studio.core.kernels.records import Pose
 
@@ -35,7 +35,6 @@ NEARNESS, FLESH = 0.02, 0.04
 """Metres of room, and of depth, to which what the actor itself has is kept at most."""
 DEEP = 0.06
 """Metres in the body at which an arm comes out the actor's way alone."""
-COMFORT = 0.97
 RIM = math.sqrt(1.0 + CORE * CORE)
 FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
 """Part of the wrist's way that each probe goes along."""
@@ -264,7 +263,7 @@ def move_arm(side, share, shift, swivel, saved, turn, pose):
         now += (saved.positions[2, axis] - root[axis]) ** 2
         needed += (target[axis] - root[axis]) ** 2
     now, needed = math.sqrt(now) / reach, math.sqrt(needed) / reach
-    needed = soft_reach(needed, min(max(now, COMFORT), 0.9999))
+    needed = soft_reach(needed, min(max(now, COMFORT), STRETCHED))
     reach_to(target, needed * reach, upper, shoulder, wrist, positions, rotations)
     angle = MOST_SWIVEL * math.tanh(share * swivel / MOST_SWIVEL)
     ax, ay, az = wrist[0] - root[0], wrist[1] - root[1], wrist[2] - root[2]

@@ -16,7 +16,7 @@ import numpy as np
 from studio.core.kernels.algebra.rotation import add_rotated
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, copy_points
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limbs.limb_constraints import HUNG
+from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH, HUNG
 from studio.core.kernels.limits.clearance import PROBES, clear_arm, copy_arm, move_arm, place_capsules
 from studio.core.kernels.limits.clearing import hold_arm, measure_side, note_lacking
 from studio.core.kernels.limits.joint_limits import limb_parts
@@ -36,8 +36,6 @@ AIM, NEAR = 0.7, 0.02
 """Part of what a stage may change that it is left with where it goes back, and how near that is found."""
 LEFT = 0.8
 """The same that it may change where it is back wholly: stages above may have left it little."""
-CLOSE = 5e-5
-"""Metres of room to which arms are cleared where a stage changes what stands above it."""
 TRIES = 12
 """Poses that are looked at to find it."""
 
@@ -167,8 +165,8 @@ def clear_closely(side, moves, stage, frame, clip, problem):
             hold_arm(side, tasks, clearance.above[q], pose.positions.shape[0] - 23, held)
             free = (1.0, clearance.freedoms[q] * (1.0 - held[0]) if moves else 0.0, 1.0 - held[1])
             for probe in range(PROBES):
-                clearing.asks[probe] = clearance.wanted[q, frame, side, probe] - clip.kept.own[count + q] + CLOSE
-            clear_arm(side, CLOSE, frame, free, clearance, clearing, pose)
+                clearing.asks[probe] = clearance.wanted[q, frame, side, probe] - clip.kept.own[count + q] + CLOSE_ENOUGH
+            clear_arm(side, CLOSE_ENOUGH, frame, free, clearance, clearing, pose)
 
 
 @kernel

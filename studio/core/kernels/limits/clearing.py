@@ -9,11 +9,11 @@ from studio.core.kernels.limits.clearance import PROBES, TOUCH, clear_arm, copy_
 from studio.core.kernels.records import Clearing, Pose
 from studio.core.kernels.search.placing import follow, miss_of
 from studio.core.kernels.tasks.goals import counts, turns_segment
-from studio.core.kernels.tasks.task import INACTIVE
+from studio.core.kernels.tasks.task import INACTIVE, STRICT
 
 HIGHER, STANDS = 2, 3
 """How a constraint stands to one that keeps clear: 0 below it, 1 beside it, or above, the last as a contact."""
-UNTOUCHED = 2e-5
+UNTOUCHED = 0.1 * STRICT
 """Metres or radians by which arms that are cleared may change what is missed above."""
 
 

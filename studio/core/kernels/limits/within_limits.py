@@ -21,10 +21,12 @@ from studio.core.kernels.limits.joint_limits import (
 
 DAMPING, FAR_DAMPING, LEAST_DAMPING = 4.0, 0.01, 1e-4
 """What a radian squared of turning costs: of what is missed across the limb, squared (Yamashita and Fukushima
-2001), and of the length of the limb, squared, where more than ``NEAR`` is missed, and at least.
+2001), and of the length of the limb, squared, where more than ``NEARLY`` is missed, and at least.
 """
-NEAR = 0.004
-"""Metres of miss at which half of what far misses cost is counted."""
+NEARLY = 0.004
+"""Metres of residual up to which a target is nearly met: late steps are taken whole, and half of ``FAR_DAMPING``
+counts.
+"""
 SWEEPS = 4
 """Times that each bound is looked at, one after another (Hildreth 1957)."""
 
@@ -117,7 +119,7 @@ def nearest_step(limit, r, c, e, h, z, bends):
     least_twist, most_twist = -half * max(limit.caps[0, 2] + turn, 0.0), half * max(limit.caps[0, 1] - turn, 0.0)
     long = max(dot(r, r), 1e-9)
     missed = dot(e, e)
-    far = missed / (missed + NEAR * NEAR)
+    far = missed / (missed + NEARLY * NEARLY)
     damping = (LEAST_DAMPING + far * FAR_DAMPING) * long + DAMPING * (missed - dot(e, r) ** 2 / long)
     a = inverse_of_sum(r, c, damping)
     y = turned(a, e[0], e[1], e[2])

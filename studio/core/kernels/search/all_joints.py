@@ -21,9 +21,8 @@ SPRING = 0.01
 """Strength of the spring that draws joints back to the motion, beside the pull of what is missed."""
 STIFFENED = 5.0
 """How much stiffer than they are the springs are taken to be: a step that nothing else resists would go all the way."""
-DAMPING = 1.0
-"""Damping for each unit of slope that is left."""
 LEAST_DAMPING = 1e-4
+"""Damping where no slope is left; each unit of slope adds one."""
 FOLDED = 3.0
 """By how much more what pulls a link back is counted than what pulls it on: a chain that is too long for its target
 might buckle to any side, and stays on its ridge.
@@ -56,7 +55,7 @@ def refine_step(count, rows, chain, carried, turned, step, damped, positions):
     add_asks(count, rows, chain.mobilities, damped)
     draw_back(SPRING * missed, brakes, carried, turned, joints, damped)
     slope = press_on_limits(SOFTNESS * missed, brakes, turned, chain, damped)
-    along = solve_damped(DAMPING * slope + LEAST_DAMPING, SPRING * missed, damped)
+    along = solve_damped(slope + LEAST_DAMPING, SPRING * missed, damped)
     for k in range(joints.shape[0]):
         for axis in range(3):
             step[k, axis] = way[3 * k + axis]

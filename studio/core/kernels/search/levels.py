@@ -17,9 +17,8 @@ from studio.core.kernels.algebra.vectors import (
 )
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.leg_room import make_room
-from studio.core.kernels.limbs.limb import soft_reach
+from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT, STRETCHED, soft_reach
 from studio.core.kernels.limbs.limb_constraints import (
-    LIMB_COMFORT,
     limb_indices,
     note_ends,
     note_seconds,
@@ -52,8 +51,6 @@ SIMPLE = 2
 """Steps along the rows' own ways, which are all that most targets need, before all joints are looked at (where no feet
 and no other level are to be held: there, what holds would bend the ways of all joints too).
 """
-COMFORT = 0.97
-"""Part of its reach that a limb takes before the trunk helps."""
 FOLDING = 0.05
 """Part of the way from its greatest to its least reach, the last, in which a limb folds ever less."""
 MENDS = 8
@@ -397,15 +394,15 @@ def note_reach(c, end, own, problem):
     if reach <= 0.0 or row.segments[end] == upper:
         return
     shoulder = start.positions[root]
-    comfort = COMFORT if row.helped else LIMB_COMFORT
-    row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
+    comfort = COMFORT if row.helped else OWN_COMFORT
+    row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), STRETCHED)
     if row.kind == POSITION and row.helped:
         x, y, z = aim_limb(row, end, False, holds_end, points, start)
-        row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), 0.9999)
+        row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), STRETCHED)
         x, y, z = x - origin[0], y - origin[1], z - origin[2]
         span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
         taken = span / reach if row.stiff else max(span / reach, row.comforts[end])
-        row.reaches[end] = reach * min(soft_reach(taken, row.comforts[end]), 0.9999)
+        row.reaches[end] = reach * min(soft_reach(taken, row.comforts[end]), STRETCHED)
         way, carrier = span - min(max(span, fold), row.reaches[end]), 0 if limb >= 2 else upper - 1
         if way < 0.0 or (way > 0.0 and is_alone(c, carrier, problem.chain)):
             sign = math.copysign(1.0 / span, way)

@@ -8,10 +8,8 @@ import math
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb import soft_reach
 from studio.core.kernels.limits.root_reach import leash_of
-from studio.core.kernels.search.joints import ROOT
+from studio.core.kernels.search.joints import FREE_PART, ROOT
 
-FREELY = 0.7
-"""Part of what its joints can bring that is asked of a chain as it is."""
 AROUND = 0.25
 """Metres that a root may go round what a leg that is stretched allows it."""
 SPREAD = 0.02
@@ -76,11 +74,11 @@ def travel_of(x, y, z, body, pose):
 @kernel
 def soft_way(way, able):
     """How much of a ``way`` is asked of joints that are ``able`` to go so far: softly no more (METHOD (32))."""
-    if able == math.inf or way <= FREELY * able:
+    if able == math.inf or way <= FREE_PART * able:
         return way
     if able <= 1e-6:
         return 0.0
-    return able * soft_reach(way / max(able, SPREAD), FREELY * max(1.0 - SPREAD / able, 0.0))
+    return able * soft_reach(way / max(able, SPREAD), FREE_PART * max(1.0 - SPREAD / able, 0.0))
 
 
 @kernel

@@ -7,6 +7,7 @@ import math
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH
+from studio.core.kernels.limits.within_limits import NEARLY
 from studio.core.kernels.search.all_joints import refine_step
 from studio.core.kernels.search.joints import set_brakes
 from studio.core.kernels.search.priorities import find_step, go_on
@@ -14,27 +15,24 @@ from studio.core.kernels.search.reused_step import is_kept, step_again
 from studio.core.kernels.tasks.goals import counts
 from studio.core.kernels.tasks.rows import add_feet_rows, add_rows
 from studio.core.kernels.tasks.second_order import BOUND, part_of_step
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task import ACTIVE, STRICT
 
-MET = 1.2e-4
-"""Metres of error at which a wish is met."""
-KEPT = 8e-5
-"""Metres or radians by which a level may change what those above it miss."""
+MET, KEPT = 0.6 * STRICT, 0.4 * STRICT
+"""Metres of residual at which a task is met, and metres or radians by which one level may change those above it."""
 WITHIN = 0.1
 """Metres of error at which a lessened damping is lessened by half (its root): far out of reach it stays what it is."""
 LITTLE, MUCH = 0.15, 0.35
 """Part of what was missed that the last step gained, up to which no late step follows, and from which a whole one."""
-NEARLY, FAR_OFF = 0.004, 0.012
-"""Metres of error up to which late steps are taken whole, and from which on they are not taken."""
+FAR_OFF = 0.012
+"""Metres of error from which on late steps are not taken; up to ``NEARLY`` they are taken whole."""
 NOUGHT = 0.03
 """Part of what was missed that the last step must gain for another to be taken whole where little is missed."""
-HARDLY = 4e-5
-"""Metres that a step must promise to be worth its way, and twice that to be taken whole."""
-STILL = 2e-5
+STILL = 0.1 * STRICT
 """Metres by which a step must move something for another to be worth while."""
-SURE, SURER = 4e-5, 1e-5
+SURE, SURER = 0.2 * STRICT, 0.05 * STRICT
 """Metres that a step is to leave, as the one before it gained, for no other to be looked at, and for it to be found by
-what was eliminated for the one before where several rows ask.
+what was eliminated for the one before where several rows ask. A step must promise the first to be worth its way, and
+twice that to be taken whole.
 """
 NEAR = 0.03
 """Metres that a step may have moved things for the next to be found so, or one that mends."""
@@ -79,7 +77,7 @@ def step(level, mending, whole, is_late, stays, damping, problem):
         again and is_kept(own, rows, search.equations) and step_again(own, count, rows, chain, search.equations) < NEAR
     ):
         promised, part = find_anew(own, count, whole, damping, missed, problem)
-        worth = 1.0 if mending else min(max(promised / HARDLY - 1.0, 0.0), 1.0)
+        worth = 1.0 if mending else min(max(promised / SURE - 1.0, 0.0), 1.0)
         part = worth * part
         past.suffices = past.suffices or (worth == 0.0 and worst < KEPT)
         past.held, past.moved, past.rows = own, 0.0, count

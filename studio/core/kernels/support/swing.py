@@ -12,8 +12,8 @@ from studio.core.kernels.support.feet import TOE, lying_aside, smoothstep
 
 ROOM = 0.2
 """Part of the ankle's height within which of the floor a foot in the air begins to be raised; 3/16 of it is kept."""
-ROOMY_AFTER = 0.15
-"""Seconds from the nearest contact in which that room grows from nothing."""
+FREED_AFTER = 0.15
+"""Seconds from its nearest contact in which a foot becomes free, and that room grows from nothing."""
 BENDING = 0.6
 """Parts of a toe's length that it goes along the ground when it begins to bend less: one that points down is raised."""
 MOST_BENT = math.radians(85.0)
@@ -56,7 +56,7 @@ def raise_foot(soles, states, ground, rooms, ankles, feet, toes):
 @kernel
 def find_rooms(states, bits, frame_rate, out_rooms):
     """Parts (F,) of its room that a foot is given: none where ``bits`` of ``states`` stand, eased in and out."""
-    count, reach = states.shape[0], ROOMY_AFTER * frame_rate
+    count, reach = states.shape[0], FREED_AFTER * frame_rate
     gap = reach
     for frame in range(count):
         gap = 0.0 if states[frame] & bits else gap + 1.0

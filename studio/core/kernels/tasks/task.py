@@ -32,6 +32,11 @@ FREE, PINNED, PINNED_TURN = 0, 1, 2
 than to what it misses.
 """
 
+STRICT = 2e-4
+"""Metres or radians by which a lower level may change a residual of a higher one, in all (METHOD 6, "The law"); what is
+met, held or at rest are parts of it.
+"""
+
 _FLAG, _REAL = np.int64, np.float64
 
 TASK = np.dtype(

@@ -21,10 +21,8 @@ from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs,
 from studio.core.kernels.search.step import KEPT
 from studio.core.kernels.tasks.goals import BALANCE, POSITION, TURN_ARM, turns_segment
 from studio.core.kernels.tasks.limb_rows import MISSED, aim_limb
-from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE
+from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, STRICT
 
-LOST = 2e-4
-"""Metres or radians by which what is blended may be missed more than what it is blended of."""
 GIVEN_UP_THERE = 2
 """What a limb is whose constraint was given up in what is kept, while the next is solved."""
 
@@ -143,7 +141,7 @@ def loses(problem):
     lost = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        lost = lost or (row.status == ACTIVE and miss_of(c, problem) > row.blended + LOST)
+        lost = lost or (row.status == ACTIVE and miss_of(c, problem) > row.blended + STRICT)
     return lost
 
 

@@ -24,13 +24,13 @@ from studio.core.kernels.tasks.goals import (
 )
 from studio.core.kernels.tasks.rows import AWAY
 from studio.core.kernels.tasks.targets import set_goals
-from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, PINNED_TURN
+from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, PINNED_TURN, STRICT
 from studio.core.kernels.tasks.upright import pin_upright
 from studio.core.kernels.time.activation_blend import blend_kept, next_edge, note_misses, note_turns, pose_kept
 
 ANY = 1e-9
 """The least activation: of what is told of all that act at all."""
-HELD = 1.5e-4
+HELD = 0.75 * STRICT
 """Metres or radians by which easing a level may change what those above it miss."""
 HALVES = 5
 """Times that the way of a frame is halved."""

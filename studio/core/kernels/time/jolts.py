@@ -12,9 +12,8 @@ from studio.core.kernels.algebra.turns import inverse, product, turn_in
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limits.joint_limits import limb_parts
 from studio.core.kernels.search.joints import ROOT
+from studio.core.kernels.tasks.goals import TURN_ARM
 
-LEVER = 0.3
-"""Metres over which a place that moves turns a bone."""
 ADDED, WHOLE = 1.2, 2.0
 """Parts of the source's peak that joints of a search may add, and that limbs may turn with in all, for nobody to look
 closer.
@@ -87,7 +86,7 @@ def note_searched(middle, joints, states, per_second, out_jolts):
         for axis in range(3):
             way = states[middle + 1, joint, axis] - 2.0 * states[middle, joint, axis] + states[middle - 1, joint, axis]
             squared += way * way
-        column, scale = (0, 1.0 / LEVER) if joints[joint].segment == ROOT else (1, 2.0)
+        column, scale = (0, 1.0 / TURN_ARM) if joints[joint].segment == ROOT else (1, 2.0)
         out_jolts[middle, column] = max(out_jolts[middle, column], per_second * scale * math.sqrt(squared))
 
 
@@ -177,4 +176,4 @@ def travel_jolt(middle, positions):
     for axis in range(3):
         way = positions[middle + 1, 0, axis] - 2.0 * positions[middle, 0, axis] + positions[middle - 1, 0, axis]
         squared += way * way
-    return math.sqrt(squared) / LEVER
+    return math.sqrt(squared) / TURN_ARM

@@ -18,18 +18,13 @@ FloatArray = NDArray[np.float64]
 
 ROOT_MOBILITY = 0.15
 """Mobility of the root's translation beside one vertebra's rotation (square metres)."""
-CLAVICLE_MOBILITY = 4.0
-"""Mobility of a clavicle beside one vertebra (METHOD 6)."""
-SHOULDER_MOBILITY, HIP_MOBILITY = 30.0, 5.0
-"""Mobilities of free arms and legs, which a balance recruits: what each then does is in proportion to its mass."""
-PELVIS_LIMIT, VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.5, 0.35, 0.7
+MOBILITIES = {**dict.fromkeys(CLAVICLES, 4.0), **dict.fromkeys(UPPER_ARMS, 30.0), **dict.fromkeys(THIGHS, 5.0)}
+"""Mobilities of other joints than vertebrae (METHOD 6). Shoulders and hips are those of free arms and legs, which a
+balance recruits: what each then does is in proportion to its mass.
+"""
+VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.35, 0.7
 SHOULDER_LIMIT, HIP_LIMIT = 0.7, 0.4
 """Radians that a joint may turn away from the motion, in all."""
-_USUAL = {
-    **dict.fromkeys(CLAVICLES, CLAVICLE_MOBILITY),
-    **dict.fromkeys(UPPER_ARMS, SHOULDER_MOBILITY),
-    **dict.fromkeys(THIGHS, HIP_MOBILITY),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +81,10 @@ def free_joints(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyL
     """
     k = layout.spine_count
     segments = np.array([*range(k), k + 2, k + 6, k, k + 1, k + 3, k + 7, k + 10, k + 14, ROOT])
-    trunk = [PELVIS_LIMIT, *[VERTEBRA_LIMIT] * (k - 1), *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2]
+    trunk = [*[VERTEBRA_LIMIT] * k, *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2]
     limits = [*trunk, *[SHOULDER_LIMIT] * 2, *[HIP_LIMIT] * 2, np.pi / 2]
     parts = [layout.part(segment) for segment in segments[:-1]]
-    usual = np.array([*(_USUAL.get(part, 1.0) for part in parts), ROOT_MOBILITY])
+    usual = np.array([*(MOBILITIES.get(part, 1.0) for part in parts), ROOT_MOBILITY])
     weights = (
         np.array([[*(_weight(chain, part) for part in parts), chain.root] for chain in chains]).reshape(
             -1, len(segments)

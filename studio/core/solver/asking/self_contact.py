@@ -25,16 +25,12 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.clearance import actor_rooms, packed
 from studio.core.solver.standing.carrying import limb_freedom
-from studio.core.solver.standing.footing import freedom, hann_window
+from studio.core.solver.standing.footing import SLOWLY_LET_GO, freedom, hann_window
 
 FloatArray = NDArray[np.float64]
 
 EASED = 0.2
 """Seconds before and after for which an arm that has to come out of its body does so."""
-COMING = 0.3
-"""Seconds in which hands come together, or on to the body, and leave."""
-NEARER = 0.02
-"""Metres by which a capsule that is farther counts ever less for where a hand lies."""
 SKIN = 0.01
 """Metres over which a hand that sinks into the actor, or leaves it, does so on another body."""
 
@@ -229,14 +225,14 @@ def touching_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[Cont
 def _firm(touches: Sequence[ContactInterval], motion: NormalizedMotion) -> FloatArray:
     """(F,) 1 during touches, eased to 0 before and after."""
     mask = contact_mask([(each.first, each.last) for each in touches], motion.frame_count)
-    return 1.0 - freedom(mask, motion.frame_rate, COMING) if mask.any() else np.zeros(motion.frame_count)
+    return 1.0 - freedom(mask, motion.frame_rate, SLOWLY_LET_GO) if mask.any() else np.zeros(motion.frame_count)
 
 
 def _told(near: Sequence[Spots], contact: ContactInterval) -> FloatArray:
     """(F, M, 6) for the kernel: a hand that rests lies on the surface, however deep the actor seems to sink in."""
     rooms = np.stack([each.rooms for each in near], axis=1)
     least = rooms.min(axis=1)
-    shares = np.exp((least[:, None] - rooms) / NEARER)
+    shares = np.exp((least[:, None] - rooms) / clearing.BLEND)
     shares /= shares.sum(axis=1, keepdims=True)
     above = rooms - np.median(least[contact.first : contact.last + 1])
     lifted = np.where(above >= SKIN, above, np.maximum(above + SKIN, 0.0) ** 2 / (4.0 * SKIN))

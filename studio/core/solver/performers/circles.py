@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import follows_of
+from studio.core.kernels.tasks.task import STRICT
 from studio.core.normalized.compose import Composite
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.awaiting import awaited
@@ -32,8 +33,6 @@ Solve = Callable[[str, AdaptRequest], AdaptedMotion]
 
 SWEEPS = 10
 """Times that all of a circle are solved at most."""
-SETTLED = 2e-4
-"""Metres by which nobody who is followed moves any more from one sweep to the next."""
 CALMING = 0.6
 """Part of the way before by which all must move less at least; else they go half of it: who chases comes to rest so."""
 EVEN = 1e-4
@@ -100,7 +99,7 @@ def solve_circle(
         for meeting in meetings:
             _meet(meeting, players, results, before, tracks)
         moved = _moved(players, before, tracks) if before else math.inf
-        if moved < SETTLED:
+        if moved < STRICT:
             return Circle(results, requests, before, sweep)
         if sweep > 1 and moved > CALMING * last:
             tracks = {key: _halfway(before[key], track) for key, track in tracks.items()}

@@ -25,6 +25,7 @@ from studio.core.kernels.time.jolts import ADDED, WHOLE, note_eased_jolts
 from studio.core.quality.metrics import QUIET
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_leash import RootLeash
+from studio.core.solver.standing.footing import LOOK_AHEAD
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -44,8 +45,6 @@ AROUND = 0.2
 """Seconds on either side of a jolt that are averaged wholly, at most; as many again fade."""
 MENDED, FALLING = 0.1, 0.35
 """The same where a level is left as averaged, and where that does not suffice or it is left for those above it."""
-PULLED = 0.15
-"""Seconds on either side over which planted feet pull the root."""
 CHANGED = 0.93 * HELD, 1.07 * HELD
 """Metres by which a level's easing may change those above it for it to be left for them, beginning and wholly."""
 SEEN = 0.8
@@ -288,7 +287,7 @@ class Easing:
             states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
             values = self._charts.within(values)
         joints = level.solve.joints
-        back = self._leash.pulled(states, joints, round(PULLED * level.solve.rate)) * (room > 0.0)[:, None]
+        back = self._leash.pulled(states, joints, round(LOOK_AHEAD * level.solve.rate)) * (room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))
         states[:, joints["segment"] == ROOT] += back[:, None]
         return states, values

@@ -7,7 +7,6 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import Morphology
 from studio.core.kernels.tasks import goals
-from studio.core.kernels.time.jolts import LEVER
 from studio.core.solver.asking.packing import Rows
 from studio.core.solver.standing.support import mass_path
 
@@ -15,8 +14,6 @@ FloatArray = NDArray[np.float64]
 
 FARTHEST = 0.8
 """Metres that a wish brings its point at most: what is farther off is no more than a direction."""
-TURN = 1.0
-"""Radians by which joints come and go with a wish."""
 NEAR = 0.1
 """Seconds around a frame within which what a wish brings may show in the joints."""
 
@@ -33,13 +30,13 @@ def brought(
     """(2, C, F) radians a second squared that wishes, from row ``first`` on, bring by what they ask and by their edges.
 
     (a + v^2 / l) / l over l metres, v and a of what each asks beside where the unsolved poses have what it is for; and
-    what ``TURN`` has by its activation (C, F), which comes and goes joint by joint.
+    what a radian has by its activation (C, F), with which joints come and go.
     """
     brings = np.zeros((2, *activations.shape))
     for c in (first + np.flatnonzero((activations[first:] > 0.0).any(axis=1))).tolist():
         path, lever = _path(c, rows, positions, rotations, body)
         edges = np.abs(np.diff(activations[c], 2)) * rate**2
-        sharp = np.stack([_sharp(path, lever, rate), TURN * np.pad(edges, 1, mode="edge")])
+        sharp = np.stack([_sharp(path, lever, rate), np.pad(edges, 1, mode="edge")])
         acts = maximum_filter1d(activations[c] > 0.0, 3)
         brings[:, c] = maximum_filter1d(np.where(acts, sharp, 0.0), 2 * round(NEAR * rate) + 1, mode="nearest")
     return brings
@@ -75,7 +72,7 @@ def _path(
         return (wish - axes) * np.maximum(lean - rows.distances[c][:, None], 0.0) / np.maximum(lean, 1e-9), 1.0
     if row["kind"] == goals.DISTANCE:
         now = np.linalg.norm(place - (wish if other < 0 else followed), axis=1, keepdims=True)
-        return rows.distances[c][:, None] - now, LEVER
+        return rows.distances[c][:, None] - now, goals.TURN_ARM
     begin = mass_path(positions, body) if row["kind"] == goals.BALANCE else place
     way = (followed if other >= 0 else np.where(np.isnan(wish), begin, wish)) - begin
-    return way / np.sqrt(1.0 + (np.linalg.norm(way, axis=1, keepdims=True) / FARTHEST) ** 2), LEVER
+    return way / np.sqrt(1.0 + (np.linalg.norm(way, axis=1, keepdims=True) / FARTHEST) ** 2), goals.TURN_ARM

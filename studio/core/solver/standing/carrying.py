@@ -24,18 +24,19 @@ from studio.core.captures.contacts import (
 )
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
+from studio.core.kernels.limbs.limb import OWN_COMFORT
 from studio.core.kernels.support.feet import SMALLEST, fill_gaps
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.single import PoseArray
-from studio.core.solver.standing.footing import STANDING_REACH, foot_states, freedom, hann_window
+from studio.core.solver.standing.footing import GOES_ALONG, foot_states, freedom, hann_window
 from studio.core.solver.standing.footprints import tilts_of
 
 FloatArray = NDArray[np.float64]
 
-WRIST, KNEE, SEAT = 0.065, 0.065, 0.12
-"""Heights of wrist, knee and middle of the hips above what they stand on, in parts of the leg's length."""
+HEIGHTS = {"hand": 0.065, "knee": 0.065, "seat": 0.12}
+"""Of wrist, knee and middle of the hips above what they stand on, in parts of the leg's length."""
 LYING = 0.1
 """Parts of the leg's length above the ground up to which a knee of a leg that lies is; at twice that its foot bears."""
 STIFF = 6.0
@@ -48,8 +49,6 @@ EASE = 0.1
 """Seconds to each side over which the root's moves are averaged."""
 MISSED = 5e-4
 """Metres by which a body may miss a place before that is put elsewhere."""
-FADE = 0.4
-"""Seconds after which a hand or knee that left the ground goes its own way again."""
 LEANS, SPREAD = 0.4, 0.6
 """Seconds to each side over which a body begins to lean with the ground, and parts of its leg's length round the root
 over which the ground's slope is taken for that.
@@ -101,7 +100,7 @@ class Carrying:
 
 def clearance(body: AnyMorphology, point: ContactPoint) -> float:
     """Metres of a standing wrist, knee or middle of the hips above the ground."""
-    return body.leg_length * {"hand": WRIST, "knee": KNEE, "seat": SEAT}[point.member]
+    return body.leg_length * HEIGHTS[point.member]
 
 
 def track_of(point: ContactPoint, body: AnyMorphology, positions: PoseArray) -> FloatArray:
@@ -301,11 +300,11 @@ def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
 
 
 def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """Corrections (F, 3) where ``known`` (F,), eased from one to the next or, over ``FADE`` seconds, to nothing.
+    """Corrections (F, 3) where ``known`` (F,), eased from one to the next or, over ``GOES_ALONG`` seconds, to nothing.
 
     They leave and meet what is known with the speed that it has there, so that a hand comes down and goes up smoothly.
     """
-    count, fade = len(known), max(round(FADE * frame_rate), 1)
+    count, fade = len(known), max(round(GOES_ALONG * frame_rate), 1)
     filled = corrections.copy()
     nearest = _frames_to_nearest(known)
     fill_gaps(filled, known | (nearest >= fade))
@@ -337,7 +336,7 @@ def smoothstep(t: FloatArray) -> FloatArray:
 
 def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
     """(F,) metres to which a standing arm stretches freely: as far as the motion's own does, or nearly straight."""
-    own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], STANDING_REACH, 1.0 - 1e-9)
+    own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], OWN_COMFORT, 1.0 - 1e-9)
     return np.asarray(own * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1))
 
 

@@ -14,11 +14,12 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.limbs.legs import hip_heights, lower_smoothly
+from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
 from studio.core.kernels.limits.root_reach import LEASH
 from studio.core.kernels.support import feet as kernel
 from studio.core.kernels.support.footing import FootPlan, plan_foot
 from studio.core.kernels.support.heels import roll_feet
-from studio.core.kernels.support.swing import keep_above
+from studio.core.kernels.support.swing import FREED_AFTER, keep_above
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray
 from studio.core.solver.standing.footprints import drape, find_footprints
@@ -26,14 +27,8 @@ from studio.core.solver.standing.swing import Sole, led_clear
 
 FloatArray = NDArray[np.float64]
 
-STANDING_REACH = 0.985
-"""Part of its length to which a standing leg may always stretch, however bent the motion's own leg is."""
-SWINGING_REACH = 0.97
-"""The same of a leg in the air, beyond which it stretches ever less."""
-FREED_AFTER = 0.15
-"""Seconds after a foot has left the ground (or before it lands) in which it becomes free."""
-LET_GO = 0.2
-"""Seconds in which a foot comes to rest on the ground, or starts from it."""
+LET_GO, SLOWLY_LET_GO = 0.2, 0.3
+"""Seconds in which a foot or knee comes to rest on the ground, or starts from it; and a hand or the seat."""
 LOOK_AHEAD = 0.15
 """Seconds over which the root comes down before it must, and stays down after."""
 FOLDED, FOLD_ROOM, FOLD_CORNER = 0.3, 0.12, 0.03
@@ -42,7 +37,7 @@ the farther it is from below the hip, nothing at a leg's length. The corner wher
 is rounded.
 """
 GOES_ALONG = 0.4
-"""Seconds after which a foot that has left the ground goes along with the body, so that its leg is the motion's own."""
+"""Seconds after which what has left the ground goes along with the body, so that its limb is the motion's own."""
 PASSED_ON, FOLLOWED = 0.1, 0.02
 """Seconds to either side over which the weight passes from foot to foot, and, standard deviation, over which the body
 follows where they stand.
@@ -314,11 +309,11 @@ def _drape_foot(
 def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
     """The ``comforts`` of a ``Footing``, where it stands as far as the motion's own leg stretches, and its ``runs``."""
     if not np.count_nonzero(states):
-        return np.full(states.shape, SWINGING_REACH), np.full(states.shape, np.inf)
+        return np.full(states.shape, COMFORT), np.full(states.shape, np.inf)
     free = np.array([freedom(planted, motion.frame_rate) for planted in states != 0])
     own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
-    standing = own.clip(STANDING_REACH, 1.0 - 1e-9)
-    return standing + free * (SWINGING_REACH - standing), run_out(free)
+    standing = own.clip(OWN_COMFORT, 1.0 - 1e-9)
+    return standing + free * (COMFORT - standing), run_out(free)
 
 
 def run_out(free: FloatArray) -> FloatArray:

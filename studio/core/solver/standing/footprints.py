@@ -26,8 +26,8 @@ STEEPEST_SOLE = np.radians(35.0)
 TOES_BEND = np.radians([-20.0, 40.0])
 """How far toes bend down and up to follow ground that turns off under the ball; what is steeper is not for them."""
 LONGEST_FLIGHT = 1.0
-"""Seconds without contact after which a foot follows the ground below it, asked this often: ``WAYPOINT``."""
-WAYPOINT = 0.5
+"""Seconds without contact after which a foot follows the ground below it, asked twice in that time."""
+WAYPOINT = 0.5 * LONGEST_FLIGHT
 SHORTEST_RAMP = 0.25
 """Seconds before the first and after the last contact that are too short to follow the ground."""
 RISE_EARLY, SINK_LATE = 0.2, 0.12

@@ -16,6 +16,7 @@ from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.support.feet import HEEL
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.smoothing.stretch import legs_of
+from studio.core.solver.standing.swing import HURRIED
 
 if TYPE_CHECKING:
     from studio.core.solver.adapt import Standing
@@ -24,8 +25,6 @@ FloatArray = NDArray[np.float64]
 
 LEADING, HALTING = 0.4, 0.25
 """Seconds in which a place and a speed that are different die away."""
-NO_TIME = 0.12
-"""Seconds before it lands in which a foot in the air is not brought elsewhere any more: it lands beside."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +164,7 @@ def _flight(stands: NDArray[np.bool_], rate: float) -> tuple[int, float]:
     changes = np.flatnonzero(np.diff(stands)) + 1
     ends = [*changes.tolist(), len(stands), len(stands), len(stands)]
     at = int(bool(stands[0]))
-    if not stands[0] and ends[0] / rate < NO_TIME:
+    if not stands[0] and ends[0] / rate < HURRIED:
         at = 2
     lifted = ends[at - 1] if at else 0
     return lifted, min(LEADING, max(ends[at] - 1 - lifted, 2) / rate)

@@ -6,9 +6,10 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
+from studio.core.kernels.limbs.limb import STRETCHED
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.carrying import FADE, smoothstep, swung
-from studio.core.solver.standing.footing import freedom, smooth_drops
+from studio.core.solver.standing.carrying import smoothstep, swung
+from studio.core.solver.standing.footing import GOES_ALONG, SLOWLY_LET_GO, freedom, smooth_drops
 from studio.core.solver.standing.settling import Arms
 
 FloatArray = NDArray[np.float64]
@@ -17,14 +18,10 @@ ROOM = 0.03
 """Parts of the leg's length above the ground below which wrist and finger tips begin to be raised; 3/16 is kept."""
 ELBOW = 0.004
 """Metres of an elbow in the ground that are left to it: a forearm lies on it."""
-STRAIGHT, SLIGHT = 0.9999, 0.02
-"""Part of its length to which a raised arm stretches at most, and metres that count for its bend as its hinge has it: a
-straight arm has none of its own.
+SLIGHT = 0.02
+"""Metres of an elbow from the line between shoulder and wrist up to which it bends as its hinge has it, and at which it
+is turned by half: a straight arm has no bend of its own.
 """
-LET_GO = 0.3
-"""Seconds after a hand has left the ground, or before it stands, in which it is raised by degrees."""
-OUTRIGHT = 0.02
-"""Metres of an elbow from the line between shoulder and wrist at which it is turned by half: a straight arm's stays."""
 OUTWARDS = 2.0
 """How much more an elbow goes away from the body the deeper it is in the ground."""
 TURNS = 3
@@ -46,7 +43,7 @@ def raise_arms(
     if not ground.is_level:
         return
     for side in range(2):
-        free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, LET_GO)
+        free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, SLOWLY_LET_GO)
         _raise_hand(side, free, body, ground, frame_rate, positions, rotations)
         _raise_elbow(side, free, body, ground, positions, rotations)
 
@@ -66,7 +63,7 @@ def keep_posture(
         angles = _angles(line, now, wish) * _outright(now)
         angles *= smoothstep(np.minimum(np.linalg.norm(wish, axis=1), 1.0))  # a straight arm's elbow may look anywhere
         angles *= smoothstep(np.minimum(2.0 - 2.0 * np.abs(angles) / np.pi, 1.0))
-        angles *= 1.0 - freedom(arms.standing[side], frame_rate, FADE)
+        angles *= 1.0 - freedom(arms.standing[side], frame_rate, GOES_ALONG)
         _turn_arm(side, body, angles[:, None] * line, positions, rotations)
 
 
@@ -78,7 +75,7 @@ def _angles(line: FloatArray, now: FloatArray, then: FloatArray) -> FloatArray:
 def _outright(now: FloatArray) -> FloatArray:
     """(F,) the part of its turn that an elbow takes that is off its arm's line by ``now`` (F, 3)."""
     wide = np.sum(now**2, axis=1)
-    return np.asarray(wide / (wide + OUTRIGHT**2))
+    return np.asarray(wide / (wide + SLIGHT**2))
 
 
 def _turn_arm(side: int, body: AnyMorphology, turns: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
@@ -111,7 +108,7 @@ def _raise_hand(
     lengths = np.linalg.norm([upper, lower], axis=2)
     line, way = normalized(wrists - shoulders), normalized(goals - shoulders)
     span = np.linalg.norm(goals - shoulders, axis=1)
-    span = np.clip(span, np.abs(lengths[0] - lengths[1]) + 1e-3, STRAIGHT * lengths.sum(axis=0))
+    span = np.clip(span, np.abs(lengths[0] - lengths[1]) + 1e-3, STRETCHED * lengths.sum(axis=0))
     hinge = np.minimum(raises, SLIGHT)[:, None] * np.cross(line, rotations[:, arm, :, 0])
     aim = shortest_arc(line, way)
     out = normalized(_across(np.einsum("fij,fj->fi", aim, _across(upper, line) + hinge), way))

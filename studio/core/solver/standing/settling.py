@@ -29,8 +29,9 @@ from studio.core.solver.standing.carrying import (
     smoothstep,
     track_of,
 )
-from studio.core.solver.standing.footing import Footing, freedom, run_out
+from studio.core.solver.standing.footing import LET_GO, SLOWLY_LET_GO, Footing, freedom, run_out
 from studio.core.solver.standing.footprints import tilts_of
+from studio.core.solver.standing.swing import CLEAR
 
 FloatArray = NDArray[np.float64]
 
@@ -42,12 +43,6 @@ RAISES = 3
 """Times a foot that the shank of a standing knee drags along is raised off the ground, about that knee."""
 SWINGING_ARM = 0.95
 """Part of its length to which an arm on its way to or from the ground stretches freely."""
-INSTEP_ROOM = 0.005
-"""Metres of the ground within which the tip of a foot that lies on its instep begins to be raised."""
-SEAT_FREED = 0.3
-"""Seconds in which a seat is let go, or comes down."""
-KNEE_FREED = 0.2
-"""Seconds in which a knee that has left the ground, or is about to stand, is let go."""
 KNEE_PLAY = 0.1
 """Part of a leash's run by which a knee that is let go may be nearer to its hip, or farther, than its thigh is long."""
 CRAWLING_REACH = 0.9
@@ -230,7 +225,7 @@ def _seats(hold: Hold | None, body: AnyMorphology, frame_rate: float, positions:
     middle = track_of(ContactPoint.SEAT, body, positions)
     if hold is None:
         return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])
-    firm = 1.0 - freedom(hold.standing, frame_rate, SEAT_FREED)
+    firm = 1.0 - freedom(hold.standing, frame_rate, SLOWLY_LET_GO)
     return np.column_stack([middle - positions[:, 0], hold.displaced(middle, frame_rate), firm])
 
 
@@ -252,7 +247,7 @@ def _kneeling(
     feet, toes, comforts = footing.feet.copy(), footing.toes.copy(), footing.comforts.copy()
     for hold in holds:
         side = hold.point.side
-        firm = (1.0 - freedom(hold.standing, frame_rate, KNEE_FREED))[:, None]
+        firm = (1.0 - freedom(hold.standing, frame_rate, LET_GO))[:, None]
         knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
         shank = lengths_of(body, at.M_LEG + 2 * side)[:, 1:]
         to_toe = np.einsum(
@@ -340,8 +335,8 @@ def _off_its_instep(
     tip = joint + np.einsum("fij,fj->fi", toes, np.column_stack([length, 0.0 * length, -height - down]))
     normals = ground.normal_at(joint)
     above = (tip[:, 2] - ground.height_at(tip)) * normals[:, 2]
-    share = np.clip(above / INSTEP_ROOM, -1.0, 1.0)
-    lack = INSTEP_ROOM * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-above - INSTEP_ROOM, 0.0)
+    share = np.clip(above / CLEAR, -1.0, 1.0)
+    lack = CLEAR * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-above - CLEAR, 0.0)
     upside = smoothstep(np.clip(-8.0 * np.einsum("fk,fk->f", feet[..., 2], normals), 0.0, 1.0))
     return np.asarray((upside * lack)[:, None] * normals)
 

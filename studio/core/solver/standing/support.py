@@ -23,8 +23,8 @@ EASING = 0.15
 """Seconds before and after over which the way to an outline is averaged: the mass does not bounce off its edge."""
 BALL, REAR, TIP = 0.19, 0.13, 0.10
 """Radii of a sole at ball, heel and tip, as parts of its length (breadth of an adult's foot 0.38 of its length)."""
-HAND, KNEE, SEAT = 0.05, 0.05, 0.1
-"""Radii of palm and fingers, knee and half a seat, as parts of the leg's length."""
+RADII = {"hand": 0.05, "knee": 0.05, "seat": 0.1}
+"""Of palm and fingers, knee and half a seat, as parts of the leg's length."""
 _ANGLES = np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
 _NORMALS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
 _SIDEWAYS = np.stack([-np.sin(_ANGLES), np.cos(_ANGLES)], axis=1)
@@ -141,7 +141,7 @@ def _circles(
     if point.is_foot:
         rear, ball, tip = _sole(positions, rotations, body, point.side)
         return [rear] if point.is_heel else [ball, tip]
-    radius = body.leg_length * {"hand": HAND, "knee": KNEE, "seat": SEAT}[point.member]
+    radius = body.leg_length * RADII[point.member]
     joints = touching_points(point, body.layout)
     if point.member == "hand":
         joints = [joints[0], joints[0] + 1]

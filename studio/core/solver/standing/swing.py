@@ -13,6 +13,7 @@ from scipy.ndimage import binary_dilation
 from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
+from studio.core.solver.standing.footprints import EDGE
 
 FloatArray = NDArray[np.float64]
 
@@ -24,12 +25,10 @@ WAYS = np.array([[0.01 * ahead, 0.0, np.radians(15.0) * pitch] for ahead in rang
 """Ways out: metres ahead along the flight, metres up (found for each), radians of pitch."""
 WORTH = np.array([1.0, 1.0, 0.08])
 """Metres of way that a metre, or a radian, counts as."""
-STEPPED_OVER = 0.03
-"""Metres of what is in its way over which a foot is only raised."""
 PACE = 0.3
 """Seconds in which a way out may as well be gone as kept."""
 HURRIED = 0.12
-"""Seconds from a contact within which it costs ever more to be elsewhere."""
+"""Seconds from a contact within which it costs ever more to be elsewhere; a foot that is led on stays its course."""
 STIFF = 0.01
 """Seconds within which a path bends round what stands in it; longer where that would accelerate it too much."""
 SOFTER, SOFTENINGS, AROUND = 1.5, 8, 0.1
@@ -90,7 +89,7 @@ def led_clear(level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground
         return sole
     ways = np.zeros((len(states), 3))
     for first, past in spans:
-        if lacks[first:past].max() < STEPPED_OVER:
+        if lacks[first:past].max() < EDGE:
             ways[first:past, 1] = np.maximum(lacks[first:past], 0.0)
             continue
         frames = np.arange(first, past)
