@@ -7,6 +7,7 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
+from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
@@ -165,3 +166,25 @@ def test_whatever_is_added_below_changes_nothing_of_wishes_of_any_kind(body: Mor
             after[order] = hold(standing, [wishes[place] for place in order], 40, 40, scene.tracks).residuals[:, 0]
             assert (abs(after[: len(above)] - above) <= LEAK).all(), (seed, level)
             above = after
+
+
+@pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
+@pytest.mark.parametrize("eased", [False, True])
+def test_what_does_not_act_changes_nothing(eased: bool, body: Morphology) -> None:
+    """Whatever it may move, whatever it weighs, and whatever its priority, be it over or, eased, still to come."""
+    motion, contacts = walk(60)
+    standing = stand(motion, body, contacts, Ground())
+    past = ActivationCurve(5.0, 5.0, 6.0, 6.0) if eased else ActivationCurve(0.0, 0.0, 0.1, 0.2)
+    before = hold(standing, ())
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        scene = Scene(before, seed, random.choice([*KINDS, "position"], size=random.integers(1, 5)).tolist())
+        idle: Constraint = target(PARTS[random.integers(len(PARTS))], (2.0, 1.0, 2.0), Chain(1.0, 1.0, 1.0, 1.0, 1.0))
+        if seed % 2:
+            chain = Chain(0.0, 0.0, 0.0, 1.0, 1.0, free_arms=1.0, free_legs=1.0)
+            idle = BalanceConstraint("walk", "idle", BodyPoint(BodyPart.PELVIS), chain, 0, past)
+        idle = replace(idle, priority=int(random.integers(4)), activation=past, weight=20.0)
+        window = (40, 59) if eased else (40, 40)
+        alone = hold(standing, scene.constraints, *window, scene.tracks, eased=eased)
+        beside = hold(standing, (*scene.constraints, idle), *window, scene.tracks, eased=eased)
+        assert abs(beside.positions - alone.positions).max() < 1e-7, seed

@@ -204,7 +204,7 @@ def hold(
     ``tracks`` over the whole motion for all that they follow beyond the body itself; StudioError where one is missing.
     ``bound`` lets a report ask what would be without the feet's contacts or the joints' limits. Every frame is solved
     from its own pose alone; ``eased``, frames around such where joints jolt are eased in time (METHOD (36)). Frames in
-    which nothing is asked, and nothing soon before or after, stay as they stand.
+    which nothing is asked, and nothing soon before or after, stay as they stand; what never acts changes nothing.
     """
     count = standing.motion.frame_count
     window = slice(first, count if last is None else min(last + 1, count))
@@ -216,16 +216,17 @@ def hold(
     if self_contact:
         share = self_contact.beside(share)
     positions, rotations = positions[:].copy(), rotations[:].copy()
-    residuals = np.full((len(constraints), len(positions)), np.nan)
+    residuals, acting = np.full((len(constraints), len(positions)), np.nan), np.asarray(activations.any(axis=1))
+    asked = [constraint for constraint, acts in zip(constraints, acting, strict=True) if acts]
     for run in runs_in(window, share > 0.0, math.ceil(2.0 * LOOKED * standing.motion.frame_rate)):
         touched = self_contact.around(run) if self_contact else run
-        stretch = _solved(standing, constraints, touched, tracks, bound, eased)
+        stretch = _solved(standing, asked, touched, tracks, bound, eased)
         posed = stretch.answer(touched)
         if self_contact:
             free = share[touched, None, None] * (1.0 - stretch.arms_asked(touched))
             self_contact.close(touched, free, *posed[:2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
-        positions[rows], rotations[rows], residuals[:, rows] = posed[0][own], posed[1][own], posed[2][:, own]
+        positions[rows], rotations[rows], residuals[acting, rows] = posed[0][own], posed[1][own], posed[2][:, own]
     return _answer(standing, first, positions, rotations, residuals)
 
 

@@ -21,21 +21,44 @@ they can do.
 
 
 @kernel
-def free_limbs(frame, recruits, problem):
-    """Shoulders and hips as free as their limbs are at this frame for each level, in mobility and, for the highest that
-    turns them, in how far they may turn.
+def free_joints(least, frame, activations, recruits, problem):
+    """What each level may move at this frame: what any down to it may that acts as ``set_goals`` has it from ``least``
+    on, shoulders and hips as free as their limbs are for the level; these turn as far as the highest lets them.
     """
-    tasks, chain, joints = problem.tasks, problem.chain, recruits.joints
-    usual, free = recruits.usual, recruits.free
-    mobilities, limits, count = chain.mobilities, chain.limits, tasks.shape[0]
+    tasks, mobilities, limits, count = (
+        problem.tasks,
+        problem.chain.mobilities,
+        problem.chain.limits,
+        problem.tasks.shape[0],
+    )
+    joints, usual, free = recruits.joints, recruits.usual, recruits.free
+    for n in range(joints.shape[0]):
+        for c in range(count):
+            mobilities[c, joints[n]] = usual[c, n]
+    for level in range(mobilities.shape[0] - count):
+        add_up_level(level, least, frame, activations, tasks, mobilities)
     for n in range(joints.shape[0]):
         joint, most = joints[n], 0.0
         for row in range(mobilities.shape[0]):
             part = free[tasks[row].rank if row < count else row - count, n, frame]
-            mobilities[row, joint] = part * usual[row, n]
-            if usual[row, n] > 0.0:
+            if row >= count and mobilities[row, joint] > 0.0:
                 most = max(most, part)
+            mobilities[row, joint] *= part
         limits[joint] = most * usual[mobilities.shape[0], n]
+
+
+@kernel
+def add_up_level(level, least, frame, activations, tasks, mobilities):
+    """The mobilities of a ``level``: the greatest of those down to it that act."""
+    count = tasks.shape[0]
+    out_level = mobilities[count + level]
+    for k in range(out_level.shape[0]):
+        out_level[k] = 0.0
+    for c in range(count):
+        share = activations[c, frame]
+        if tasks[c].rank <= level and share > 0.0 and (share >= least or not tasks[c].blends):
+            for k in range(out_level.shape[0]):
+                out_level[k] = max(out_level[k], mobilities[c, k])
 
 
 @kernel

@@ -103,11 +103,11 @@ def add_rows(c, level, owner, is_held, count, problem):
     if is_held:
         for other in range(first, count):
             task_rows.roles[other] = max(task_rows.roles[other], HOLD)
-    elif row.weight != 1.0:
-        scale = math.sqrt(row.weight)
+    elif row.counts != 1.0:
+        scale = math.sqrt(row.counts)
         for other in range(first, count):
             task_rows.errors[other] *= scale
-            task_rows.pulls[other].weight = row.weight
+            task_rows.pulls[other].weight = row.counts
             for joint in range(task_rows.jacobian.shape[1]):
                 for axis in range(3):
                     task_rows.jacobian[other, joint, axis] *= scale

@@ -7,16 +7,17 @@ of all but a distance is what it follows on its own body, ``relative`` (3, 3) it
 ``blends`` whether its edges blend what is solved (``kernels.time.activation_blend``); ``weight`` among its equals;
 ``shares`` (2,) of each end in a distance;
 ``axes`` 3 when balance counts heights too.
-For one frame: ``share`` its activation; its ``status``, and whether it is ``pinned`` to what it has (of a place that
-follows the own body ``relative`` is then where it is, in that segment's axes); ``second`` whether another wish stands
-before it on its limb; ``engaged`` whether an area is entered; ``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where
-things are to be, ``begin`` (3,) where the unsolved pose has the centre of mass; ``helped`` whether joints beside its
-limbs may move; ``longest`` and ``folds`` (2,) metres that its limbs can span, ``comforts`` (2,) the part of that which
-they take freely, ``reaches`` (2,) the metres which they are to take, the chain doing the rest but for ``slack`` (2,)
-metres, ``easings`` (2,) the metres below which they fold ever less.
+For one frame: ``share`` its activation; what it ``counts`` beside the heaviest of its level; its ``status``, and
+whether it is ``pinned`` to what it has (of a place that follows the own body ``relative`` is then where it is, in that
+segment's axes); ``second`` whether another wish stands before it on its limb; ``engaged`` whether an area is entered;
+``places`` (2, 3), ``turn`` (3, 3) and ``distance`` where things are to be, ``begin`` (3,) where the unsolved pose has
+the centre of mass; ``helped`` whether joints beside its limbs may move; ``longest`` and ``folds`` (2,) metres that its
+limbs can span, ``comforts`` (2,) the part of that which they take freely, ``reaches`` (2,) the metres which they are to
+take, the chain doing the rest but for ``slack`` (2,) metres, ``easings`` (2,) the metres below which they fold ever
+less.
 ``stiff`` whether upper or lower segment of a limb are, with ``parts``, ``change``, ``most`` (2, 2) and ``own`` (2,) of
 ``kernels.limbs.stiffness``.
-On edges (``kernels.time.activation_blend``): its miss ``blended``.
+On edges (``kernels.time.activation_blend``): its miss ``blended``, and how far ``apart`` what both poses miss is.
 Once its level is solved: ``kept_miss``, ``kept_places`` (2, 3), ``kept_roots`` (2, 3) of its limbs and ``kept_turn``
 (3, 3) are what the levels below have to leave as they are.
 """
@@ -54,6 +55,7 @@ TASK = np.dtype(
         ("shares", _REAL, (2,)),
         ("axes", _FLAG),
         ("share", _REAL),
+        ("counts", _REAL),
         ("status", _FLAG),
         ("second", _FLAG),
         ("engaged", _FLAG),
@@ -76,6 +78,7 @@ TASK = np.dtype(
         ("most", _REAL, (2, 2)),
         ("own", _REAL, (2,)),
         ("blended", _REAL),
+        ("apart", _REAL),
         ("kept_miss", _REAL),
         ("kept_places", _REAL, (2, 3)),
         ("kept_roots", _REAL, (2, 3)),

@@ -36,10 +36,6 @@ from studio.core.solver.asking.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 
-LEAST_WEIGHT = 0.1
-"""Part of the heaviest weight of a level that every constraint counts at least: a lighter one would be left off sooner
-than within 0.2 mm, for a search ends when its weighted errors are small.
-"""
 _PLACES = {part: place for place, part in enumerate(BodyPart)}
 _BLANK = np.zeros(1, dtype=TASK)
 """What is asked where nothing is."""
@@ -107,7 +103,7 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
 
     The first ``contacts`` of them stand above all others. Raises TypeError for a kind that the solver does not know.
     """
-    count, (ranks, weights) = len(constraints), _levels(constraints, contacts)
+    count, ranks = len(constraints), _levels(constraints, contacts)
     begun = [
         _BLANK.tobytes() if isinstance(each, BalanceConstraint) else _begun(each.point, each.chain, layout)
         for each in constraints
@@ -122,7 +118,7 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
         turns=[_NO_TURN] * count,
         distances=[_NO_DISTANCE] * count,
     )
-    rows.asked["rank"], rows.asked["weight"] = ranks, weights
+    rows.asked["rank"], rows.asked["weight"] = ranks, [constraint.weight for constraint in constraints]
     for c, constraint in enumerate(constraints):
         write = _WRITERS.get(type(constraint))
         if write is None:
@@ -134,16 +130,11 @@ def pack(constraints: Sequence[Constraint], layout: BodyLayout, targets: Targets
     return rows
 
 
-def _levels(constraints: Sequence[Constraint], contacts: int) -> tuple[tuple[int, ...], list[float]]:
-    """The level of each, 0 the highest, and its weight as a part of the heaviest of its level: one alone is asked as
-    without any.
-    """
+def _levels(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]:
+    """The level of each, 0 the highest."""
     priorities = [-1] * contacts + [constraint.priority for constraint in constraints[contacts:]]
-    weights = [constraint.weight for constraint in constraints]
-    heaviest = dict(sorted(zip(priorities, weights, strict=True)))  # of a level the last stays
-    ranks = {priority: rank for rank, priority in enumerate(heaviest)}
-    parts = [weight / heaviest[priority] for weight, priority in zip(weights, priorities, strict=True)]
-    return tuple(ranks[priority] for priority in priorities), [max(part, LEAST_WEIGHT) for part in parts]
+    ranks = {priority: rank for rank, priority in enumerate(sorted(set(priorities)))}
+    return tuple(ranks[priority] for priority in priorities)
 
 
 @lru_cache(maxsize=1024)

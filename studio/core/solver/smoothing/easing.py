@@ -149,8 +149,8 @@ def _carriers(layout: BodyLayout, with_legs: bool) -> IntArray:
 class Level:
     """A level of priority with those above it: what is noted of their solve and what was ``solved``, frames first
     (positions, rotations, misses (F, C) and what else a solve writes), which constraints stand ``above`` it (C,),
-    ``stands`` how many levels do that are solved and how many that keep clear do not, where any acts (F,), and what
-    peaks of angular acceleration they are allowed (F, 3), radians a second squared.
+    ``stands`` how many levels do that are solved and how many that keep clear do not, where any ``acts`` (F,) and any
+    of its ``own`` does, and what peaks of angular acceleration they are allowed (F, 3), radians a second squared.
     """
 
     solve: Solve
@@ -158,14 +158,14 @@ class Level:
     above: NDArray[np.bool_]
     stands: tuple[int, int]
     acts: NDArray[np.bool_]
+    own: NDArray[np.bool_]
     allowed: FloatArray
 
     def within(self, frames: slice) -> "Level":
         """The same of some frames."""
         solved = tuple(each[frames] for each in self.solved)
-        return replace(
-            self, solve=self.solve.within(frames), solved=solved, acts=self.acts[frames], allowed=self.allowed[frames]
-        )
+        solve, acts, own = self.solve.within(frames), self.acts[frames], self.own[frames]
+        return replace(self, solve=solve, solved=solved, acts=acts, own=own, allowed=self.allowed[frames])
 
     @property
     def room(self) -> FloatArray:
@@ -206,6 +206,8 @@ class Easing:
         """Ease all levels but those of contacts."""
         positions, rotations, misses = self._solved[:3]
         for number, level in enumerate(self._levels):
+            if number > 0 and not level.own.any():
+                continue
             self._told = np.where(level.above, self._told, level.solved[2])
             for mine, solved in zip(self._solved, level.solved, strict=True):
                 mine[:] = solved

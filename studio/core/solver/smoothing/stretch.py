@@ -223,16 +223,15 @@ class Stretch:
     def _level(self, number: int, solve: Solve) -> Level:
         """A level that was just solved."""
         down = self._ranks <= number
-        acts = np.zeros(len(self._positions), dtype=np.bool_)
         wishes = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
-        for activation in (each for each, stands in zip(wishes, down[self._held :], strict=True) if stands):
-            acts |= activation > 0.0
+        acting, ranks = np.reshape(wishes, (-1, len(self._positions))) > 0.0, self._ranks[self._held :]
+        acts, own = (np.asarray(acting[each].any(axis=0)) for each in (ranks <= number, ranks == number))
         asked = down[: len(self._activations)]
         brings = self._brings[0, asked].sum(axis=0) + self._brings[1, asked].max(axis=0, initial=0.0)
         solved, above = tuple(each.copy() for each in self._solved), self._ranks < number
         clears = int(np.count_nonzero(~above[len(asked) :]))
         allowed = solve.own_peaks(self.standing.root_peak, self.standing.peaks) + brings[:, None]
-        return Level(solve, solved, above, (self._rank_of(number), clears), acts, allowed)
+        return Level(solve, solved, above, (self._rank_of(number), clears), acts, own, allowed)
 
     @cached_property
     def _brings(self) -> FloatArray:
