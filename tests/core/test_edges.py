@@ -68,6 +68,31 @@ def test_what_is_wholly_active_holds_while_others_come_and_go(priority: int) -> 
         assert np.all(both[1] < held[1] + 2e-4)
 
 
+@pytest.mark.parametrize("limited", [True, False])
+def test_what_is_out_of_reach_stays_as_far_off_while_others_come_and_go_below_it(limited: bool) -> None:
+    """By the pose itself, of points that are wanted up to half a metre from where they were."""
+
+    def solved(*constraints: Constraint) -> AdaptedMotion:
+        return adapt(AdaptRequest(WALK, WOMAN, CONTACTS, constraints, limited=limited))
+
+    for seed in range(12):
+        random, wishes = np.random.default_rng(seed), list[Constraint]()
+        for priority, number in enumerate(random.permutation(4).tolist()):
+            part = (BodyPart.RIGHT_FOREARM, BodyPart.LEFT_FOREARM, BodyPart.HEAD, BodyPart.RIGHT_UPPER_ARM)[number]
+            way = random.normal(size=3)
+            place = place_of(BodyPoint(part, at_end=True), BEFORE)[45] + 0.5 * way / np.linalg.norm(way)
+            wishes.append(target(part, place, (Chain(), TRUNK, WHOLE)[random.integers(3)], priority))
+            wishes[-1] = replace(wishes[-1], activation=(ALWAYS, ALWAYS, EDGES, LATER)[priority])
+        above = solved(*wishes[:2])
+        for count in (3, 4):
+            for wish in wishes[:2]:
+                first, second = (
+                    np.linalg.norm(place_of(wish.point, each) - np.array(wish.target), axis=1)
+                    for each in (above, solved(*wishes[:count]))
+                )
+                assert np.abs(second - first).max() < 3e-4, (seed, count, wish.name)
+
+
 def test_a_moment_more_of_an_edge_changes_little() -> None:
     """Where an edge begins or ends, and where two change places as to which acts more."""
     left = target(BodyPart.LEFT_FOREARM, FAR + np.array([0.0, 0.6, 0.0]), WHOLE, 1, activation=EDGES)

@@ -13,15 +13,15 @@ import math
 
 from studio.core.kernels.algebra.rotation import multiply, rotation_vector_to_matrix
 from studio.core.kernels.algebra.vectors import blend_points, copy_matrix, copy_point, copy_points, distance
-from studio.core.kernels.compiling import kernel
+from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH, HUNG
 from studio.core.kernels.limits.joint_limits import limb_parts
 from studio.core.kernels.search.levels import disturbance, mend, note_kept
 from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs, turn_error
 from studio.core.kernels.search.step import KEPT
-from studio.core.kernels.tasks.goals import BALANCE, POSITION, TURN_ARM, turns_segment
+from studio.core.kernels.tasks.goals import BALANCE, ORIENTATION, POSITION, TURN_ARM, turns_segment
 from studio.core.kernels.tasks.limb_rows import MISSED, aim_limb
-from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, STRICT
+from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, STRICT
 
 GIVEN_UP_THERE = 2
 """What a limb is whose constraint was given up in what is kept, while the next is solved."""
@@ -81,8 +81,10 @@ def note_blended(part, problem):
     copy_points(search.state, search.before)
     note_turns(search.solved_turns, pose)
     for c in range(tasks.shape[0]):
-        now = miss_of(c, problem) if tasks[c].status != INACTIVE else 0.0
-        tasks[c].blended = part * tasks[c].blended + (1.0 - part) * now
+        row = tasks[c]
+        now = miss_of(c, problem) if row.status != INACTIVE else 0.0
+        row.apart = abs(row.blended - now)
+        row.blended = part * row.blended + (1.0 - part) * now
 
 
 @kernel
@@ -141,7 +143,8 @@ def loses(problem):
     lost = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        lost = lost or (row.status == ACTIVE and miss_of(c, problem) > row.blended + STRICT)
+        may = STRICT if row.pinned != FREE else row.blended + STRICT
+        lost = lost or (row.status == ACTIVE and miss_of(c, problem) > may)
     return lost
 
 
@@ -159,7 +162,10 @@ def note_misses(frame, problem, out_residuals):
 
 @kernel
 def pose_kept(frame, activations, problem):
-    """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks."""
+    """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks.
+
+    What both miss alike is pinned to where it misses as much: so what comes and goes below changes nothing of it.
+    """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     level = chain.mobilities.shape[0] - tasks.shape[0]
     hung = search.hung
@@ -172,6 +178,9 @@ def pose_kept(frame, activations, problem):
         ):
             row.status = ON_EDGE
         note_hung(row, HUNG, hung)
+        alike = has_own_goal(row) and row.apart * (TURN_ARM if turns else 1.0) < MISSED
+        if row.status > ACTIVE and not on_edge and alike:
+            row.status, row.pinned = ACTIVE, PINNED
     for limb in range(4):
         hung[limb] = HUNG if hung[limb] else 0
     carry_body(problem)
@@ -183,7 +192,8 @@ def pose_kept(frame, activations, problem):
     mend_kept(level, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.status == ACTIVE and row.blended > KEPT and row.limbs[0] >= 0 and hung[row.limbs[0]]:
+        missed = row.blended if row.pinned == FREE else row.apart
+        if row.status == ACTIVE and missed > KEPT and row.limbs[0] >= 0 and hung[row.limbs[0]]:
             row.status = ON_EDGE  # its place was where the blend has it, and not where it wants to be
     for limb in range(4):
         hung[limb] = 0
@@ -203,30 +213,52 @@ def mend_kept(level, problem):
         place_limbs(level, problem)
 
 
+@small_kernel
+def has_own_goal(row):
+    """Whether a task is for a place or a turn that does not go with the body."""
+    return (row.kind == POSITION or row.kind == ORIENTATION or row.kind == BALANCE) and row.points[1] < 0
+
+
 @kernel
 def note_held(row, problem):
     """What both poses have keeps what it asks, or as much of it as they brought."""
     search, pose = problem.search, problem.pose
     turn, vector, hung = search.turns[0], search.points[7], search.hung
-    missed = row.blended * (TURN_ARM if turns_segment(row) else 1.0)
-    part = min(max(1.1 * (1.0 - missed / MISSED), 0.0), 1.0)
-    row.kept_miss = row.blended
+    alike = row.pinned != FREE and has_own_goal(row)
+    row.kept_miss, left = (row.apart, row.blended) if alike else (row.blended, 0.0)
+    part = min(max(1.1 * (1.0 - row.kept_miss * (TURN_ARM if turns_segment(row) else 1.0) / MISSED), 0.0), 1.0)
     if turns_segment(row):
         turn_error(row.turn, pose.rotations[row.segments[0]], turn, vector)
+        part *= 1.0 - left / max(length_of(vector, 3), left, 1e-9)
         rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
         multiply(turn, pose.rotations[row.segments[0]], row.kept_turn)
-        if row.limbs[0] >= 0 and hung[row.limbs[0]]:
+        if alike or (row.limbs[0] >= 0 and hung[row.limbs[0]]):
             copy_matrix(row.kept_turn, row.turn)
         return
     for end in range(2):
-        wish = row.places[1 if row.kind == BALANCE else end]
+        wish, way = row.places[1 if row.kind == BALANCE else end], vector
         for axis in range(3):
-            row.kept_places[end, axis] += part * (wish[axis] - row.kept_places[end, axis])
+            way[axis] = wish[axis] - row.kept_places[end, axis]
+        more = part * (1.0 - left / max(length_of(way, row.axes if row.kind == BALANCE else 3), 1e-9))
+        for axis in range(3):
+            row.kept_places[end, axis] += more * way[axis]
         if row.kind == POSITION and row.limbs[end] >= 0 and hung[row.limbs[end]]:
             copy_point(row.kept_places[end], row.places[end])
             row.comforts[end], row.easings[end] = 1.0, 0.0
             if row.longest[end] > 0.0:  # a shoulder has no limb before it
                 note_stretch(row, end, row.limbs[end] >= 2 or search.ends[row.limbs[end]] >= 0, search.points, pose)
+    if alike:
+        copy_point(row.kept_places[0], row.places[0])
+        copy_point(row.kept_places[0], row.places[1])
+
+
+@small_kernel
+def length_of(vector, axes):
+    """The length of the first ``axes`` numbers of a vector."""
+    squared = 0.0
+    for axis in range(axes):
+        squared += vector[axis] ** 2
+    return math.sqrt(squared)
 
 
 @kernel

@@ -68,7 +68,7 @@ def pose_eased(frame, meets, waited, clip, problem, above):
     misses, level = clip.easing.misses, clip.easing.level[0]
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        row.blended = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
+        row.blended, row.apart = misses[c, frame] if misses[c, frame] > 0.0 else 0.0, math.inf
         if activations[c, frame] > 0.0 and row.rank < level.rank:
             pin(c, row.rank < level.contacts, above)
         elif row.status == ACTIVE and not meets:
@@ -170,7 +170,7 @@ def pin(c, stands, above):
     """Ask of a constraint, or of what ``stands``, what it has in the pose ``above``."""
     row, search, pose = above.tasks[c], above.search, above.pose
     point, other = search.points[0], search.points[1]
-    row.status, row.pinned, row.blended = ACTIVE, PINNED, 0.0
+    row.status, row.pinned, row.blended, row.apart = ACTIVE, PINNED, 0.0, 0.0
     if row.kind == DISTANCE:
         end_place(row, 0, pose, point)
         second_place(row, pose, other)
