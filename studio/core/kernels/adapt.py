@@ -29,7 +29,7 @@ from studio.core.kernels.records import (
 from studio.core.kernels.search.levels import note_carried, solve_frame
 from studio.core.kernels.search.placing import follow
 from studio.core.kernels.search.recruiting import free_joints
-from studio.core.kernels.tasks.targets import set_goals
+from studio.core.kernels.tasks.targets import set_goals, weigh
 from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
 from studio.core.kernels.time.activation_blend import keep_solution, next_edge, note_misses, pose_between
 from studio.core.kernels.time.easing import ease_frame
@@ -149,6 +149,7 @@ def solve_one(frame, stage, clip, problem):
         more = next_edge(least, frame, tasks, activations)
         acts = set_goals(more, frame, activations, clip.asked.targets, problem)
         if acts:
+            weigh(tasks)
             free_joints(more, frame, activations, clip.asked.recruits, problem)
             solve_frame(chain.mobilities.shape[0] - tasks.shape[0], problem)
         any_acts = any_acts or acts

@@ -77,7 +77,6 @@ def set_goals(least, frame, activations, targets, problem):
             ease_goal(point, wish, share, row.places[0])
         if row.kind != DISTANCE and row.points[1] >= 0:
             follow_body(row, areas[c], pose, problem)
-    weigh(tasks)
     return acts
 
 
