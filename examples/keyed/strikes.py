@@ -83,8 +83,8 @@ class Punch:
     def _arm(self, side: int, times: FloatArray, beat: FloatArray) -> ArmTargets:
         wrist = guarding(times, GUARDS[side], beat, 80 + 7 * self.seed + side)
         if side != self.side:
-            out = 0.05 * OUTWARD[side]
-            cover = {-0.4: (0, 0, 0), -0.1: (-0.02, out, 0.07), 0.1: (-0.05, out, 0.06), 0.7: (0, 0, 0)}
+            out = 0.06 * OUTWARD[side]
+            cover = {-0.4: (0, 0, 0), -0.1: (-0.02, out, 0.07), 0.1: (-0.035, out, 0.06), 0.7: (0, 0, 0)}
             return ArmTargets(
                 moved(times, wrist, self._keys(cover)), ELBOWS[side], pronation=18.0, flexion=6.0, shrug=3.0
             )
@@ -336,8 +336,8 @@ STRIKES: Mapping[str, Punch | Kick] = {
     "rear_leg_low": Kick(1, 68.0, pace=0.9, seed=7),
     "rear_leg_high": Kick(1, 106.0, pace=1.1, seed=8),
     "jab_middle": Punch(0, (0.82, 0.0, 1.27), pace=0.95, seed=9),
-    "jab_far_step": Punch(0, (1.12, -0.02, 1.36), step=0.36, sink=0.04, pace=1.25, seed=10),
-    "cross_above": Punch(1, (0.82, 0.0, 1.66), pace=0.95, seed=11),
+    "jab_far_step": Punch(0, (1.09, -0.02, 1.36), step=0.36, sink=0.04, pace=1.25, seed=10),
+    "cross_above": Punch(1, (0.78, 0.0, 1.66), pace=0.95, seed=11),
     "cross_middle_step": Punch(1, (1.02, 0.02, 1.27), step=0.18, sink=0.04, pace=1.15, seed=12),
     "front_leg_middle": Kick(0, 84.0, pace=0.95, seed=13),
     "rear_leg_middle": Kick(1, 88.0, seed=15),
