@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d
 
-from studio.core.body.canonical import BodyLayout
+from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.kernels import records
 from studio.core.kernels.records import EASED_LEVEL, Above
 from studio.core.kernels.search.joints import ROOT
@@ -53,6 +53,8 @@ LOOKED = 2.0 * SEEN + 0.25
 """Seconds beside a frame that have to do with whether it is eased."""
 FADED = 4.0
 """Times the room that a level has to be left for those above it wholly."""
+LEGS = BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH, BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK
+"""Segments as sharply as which root and trunk may move where a leg has a constraint: who kicks swings the pelvis."""
 BESIDE = 0.1
 """Seconds beside where nothing acts in which nothing is eased, and again in which that begins."""
 
@@ -123,11 +125,15 @@ class Solve:
         return bool(np.count_nonzero(self.sharp > EASED[0] * self.source))
 
     def own_peaks(self, root: float, peaks: FloatArray) -> FloatArray:
-        """(3,) what ``jolts_of`` tells at most of the unsolved motion, whose ``root`` and segments (S,) have peaks."""
+        """(3,) what ``jolts_of`` tells at most of the unsolved motion, whose ``root`` and segments (S,) have peaks.
+
+        Root and searched joints have at least that of the legs, where a leg has a constraint.
+        """
         peaks, searched = peaks[: len(self.carriers)], self.joints["segment"]
         joints = peaks[searched[(searched != ROOT) & (searched < len(peaks))]]
-        most = peaks.max(initial=QUIET)
-        return np.array([min(max(QUIET, root), most), joints.max(initial=QUIET), most])
+        legs = [segment for segment in map(self.layout.segment, LEGS) if segment < len(peaks)]
+        leg, most = peaks[legs].max(initial=QUIET), peaks.max(initial=QUIET)
+        return np.array([min(max(leg, root), most), joints.max(initial=leg), most])
 
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
