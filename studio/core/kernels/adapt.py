@@ -29,6 +29,7 @@ from studio.core.kernels.records import (
 from studio.core.kernels.search.levels import note_carried, solve_frame
 from studio.core.kernels.search.placing import follow
 from studio.core.kernels.search.recruiting import free_joints
+from studio.core.kernels.search.retreat import RETREAT
 from studio.core.kernels.tasks.targets import set_goals, weigh
 from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
 from studio.core.kernels.time.activation_blend import keep_solution, next_edge, note_misses, pose_between
@@ -190,6 +191,7 @@ def with_packed(rows, equations, damped, search):
         equations,
         damped,
         search.last,
+        search.retreat,
         search.carried,
         search.state,
         search.before,
@@ -242,6 +244,7 @@ def make_search(task_count, joint_count, point_count):
         equations,
         damped,
         np.zeros(1, LAST_STEP),
+        np.zeros(1, RETREAT),
         carried,
         np.zeros((joint_count, 3)),
         np.zeros((joint_count, 3)),

@@ -228,6 +228,8 @@ class Search(NamedTuple):
     damped: DampedStep
     last: Array
     """(1,) records of ``LAST_STEP``."""
+    retreat: Array
+    """(1,) records of ``search.retreat.RETREAT``."""
     carried: Array
     """(S + 1, 3, 3) how far each segment has turned away from the motion, nothing last."""
     state: Array

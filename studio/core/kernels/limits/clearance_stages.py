@@ -23,6 +23,7 @@ from studio.core.kernels.limits.joint_limits import limb_parts
 from studio.core.kernels.records import KeptStage, Pose
 from studio.core.kernels.search.joints import hang_limb
 from studio.core.kernels.search.placing import carry_body, follow, miss_of
+from studio.core.kernels.search.retreat import AIM, NEAR, begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.search.step import KEPT
 from studio.core.kernels.tasks.goals import DISTANCE, POSITION, counts, end_place
 from studio.core.kernels.tasks.task import INACTIVE, ON_EDGE
@@ -32,12 +33,8 @@ BOTH, WHOLE, PLAIN = 2, 3, 4
 """How a stage may go back, in this order: 0 with its left arm, 1 with its right one, with both, with all but neck and
 head, or so that the whole body is blended and nothing else.
 """
-AIM, NEAR = 0.7, 0.02
-"""Part of what a stage may change that it is left with where it goes back, and how near that is found."""
 LEFT = 0.8
-"""The same that it may change where it is back wholly: stages above may have left it little."""
-TRIES = 12
-"""Poses that are looked at to find it."""
+"""Part of what a stage may change that it may where it is back wholly: stages above may have left it little."""
 
 
 @allocating_kernel
@@ -139,18 +136,10 @@ def hold_above(stage, frame, clip, problem):
         back = go_part(0.0, how, stage, frame, clip, problem)
     if back > (AIM - NEAR) * KEPT:
         return
-    least, low, most, high, before = 0.0, back - AIM * KEPT, 1.0, min(change - AIM * KEPT, KEPT), 0.0
-    for _ in range(TRIES):
-        share = (least * high - most * low) / (high - low)
-        gap = min(go_part(share, how, stage, frame, clip, problem) - AIM * KEPT, KEPT)
-        if abs(gap) < NEAR * KEPT:
-            return
-        if gap < 0.0:
-            least, low, high = share, gap, high * (0.5 if before < 0.0 else 1.0)
-        else:
-            most, high, low = share, gap, low * (0.5 if before > 0.0 else 1.0)
-        before = gap
-    go_part(least, how, stage, frame, clip, problem)
+    retreat = problem.search.retreat[0]
+    begin_retreat(back, change, KEPT, retreat)
+    while tries_share(retreat):
+        note_disturbance(go_part(retreat.share, how, stage, frame, clip, problem), retreat)
 
 
 @kernel

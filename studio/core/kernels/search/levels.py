@@ -30,6 +30,7 @@ from studio.core.kernels.limits.root_reach import free_part
 from studio.core.kernels.search.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.search.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
 from studio.core.kernels.search.recruiting import frees_limbs, note_balances
+from studio.core.kernels.search.retreat import AIM, begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.search.step import KEPT, MET, step
 from studio.core.kernels.tasks.goals import BALANCE, POSITION, brings_point, counts, end_place, turns_segment
 from studio.core.kernels.tasks.limb_rows import aim_limb
@@ -55,10 +56,6 @@ FOLDING = 0.05
 """Part of the way from its greatest to its least reach, the last, in which a limb folds ever less."""
 MENDS = 8
 """Steps that may be taken to give those above back what a level has cost them."""
-HALVES, BACK = 4, 0.7
-"""Times that the way of a level which disturbs those above is halved to find how far it can go, before it is given up,
-and the part of what it may disturb that it is to be left with.
-"""
 GAINS = 0.7
 """Part of the least disturbance so far that a mend may leave; where two leave more, no other follows."""
 
@@ -167,40 +164,28 @@ def take_steps(level, fresh, problem):
 def give_back(level, problem):
     """Mend what a level has cost those above it, or go back; in the end it is given up, and all is as it began."""
     tasks, search = problem.tasks, problem.search
-    if mend(level, KEPT, True, problem):
-        return
-    disturbs = disturbance(level, True, problem)
+    disturbs, retreat = mend(level, KEPT, True, problem), search.retreat[0]
     if disturbs < KEPT:
         return
-    least, most, costs, cost = 0.0, 1.0, disturbs, 0.0
     copy_points(search.state, search.tried)
-    for attempt in range(HALVES + 2):
-        share = least  # where even what lies between does not do
-        if attempt < HALVES:
-            share = 0.5 * (least + most)
-        elif attempt == HALVES:
-            share += (most - least) * (BACK * KEPT - cost) / (costs - cost)
-        go_back(share, level, problem)
-        disturbs = disturbance(level, True, problem)
-        if attempt >= HALVES and disturbs < KEPT:
-            return
-        if disturbs < BACK * KEPT:
-            least, cost = share, disturbs
-        else:
-            most, costs = share, disturbs
+    begin_retreat(0.0, disturbs, KEPT, retreat)
+    while tries_share(retreat):
+        note_disturbance(go_part(retreat.share, level, problem), retreat)
+    if retreat.disturbs < KEPT:
+        return
     copy_points(search.before, search.state)
     give_up(level, tasks)
     begin_again(level, problem)
 
 
 @kernel
-def go_back(share, level, problem):
-    """Leave but a ``share`` of the way that a level has gone, and mend that."""
+def go_part(share, level, problem):
+    """Pose the body where a level has gone a ``share`` of its way, and mend that; what that disturbs above."""
     search = problem.search
     blend_points(share, search.before, search.tried, search.state)
     place(level, False, problem)
     search.last[0].held = -1
-    mend(level, BACK * KEPT, True, problem)
+    return mend(level, AIM * KEPT, True, problem)
 
 
 @kernel
@@ -238,15 +223,15 @@ def yields(level, problem):
 
 @kernel
 def mend(level, most, both_ways, problem):
-    """Give those above this level back what it has cost them, and, ``both_ways``, take back what it gave them; whether
-    that is less than ``most`` metres now.
+    """Give those above this level back what it has cost them, and, ``both_ways``, take back what it gave them, until
+    that is less than ``most`` metres; what it is in the end.
     """
     chain, search = problem.chain, problem.search
     least, fails, past = math.inf, 0, search.last[0]
+    disturbs = disturbance(level, both_ways, problem)
     for _ in range(MENDS):
-        disturbs = disturbance(level, both_ways, problem)
         if disturbs < most:
-            return True
+            break
         if disturbs > GAINS * least:
             fails, past.held = fails + 1, -1
             if fails > 1:
@@ -255,7 +240,8 @@ def mend(level, most, both_ways, problem):
         if joints == 0 or not step(level, True, False, False, False, 1.0, problem) > 0.0:
             break
         place(level, False, problem)
-    return False
+        disturbs = disturbance(level, both_ways, problem)
+    return disturbs
 
 
 @kernel

@@ -205,9 +205,7 @@ def mend_kept(level, problem):
     search = problem.search
     copy_points(search.state, search.tried)
     missed, search.last[0].held = disturbance(level, False, problem), -1
-    if mend(level, CLOSE_ENOUGH, False, problem):
-        return
-    if disturbance(level, False, problem) > missed:
+    if mend(level, CLOSE_ENOUGH, False, problem) > missed:
         copy_points(search.tried, search.state)
         carry_body(problem)
         place_limbs(level, problem)

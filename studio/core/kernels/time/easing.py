@@ -11,6 +11,7 @@ from studio.core.kernels.limits.clearing import clear_after
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.records import Pose
 from studio.core.kernels.search.placing import carry_body, follow, miss_of, posed
+from studio.core.kernels.search.retreat import begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import (
     BALANCE,
@@ -32,8 +33,6 @@ ANY = 1e-9
 """The least activation: of what is told of all that act at all."""
 HELD = 0.75 * STRICT
 """Metres or radians by which easing a level may change what those above it miss."""
-HALVES = 5
-"""Times that the way of a frame is halved."""
 
 
 @kernel
@@ -54,7 +53,7 @@ def ease_frame(frame, waited, clip, problem):
     else:
         lost[0] = pose_eased(frame, level.meets, waited, clip, problem, above)
         if level.strict and lost[0] >= HELD:
-            go_back(frame, waited, clip, problem, above)
+            retreat_from(lost[0], frame, waited, clip, problem, above)
     tell_misses(frame, clip, problem)
 
 
@@ -82,24 +81,18 @@ def pose_eased(frame, meets, waited, clip, problem, above):
 
 
 @kernel
-def go_back(frame, waited, clip, problem, above):
+def retreat_from(disturbs, frame, waited, clip, problem, above):
     """Leave but as much of the way from what stands above as changes nothing there; in the end that is none."""
-    search, least, most, share = problem.search, 0.0, 1.0, 1.0
+    search, retreat = problem.search, problem.search.retreat[0]
     copy_points(search.state, search.before)
     copy_points(clip.easing.above.states[frame], search.kept)
     note_turns(search.solved_turns, problem.pose)
     note_turns(search.kept_turns, above.pose)
-    for _ in range(HALVES):
-        share = 0.5 * (least + most)
-        blend_kept(1.0 - share, search)
-        if pose_eased(frame, False, waited, clip, problem, above) < HELD:
-            least = share
-        else:
-            most = share
-    if share == least:
-        return
-    blend_kept(1.0 - least, search)
-    if least == 0.0 or pose_eased(frame, False, waited, clip, problem, above) >= HELD:
+    begin_retreat(0.0, disturbs, HELD, retreat)
+    while tries_share(retreat):
+        blend_kept(1.0 - retreat.share, search)
+        note_disturbance(pose_eased(frame, False, waited, clip, problem, above), retreat)
+    if retreat.disturbs >= HELD:
         pose_as_above(frame, clip, problem, above)
 
 
