@@ -94,14 +94,13 @@ class OwnHands:
 
     def track(self, hold: InHand | Carried) -> Track:
         """Where what it holds so is on the stage."""
+        rows = self.rows.clip(0, len(self.unasked.positions) - 1)
+        positions, rotations = self.unasked.positions[rows], self.unasked.rotations[rows]
         if isinstance(hold, Carried):
-            whole = carried_track(hold, self.unasked, self.body)
+            track = carried_track(hold, positions, rotations, self.body)
         else:
-            whole = point_track(
-                hold.point, hold.turn, self.unasked.positions[:], self.unasked.rotations[:], self.body.still
-            )
-        rows = self.rows.clip(0, len(whole.places) - 1)
-        return Track(self.placement.to_stage(whole.places[rows]), self.placement.rotation @ whole.rotations[rows])
+            track = point_track(hold.point, hold.turn, positions, rotations, self.body.still)
+        return Track(self.placement.to_stage(track.places), self.placement.rotation @ track.rotations)
 
 
 def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
@@ -184,13 +183,13 @@ def own_hands(unasked: Unasked, body: AnyMorphology, timing: Timing, own: Placem
     return OwnHands(unasked, body, own, np.arange(len(unasked.positions)), timing)
 
 
-def carried_track(held: Carried, unasked: Unasked, body: AnyMorphology) -> Track:
-    """What is carried by a body that moves as ``unasked`` has it, in the space of its motion, at every frame."""
+def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, body: AnyMorphology) -> Track:
+    """What a body carries that has these positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its motion."""
     layout = body.still.layout
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in HANDS for end in (False, True)]
-    chest = unasked.rotations[:, layout.segment(BodyPart.THORAX), :, 0]
-    axes = turned_by(np.unwrap(np.arctan2(chest[:, 1], chest[:, 0])))
-    middle = unasked.positions[:, ends].mean(axis=1)
+    chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
+    axes = turned_by(np.arctan2(chest[:, 1], chest[:, 0]))
+    middle = positions[:, ends].mean(axis=1)
     return Track(middle + body.leg_length * axes @ np.array(held.offset), axes)
 
 
