@@ -408,10 +408,8 @@ class Easing(NamedTuple):
     above: Above
     limbs: Array
     """(4,) which limbs constraints are about."""
-    carriers: Array
-    """(n,) the segments that carry those whose jolts count as the source's, -1 none."""
-    source: Array
-    """(3,) the greatest jolts of the unsolved motion that anybody needed to know so far, radians a second squared."""
+    peak: Array
+    """(1,) the greatest angular acceleration of any joint in the unsolved motion, radians a second squared."""
     rate: Array
     """(1,) frames a second."""
     jolts: Array

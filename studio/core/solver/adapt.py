@@ -17,10 +17,10 @@ from studio.core.kernels import records
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.support.carrying import place_arms
 from studio.core.kernels.tasks.goals import TURN_ARM
+from studio.core.kernels.time.jolts import note_peaks
 from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
-from studio.core.quality.metrics import angular_acceleration
 from studio.core.single import PoseArray, part_of, single
 from studio.core.solver.asking.packing import point_indices
 from studio.core.solver.asking.self_contact import SelfContact, hands_standing, self_contact_of
@@ -102,10 +102,9 @@ class Standing:
     def peaks(self) -> FloatArray:
         """(S,) radians a second squared: the greatest angular acceleration of each segment in its carrier."""
         carriers = np.array(self.morphology.layout.parent_segments())
-        rotations = self.rotations[:]
-        local = rotations.copy()
-        local[:, 1:] = np.swapaxes(rotations[:, carriers[1:]], 2, 3) @ rotations[:, 1:]
-        return np.asarray(angular_acceleration(local, self.motion.frame_rate).max(axis=0, initial=0.0))
+        peaks = np.empty(len(carriers))
+        note_peaks(carriers, self.rotations[:], self.motion.frame_rate, peaks)
+        return peaks
 
     @cached_property
     def root_peak(self) -> float:

@@ -50,17 +50,21 @@ def warm_up_easing(morphology: Morphology) -> None:
     charts = LimbCharts(morphology.layout, np.stack([rest_pose(morphology)[1]] * FRAMES), limits_of(morphology))
     turns = charts.turns(charts.within(np.zeros((FRAMES, 16, 3))))
     joints, states = np.zeros(1, JOINT), np.zeros((FRAMES, 1, 3))
-    Solve.of(morphology.layout, 30.0, FRAMES, joints, np.zeros((1, 2), np.int64), 0).jolts_of(states, turns)
+    Solve.of(_placed(morphology), FRAMES, joints, np.zeros((1, 2), np.int64), 0).jolts_of(states, turns)
 
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
-    """The rest of ``warm_up``, on four frames that nobody had to set on the ground."""
+    """The rest of ``warm_up``."""
+    return hold(_placed(morphology), (_reach(),))
+
+
+def _placed(morphology: Morphology) -> Standing:
+    """Four still frames that nobody had to set on the ground."""
     positions, rotations = (np.stack([each] * FRAMES) for each in rest_pose(morphology))
     turns = np.broadcast_to(np.eye(3), (2, FRAMES, 3, 3))
     states, shares, ankles = np.zeros((2, FRAMES), np.int64), np.full((2, FRAMES), 0.9), np.zeros((2, FRAMES, 3))
     footing = Footing(states, shares, np.full((2, FRAMES), np.inf), ankles, turns, turns, shares[0])
-    standing = Standing(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
-    return hold(standing, (_reach(),))
+    return Standing(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
 
 
 def warm_up_seldom(morphology: Morphology) -> None:

@@ -2,8 +2,8 @@
 
 Of joints that a search turns it is the angular acceleration of their turns away from the motion, of its root that which
 a bone would have that follows; of limbs that constraints are about that of their own joints. ``jolts`` (F, 3) has the
-greatest of each at each frame, in radians a second squared; ``source`` (3,) the greatest of the same joints in the
-unsolved motion that anybody needed to know so far: a hand that is flicked lets no trunk jolt.
+greatest of each at each frame, in radians a second squared. Bones of a limb that turn in the world well below the
+``peak`` (1,) of the unsolved motion are not looked at closer.
 """
 
 import math
@@ -39,28 +39,17 @@ def small_vector(turn):
 
 @kernel
 def note_jolts(frame, clip):
-    """Note the frame before ``frame``, whose state and pose are there as are those of the two before. Joints of
-    the source are looked at as far as anybody needs to know.
-    """
+    """Note the frame before ``frame``, whose state and pose are there as are those of the two before."""
     if frame < 2:
         return
-    easing, motion, source, out_jolts = clip.easing, clip.motion, clip.easing.source, clip.easing.jolts
-    middle, per_second, turned = frame - 1, easing.rate[0] * easing.rate[0], 0.0
-    note_searched(middle, clip.asked.chain.joints, easing.states, per_second, out_jolts)
-    calm = CALM * source[2] / per_second
+    easing, motion, turned = clip.easing, clip.motion, 0.0
+    middle, per_second = frame - 1, easing.rate[0] * easing.rate[0]
+    note_searched(middle, clip.asked.chain.joints, easing.states, per_second, easing.jolts)
+    calm = CALM * easing.peak[0] / per_second
     for limb in range(4):
         if easing.limbs[limb] and not is_calm(limb, middle, calm * calm, motion.positions, motion.rotations):
             turned = max(turned, limb_jolt(limb, middle, motion.rotations))
-    jolt = out_jolts[middle]
-    jolt[2] = per_second * turned
-    if jolt[0] > ADDED * source[0]:
-        turned = peak_at(middle, easing.carriers, motion.start_rotations)
-        source[0] = max(source[0], per_second * min(travel_jolt(middle, motion.start_positions), turned))
-    if jolt[1] > ADDED * source[1]:
-        peak = searched_peak_at(middle, clip.asked.chain.joints, easing.carriers, motion.start_rotations)
-        source[1] = max(source[1], per_second * peak)
-    if jolt[2] > WHOLE * source[2]:
-        source[2] = max(source[2], per_second * peak_at(middle, easing.carriers, motion.start_rotations))
+    easing.jolts[middle, 2] = per_second * turned
 
 
 @kernel
@@ -88,6 +77,32 @@ def note_searched(middle, joints, states, per_second, out_jolts):
             squared += way * way
         column, scale = (0, 1.0 / TURN_ARM) if joints[joint].segment == ROOT else (1, 2.0)
         out_jolts[middle, column] = max(out_jolts[middle, column], per_second * scale * math.sqrt(squared))
+
+
+@kernel
+def note_peaks(carriers, rotations, rate, out_peaks):
+    """Note the greatest change of pace of every segment (S,) of poses (F, S, 3, 3), in radians a second squared.
+
+    Of what has no carrier (-1) it is that in the world.
+    """
+    for segment in range(carriers.shape[0]):
+        carrier, most = carriers[segment], 0.0
+        now = carried(0, carrier, segment, rotations)
+        pace = (0.0, 0.0, 0.0)
+        for frame in range(1, rotations.shape[0]):
+            before, now = now, carried(frame, carrier, segment, rotations)
+            last, pace = pace, small_vector(product(inverse(before), now))
+            if frame > 1:
+                most = max(most, (pace[0] - last[0]) ** 2 + (pace[1] - last[1]) ** 2 + (pace[2] - last[2]) ** 2)
+        out_peaks[segment] = rate * rate * math.sqrt(most)
+
+
+@small_kernel
+def carried(frame, carrier, segment, rotations):
+    """Turn of a segment at a frame in the axes of its carrier, or in the world's."""
+    if carrier < 0:
+        return turn_in(rotations[frame, segment])
+    return between(rotations[frame, carrier], rotations[frame, segment])
 
 
 @kernel
@@ -147,33 +162,3 @@ def change_of_pace(before, now, after):
     first = small_vector(product(inverse(before), now))
     then = small_vector(product(inverse(now), after))
     return math.sqrt((then[0] - first[0]) ** 2 + (then[1] - first[1]) ** 2 + (then[2] - first[2]) ** 2)
-
-
-@kernel
-def peak_at(middle, carriers, rotations):
-    """The greatest change of any joint's pace at one frame, in radians a frame squared."""
-    most = 0.0
-    for segment in range(carriers.shape[0]):
-        if carriers[segment] >= 0:
-            most = max(most, joint_jolt(middle, carriers[segment], segment, rotations))
-    return most
-
-
-@kernel
-def searched_peak_at(middle, joints, carriers, rotations):
-    """The same of the joints of a search."""
-    most = 0.0
-    for joint in joints:
-        if 0 <= joint.segment < carriers.shape[0] and carriers[joint.segment] >= 0:
-            most = max(most, joint_jolt(middle, carriers[joint.segment], joint.segment, rotations))
-    return most
-
-
-@kernel
-def travel_jolt(middle, positions):
-    """The change of pace of a bone that follows the root's travel at one frame, in radians a frame squared."""
-    squared = 0.0
-    for axis in range(3):
-        way = positions[middle + 1, 0, axis] - 2.0 * positions[middle, 0, axis] + positions[middle - 1, 0, axis]
-        squared += way * way
-    return math.sqrt(squared) / TURN_ARM

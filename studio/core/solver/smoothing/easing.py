@@ -10,7 +10,7 @@ smooth.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,9 @@ from studio.core.quality.metrics import QUIET
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_leash import RootLeash
 from studio.core.solver.standing.footing import LOOK_AHEAD
+
+if TYPE_CHECKING:
+    from studio.core.solver.adapt import Standing
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -70,30 +73,32 @@ _NO_TURNS, _NO_MISSES, _NO_POSE = (
 class Solve:
     """What ``kernels.adapt.solve_frames`` notes of a stretch of F frames, and is given to pose some of them anew.
 
-    ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``carriers`` of every segment that
-    counts as source (legs only where constraints are about them), ``states`` (F, N, 3) of the search, and as in
-    ``kernels.time.jolts`` the peaks of the ``source`` (3,) as far as they are known and the ``sharp`` jolts (F, 3).
+    ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``states`` (F, N, 3) of the search, and as
+    in ``kernels.time.jolts`` the ``sharp`` jolts (F, 3) and the ``peaks`` (3,) of the same in the unsolved motion.
     """
 
     layout: BodyLayout
     rate: float
     joints: NDArray[np.void]
     limbs: IntArray
-    carriers: IntArray
     states: FloatArray
-    source: FloatArray
+    peaks: FloatArray
     sharp: FloatArray
     held: int
 
     @staticmethod
-    def of(
-        layout: BodyLayout, rate: float, frames: int, joints: NDArray[np.void], limbs: IntArray, held: int
-    ) -> "Solve":
-        """``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are contacts'."""
+    def of(standing: "Standing", frames: int, joints: NDArray[np.void], limbs: IntArray, held: int) -> "Solve":
+        """Of some ``frames``; ``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are
+        contacts'.
+        """
         named = set(limbs.ravel().tolist())
         wished = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
-        carriers, states = _carriers(layout, 2 in named or 3 in named), np.empty((frames, len(joints), 3))
-        return Solve(layout, rate, joints, wished, carriers, states, np.full(3, QUIET), np.zeros((frames, 3)), held)
+        layout, rate = standing.morphology.layout, standing.motion.frame_rate
+        peaks, states = (
+            own_peaks(standing, joints["segment"], 2 in named or 3 in named),
+            np.empty((frames, len(joints), 3)),
+        )
+        return Solve(layout, rate, joints, wished, states, peaks, np.zeros((frames, 3)), held)
 
     def easing(
         self,
@@ -106,7 +111,7 @@ class Solve:
         above: Above,
     ) -> records.Easing:
         """As ``kernels.time.easing`` takes it; ``level`` as ``Level.stands``."""
-        noted = self.limbs, self.carriers, self.source, np.array([self.rate]), self.sharp
+        noted = self.limbs, self.peaks[2:], np.array([self.rate]), self.sharp
         eased = np.array([(level[0], meets, self.held, holds, level[1])], dtype=EASED_LEVEL)
         return records.Easing(frames, self.states, turns, eased, misses, above, *noted)
 
@@ -119,21 +124,10 @@ class Solve:
         """For a first run over all frames."""
         return self.easing(np.arange(len(self.states)), _NO_TURNS, (0, 0), False, False, _NO_MISSES, _NO_POSE)
 
-    @property
-    def jolts(self) -> bool:
-        """Whether any frame has to be looked at closer."""
-        return bool(np.count_nonzero(self.sharp > EASED[0] * self.source))
-
-    def own_peaks(self, root: float, peaks: FloatArray) -> FloatArray:
-        """(3,) what ``jolts_of`` tells at most of the unsolved motion, whose ``root`` and segments (S,) have peaks.
-
-        Root and searched joints have at least that of the legs, where a leg has a constraint.
-        """
-        peaks, searched = peaks[: len(self.carriers)], self.joints["segment"]
-        joints = peaks[searched[(searched != ROOT) & (searched < len(peaks))]]
-        legs = [segment for segment in map(self.layout.segment, LEGS) if segment < len(peaks)]
-        leg, most = peaks[legs].max(initial=QUIET), peaks.max(initial=QUIET)
-        return np.array([min(max(leg, root), most), joints.max(initial=leg), most])
+    def jolts(self, brings: float | FloatArray = 0.0) -> bool:
+        """Whether anything turns more sharply than the motion does and wishes bring (F,), radians a second squared."""
+        allowed = self.peaks + np.reshape(brings, (-1, 1))
+        return bool((self.sharp > EASED[0] * allowed).any())
 
     def jolts_of(self, states: FloatArray, turns: FloatArray) -> FloatArray:
         """(F, 3) of the root, of other joints of the search by their states, and of turns (F, 16, 3, 3) of the limbs.
@@ -145,10 +139,17 @@ class Solve:
         return sharp
 
 
-@cache
-def _carriers(layout: BodyLayout, with_legs: bool) -> IntArray:
-    carriers = np.array(layout.parent_segments())
-    return carriers if with_legs else carriers[: layout.spine_count + 10]
+def own_peaks(standing: "Standing", searched: IntArray, legs_asked: bool) -> FloatArray:
+    """(3,) what ``Solve.jolts_of`` tells at most of the unsolved motion, of a search of segments ``searched`` (N,).
+
+    Legs count where a constraint is about them; root and searched joints then have at least what legs have.
+    """
+    layout = standing.morphology.layout
+    peaks = standing.peaks if legs_asked else standing.peaks[: layout.spine_count + 10]
+    joints = peaks[searched[(searched != ROOT) & (searched < len(peaks))]]
+    leg = max(QUIET, *(peaks[layout.segment(part)] for part in LEGS)) if legs_asked else QUIET
+    most = peaks.max(initial=QUIET)
+    return np.array([min(max(leg, standing.root_peak), most), joints.max(initial=leg), most])
 
 
 @dataclass(frozen=True, eq=False)

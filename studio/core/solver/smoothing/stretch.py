@@ -102,7 +102,7 @@ class Stretch:
         self.whole = self._solve_of()
         noting = self.whole.noting
         self._pose(None, noting if frames is None else noting._replace(frames=frames))
-        return self.whole.jolts or self._hides_jolts()
+        return self._hides_jolts() or (self.whole.jolts() and self.whole.jolts(self._brings_of(self._ranks >= 0)))
 
     def _hides_jolts(self) -> bool:
         """Whether a level may jolt that does not with those below it: where arms are kept clear, points enter areas and
@@ -156,9 +156,7 @@ class Stretch:
         ends = self._rows.asked["limbs"]
         if level is not None:
             ends = ends[self._ranks[: len(ends)] <= level]
-        motion, layout = self.standing.motion, self.standing.morphology.layout
-        frames, joints = len(self._positions), self._joints.joints
-        return Solve.of(layout, motion.frame_rate, frames, joints, ends, int(self._held > 0))
+        return Solve.of(self.standing, len(self._positions), self._joints.joints, ends, int(self._held > 0))
 
     def _runs(self, window: slice) -> list[tuple[int, int]]:
         """First and past the last row of each run of frames that have to do with each other and touch ``window``."""
@@ -226,12 +224,15 @@ class Stretch:
         wishes = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
         acting, ranks = np.reshape(wishes, (-1, len(self._positions))) > 0.0, self._ranks[self._held :]
         acts, own = (np.asarray(acting[each].any(axis=0)) for each in (ranks <= number, ranks == number))
-        asked = down[: len(self._activations)]
-        brings = self._brings[0, asked].sum(axis=0) + self._brings[1, asked].max(axis=0, initial=0.0)
         solved, above = tuple(each.copy() for each in self._solved), self._ranks < number
-        clears = int(np.count_nonzero(~above[len(asked) :]))
-        allowed = solve.own_peaks(self.standing.root_peak, self.standing.peaks) + brings[:, None]
+        clears = int(np.count_nonzero(~above[len(self._activations) :]))
+        allowed = solve.peaks + self._brings_of(down)[:, None]
         return Level(solve, solved, above, (self._rank_of(number), clears), acts, own, allowed)
+
+    def _brings_of(self, down: NDArray[np.bool_]) -> FloatArray:
+        """(F,) what the wishes ``down`` (C + Q,) to a level bring, radians a second squared."""
+        push, edges = self._brings[:, down[: len(self._activations)]]
+        return np.asarray(push.sum(axis=0) + edges.max(axis=0, initial=0.0))
 
     @cached_property
     def _brings(self) -> FloatArray:

@@ -149,11 +149,11 @@ def _raise_elbow(
     """
     layout = body.layout
     wrist, arm = layout.wrist(side), layout.spine_count + 3 + 4 * side
+    if _above(ground, positions[:, wrist - 1]).min() >= -ELBOW:
+        return
     shoulders = positions[:, wrist - 2]
     out = normalized((shoulders - positions[:, layout.wrist(1 - side) - 2]) * [1.0, 1.0, 0.0])
     ways = _ways_out(positions[:, wrist - 1], shoulders, out, ground)
-    if not ways.any():
-        return
     upper = positions[:, wrist - 1] - shoulders
     swings = normalized(upper + free[:, None] * ways)
     rotations[:, arm] = shortest_arc(normalized(upper), swings) @ rotations[:, arm]
