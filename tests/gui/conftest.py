@@ -1,6 +1,7 @@
-"""The window and the timeline that several files of tests drive; a file with its own has it by the same name."""
+"""The window, the viewport and the timeline that several files of tests drive; a file may have its own by that name."""
 
 import pytest
+from PySide6.QtCore import QEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
@@ -10,9 +11,12 @@ from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.io.bvh_writer import write_bvh
 from studio.timeline.timeline import Timeline
+from studio.viewport.widget import Viewport
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import Hand, curve
+from tests.gui.viewport_use import settle
 from tests.timeline.fakes import FakeLive
+from tests.viewport.standing import StandingLive
 
 
 @pytest.fixture
@@ -28,6 +32,23 @@ def window(qtbot, tmp_path):
     window.leave()
     window.deleteLater()
     QTest.qWait(0)
+
+
+@pytest.fixture
+def studio(qtbot):
+    """A viewport with two bodies that stand, its document and its engine's part."""
+    document = Document(make_project(characters=2, constraints=1))
+    live = StandingLive(document)
+    viewport = Viewport(document, live)
+    viewport.resize(900, 600)
+    with qtbot.waitSignal(viewport.started):
+        viewport.show()
+    document.playhead.set_time(0.2)
+    settle(viewport)
+    yield viewport, document, live
+    viewport.close()
+    viewport.deleteLater()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 @pytest.fixture

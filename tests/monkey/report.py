@@ -1,0 +1,79 @@
+"""What is seen of the monkey's rounds: faults, long turns of the event loop, memory."""
+
+import os
+import sys
+import threading
+import time
+import traceback
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+GAP = 1.0
+"""Seconds that a turn of the event loop may take of this process's own making."""
+SETTLED = 10
+"""Rounds after which memory is to be flat."""
+GROWTH = 50e6
+"""Bytes that the middle of the last rounds may lie above that of the first ones after ``SETTLED``."""
+
+
+@dataclass
+class Report:
+    """What was seen; ``faults`` are tracebacks and sentences, each with the event at which it came."""
+
+    events: int = 0
+    faults: list[str] = field(default_factory=list)
+    gaps: list[str] = field(default_factory=list)
+    memory: list[int] = field(default_factory=list)
+    """Bytes of the process after each round."""
+    kinds: Counter[str] = field(default_factory=Counter)
+    windows: Counter[str] = field(default_factory=Counter)
+    """Events by what was done, and by what stood in front then."""
+
+    @property
+    def growth(self) -> float:
+        """Bytes by which the process has grown since it was settled; 0 while there are too few rounds."""
+        flat = self.memory[SETTLED:]
+        part = len(flat) // 3
+        return sum(flat[-part:]) / part - sum(flat[:part]) / part if part else 0.0
+
+    @property
+    def right(self) -> bool:
+        return not self.faults and not self.gaps and self.growth < GROWTH
+
+
+def waited_for_a_processor(thread: int) -> float:
+    """Seconds in which a thread of this process could have run and was not let by others."""
+    try:
+        return int(Path(f"/proc/self/task/{thread}/schedstat").read_text().split()[1]) / 1e9
+    except (OSError, IndexError, ValueError):
+        return 0.0
+
+
+def resident() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+class Clock(threading.Thread):
+    """Looks from another thread at how long a turn takes, and keeps the stack of one that takes too long."""
+
+    def __init__(self) -> None:
+        super().__init__(daemon=True)
+        self.main, self.native = threading.get_ident(), threading.get_native_id()
+        self.begun, self.stack = time.monotonic(), ""
+        self.stopped = threading.Event()
+
+    def turn(self) -> tuple[float, str]:
+        """Seconds since the last turn without those for which others had the processor, and the stack of a long one."""
+        now, waited = time.monotonic(), waited_for_a_processor(self.native)
+        took = now - self.begun - (waited - self.waited)
+        stack, self.begun, self.waited, self.stack = self.stack, now, waited, ""
+        return took, stack
+
+    waited = 0.0
+
+    def run(self) -> None:
+        while not self.stopped.wait(0.05):
+            if time.monotonic() - self.begun > 0.7 * GAP and not self.stack:
+                frame = sys._current_frames().get(self.main)
+                self.stack = "".join(traceback.format_stack(frame)) if frame else ""
