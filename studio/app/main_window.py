@@ -50,6 +50,7 @@ class MainWindow(QMainWindow):
     def __init__(self, bench: Workbench) -> None:
         super().__init__()
         self.bench = bench
+        bench.setParent(self)
         bench.window = self
         self.arranging = False
         self._leaving = False

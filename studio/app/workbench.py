@@ -29,6 +29,9 @@ class Workbench(QObject):
         """Files that captures were read from in this run, by capture id."""
         self.read_as: dict[str, ReadAs] = {}
         """How they were read, to be corrected."""
+        # What is connected to them would keep them, and all that they hold, for good: they go with their parent.
+        for part in (document, live, runner):
+            part.setParent(self)
         document.problem.connect(self.said)
         runner.failed.connect(lambda _, sentence: self.said.emit(sentence))
 
