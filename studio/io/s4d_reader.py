@@ -20,7 +20,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import girdles, restore
+from studio.core.normalized.realize import girdle_of, restore
 from studio.core.rotations import IDENTITY, to_matrix
 from studio.io.beside import refuse_devices
 from studio.io.constraint_file import constraint_of, contacts_of
@@ -96,7 +96,7 @@ def read_s4d(path: Path, motion_id: str = "") -> S4d:
             raise ValueError(f"{frames} frames of {joints} joints are more than a file of this size can hold.")
         motion = NormalizedMotion(record.name, record.frame_rate, arrays[CHANNELS], record.spine_places)
         actor = _actor(record.actor, motion, arrays)
-        motion = replace(motion, girdle=float(girdles(actor.morphology)[0]))
+        motion = replace(motion, girdle=girdle_of(actor.morphology))
         capture = _capture(record, motion, actor)
     except StudioError as error:
         raise StudioError(f"{path.name}: {error}") from error

@@ -1,9 +1,12 @@
 """Left for right: what is mirrored moves as its reflection does."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.normalized.mirror import mirrored, mirrored_contacts
+from studio.core.normalized.motion import Girdle
 from studio.core.normalized.normalize import normalize
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
@@ -39,6 +42,16 @@ def test_hands_and_feet_turn_as_their_reflections_do() -> None:
 def test_mirrored_twice_is_the_motion_itself() -> None:
     motion, _ = normalize(swaying(1))
     np.testing.assert_array_equal(mirrored(mirrored(motion)).channels, motion.channels)
+
+
+def test_the_shoulders_of_a_mirrored_motion_are_mirrored() -> None:
+    motion, _ = normalize(swaying(3, hinged=True))
+    steep = replace(make_morphology(), clavicle_rest=np.array([[0.0, 0.8, 0.6], [0.0, -1.0, 0.0]]))
+    asked = replace(motion, girdle=Girdle(0.8, np.array([[0.1, 0.9, -0.4], [0.0, -1.0, 0.0]])))
+    plain, _ = realize(asked, steep)
+    seen, _ = realize(mirrored(asked), replace(steep, clavicle_rest=steep.clavicle_rest[::-1] * REFLECTED))
+    left, right = (steep.layout.collar(side) + 1 for side in range(2))
+    np.testing.assert_allclose(seen[:, right] * REFLECTED, plain[:, left], atol=1e-12)
 
 
 def test_contacts_are_those_of_the_other_side() -> None:

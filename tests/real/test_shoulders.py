@@ -14,12 +14,16 @@ from tests.real.taken import contacts_of, named, taken
 
 
 @pytest.mark.parametrize(
-    "stem", ["accad_male2_A6_BoxLift", "accad_female1_D6_CartWheel", "accad_male2_E1_JabLeft", "assimp_Boxing_Toes"]
-)
+    "stem",
+    [
+        "accad_male2_A6_BoxLift", "accad_female1_D6_CartWheel", "accad_male2_E1_JabLeft", "assimp_Boxing_Toes",
+        "accad_male2_E8_UppercutRight", "accad_male2_G11_RoundhouseLeadingRight", "accad_female1_C20_RunToJumpToWalk",
+    ],
+)  # fmt: skip
 def test_shoulders_are_as_wide_as_the_actors(captures: Path, stem: str) -> None:
     capture, motion, actor = taken(named(stem))
     contacts, source = contacts_of(capture), source_motion(motion, actor)
     for character in bundled_characters().values():
         adapted = adapt(AdaptRequest(motion, character.morphology, contacts))
         found = motion_quality(adapted, source, contacts, Ground(), capture.first_frame)
-        assert abs(found.shoulders) < 0.1, character.name
+        assert -0.05 < found.shoulders < 0.1, character.name

@@ -97,7 +97,8 @@ def _composed(ordered: Sequence[Piece], played: NormalizedMotion | None = None) 
         row.add(piece)
     name = " + ".join(dict.fromkeys(piece.motion.name for piece in ordered))
     row.channels.setflags(write=False)
-    girdle = max(piece.motion.girdle for piece in ordered)
+    known = [piece.motion.girdle for piece in ordered if piece.motion.girdle is not None]
+    girdle = max(known, key=lambda each: each.length, default=None)
     motion = NormalizedMotion(name, row.timing.frame_rate, row.channels, row.spine_places, girdle)
     return Composite(motion, row.contacts(), row.timing, tuple(row.played))
 

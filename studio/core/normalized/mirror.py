@@ -46,7 +46,8 @@ def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
             turned = [-x, y, -z, w]
         channels[:, column : column + 4] = np.stack(turned, axis=1)
     channels.setflags(write=False)
-    return replace(motion, channels=channels)
+    girdle = motion.girdle and replace(motion.girdle, rest=motion.girdle.rest[::-1] * [1.0, -1.0, 1.0])
+    return replace(motion, channels=channels, girdle=girdle)
 
 
 def mirrored_contacts(contacts: Sequence[ContactInterval]) -> tuple[ContactInterval, ...]:

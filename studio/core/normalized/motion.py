@@ -13,6 +13,19 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
+class Girdle:
+    """The actor's shoulders: a motion holds how clavicles turn, and what that does depends on how they lie at rest."""
+
+    length: float
+    """Of the clavicles in parts of half the breadth of the shoulders, as ``realize.girdles`` has it."""
+    rest: FloatArray
+    """(2, 3) direction of each clavicle at rest, thorax axes."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rest", unwritten(self.rest))
+
+
+@dataclass(frozen=True, eq=False)
 class NormalizedMotion:
     """A motion free of any body's measures: angles, and lengths as parts of the body's own.
 
@@ -25,9 +38,9 @@ class NormalizedMotion:
     frame_rate: float
     channels: FloatArray
     spine_places: FloatArray
-    girdle: float = 0.0
-    """How long the actor's clavicles are, as ``realize.girdles`` has it: where others' are longer they turn by less, so
-    that shoulders go as far. 0 where it is not known: they turn alike."""
+    girdle: Girdle | None = None
+    """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
+    nearer to each other than the actor's do. None where it is not known: clavicles turn alike."""
 
     def __post_init__(self) -> None:
         for name in ("channels", "spine_places"):

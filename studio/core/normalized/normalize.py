@@ -35,7 +35,7 @@ from studio.core.normalized.encode import actor_sizes
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import girdles, trunk_places
+from studio.core.normalized.realize import girdle_of, trunk_places
 from studio.core.normalized.soles import sole_points
 from studio.core.pieces import do_over_frames
 from studio.core.rotations import from_matrix, sign_continuous
@@ -71,9 +71,7 @@ def normalize(
     channels = _channels(body, marks.points, rotations, capture.frame_rate)
     channels[:, at.HIPS : at.HIPS + 3] -= origin / body.leg_length
     channels.setflags(write=False)
-    motion = NormalizedMotion(
-        capture.name, capture.frame_rate, channels, trunk_places(body.spine), float(girdles(body)[0])
-    )
+    motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine), girdle_of(body))
     return motion, Actor(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
 
 

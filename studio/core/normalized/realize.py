@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.morphology import AnyMorphology
+from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.kernels import layout as at
 from studio.core.normalized.actor import Actor
-from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.motion import Girdle, NormalizedMotion
 from studio.core.rotations import from_matrix, to_matrix
 
 FloatArray = NDArray[np.float64]
@@ -26,13 +26,19 @@ def realize(
     layout = morphology.layout
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
-    taken = np.ones(1) if motion.girdle == 0.0 else np.minimum(motion.girdle / girdles(morphology), 1.0)
+    girdle = motion.girdle or girdle_of(morphology.still)
+    actor = kernel.Shoulders(np.minimum(girdle.length / girdles(morphology), 1.0), girdle.rest)
     kernel.realize_frames(
-        motion.channels, motion.spine_places, morphology.rows, taken, float(play), positions, rotations
+        motion.channels, motion.spine_places, morphology.rows, actor, float(play), positions, rotations
     )
     if len(morphology.rows) > 1:
         positions[..., :2] -= _drift(motion.channels[:, at.HIPS : at.HIPS + 2], morphology)[:, None]
     return positions, rotations
+
+
+def girdle_of(body: Morphology) -> Girdle:
+    """The shoulders of a body that is taken for the actor."""
+    return Girdle(float(girdles(body)[0]), body.clavicle_rest)
 
 
 def girdles(body: AnyMorphology) -> FloatArray:

@@ -1,35 +1,57 @@
 """From channels to a posed body: the morphology-independent motion takes the measures of one body (METHOD 3)."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.algebra.turns import along, product, put_beside, put_turn, sine_and_cosine, turn_of
+from studio.core.kernels.algebra.turns import (
+    along,
+    product,
+    put_beside,
+    put_turn,
+    shortest,
+    sine_and_cosine,
+    turn_of,
+)
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.limbs.limb import place_limb
-from studio.core.kernels.records import Limb, Pose
+from studio.core.kernels.records import Array, Limb, Pose
+
+NARROWED = 0.003
+"""Part of a clavicle by which it goes inwards farther than the actor's before it is half held back."""
+
+
+class Shoulders(NamedTuple):
+    """Of the actor, beside those of the body that is posed."""
+
+    lengths: Array
+    """(F or 1,) of the actor's clavicles in parts of the body's, both in parts of the shoulders' breadth, 1 at most."""
+    rests: Array
+    """(2, 3) directions of the actor's clavicles at rest, in the thorax."""
 
 
 @allocating_kernel
-def realize_frames(channels, places, measures, girdles, play, out_positions, out_rotations):
+def realize_frames(channels, places, measures, actor, play, out_positions, out_rotations):
     """Pose a body at every frame (METHOD 3; eq. 2 of K05).
 
     ``channels`` (F, 89 + 4 K_motion); ``places`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K);
-    ``girdles`` (F or 1,) parts of their turns that clavicles take; ``play`` 1 keeps the actor's stray of hips and head,
-    0 drops it. Out: (F, K + 23, 3) metres, (F, K + 18, 3, 3), motion space.
+    ``actor`` has Shoulders; ``play`` 1 keeps the actor's stray of hips and head, 0 drops it. Out: (F, K + 23, 3)
+    metres, (F, K + 18, 3, 3), motion space.
     """
     spine_from, spine_share = sample_spine(places, measures[0])
-    realize_each(channels, measures, girdles, spine_from, spine_share, play, out_positions, out_rotations)
+    realize_each(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations)
 
 
 @kernel
-def realize_each(channels, measures, girdles, spine_from, spine_share, play, out_positions, out_rotations):
+def realize_each(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations):
     """``realize_frames`` with its spine sampled."""
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
-        realize_frame(channels[frame], row, girdles[frame % girdles.shape[0]], spine_from, spine_share, play, pose)
+        shoulders = actor.lengths[frame % actor.lengths.shape[0]], actor.rests
+        realize_frame(channels[frame], row, shoulders, spine_from, spine_share, play, pose)
 
 
 @allocating_kernel
@@ -56,12 +78,12 @@ def sample_spine(places, measures):
 
 
 @kernel
-def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pose):
+def realize_frame(channels, measures, shoulders, spine_from, spine_share, play, pose):
     """One frame of ``realize_frames``."""
     root, pelvis, neck_base, thorax = realize_trunk(channels, measures, spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
-        realize_arm(channels, measures, girdle, side, neck_base, thorax, pose)
+        realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose)
         realize_leg(channels, measures, side, play, root, pelvis, pose)
 
 
@@ -162,19 +184,40 @@ def part_of_turn(channels, column, share):
 
 
 @small_kernel
-def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
+def clavicle_turn(channels, measures, shoulders, side):
+    """Of a clavicle in the thorax: from the body's own rest as the actor's from the actor's, longer ones by less.
+
+    Outwards it reaches no less than the actor's, however it lies at rest: the same turn takes more of the breadth of
+    the shoulders from a clavicle that rises at rest than from one that falls, and shoulders that meet tear the skin.
+    """
+    length, rests = shoulders
+    m, column, out = at.M_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side, 1.0 - 2.0 * side
+    own = turn_of(channels, column)
+    turn = own if length == 1.0 else part_of_turn(channels, column, length)
+    turn = product(turn, along(measures[m], measures[m + 1], measures[m + 2]))
+    rest = rests[side]
+    lost = out * (rest[1] - (own[3] * rest[0] + own[4] * rest[1] + own[5] * rest[2]))
+    reach = out * turn[5]
+    beyond = out * measures[m + 1] - length * max(lost, 0.0) - reach
+    if beyond <= 0.0:
+        return turn
+    held = reach + beyond * beyond / (beyond + NARROWED)
+    drawn = math.sqrt((1.0 - held * held) / (1.0 - reach * reach))
+    return product(shortest(turn[2], turn[5], turn[8], drawn * turn[2], out * held, drawn * turn[8]), turn)
+
+
+@small_kernel
+def realize_arm(channels, measures, shoulders, side, neck_base, thorax, pose):
     """Clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax carried along by the actor's clavicle.
 
-    The body's own takes the part ``girdle`` of that turn.
+    ``shoulders`` are the actor's: length of the clavicles beside the body's, and how they lie at rest.
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = spine_count + 3 + 5 * side, spine_count + 2 + 4 * side
     carrier = product(thorax, turn_of(channels, at.CLAVICLE + 4 * side))
     m = at.M_COLLAR_BASE + 3 * side
     collar = put_beside(neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
-    m = at.M_CLAVICLE_REST + 3 * side
-    carried = carrier if girdle == 1.0 else product(thorax, part_of_turn(channels, at.CLAVICLE + 4 * side, girdle))
-    turn = product(carried, along(measures[m], measures[m + 1], measures[m + 2]))
+    turn = product(thorax, clavicle_turn(channels, measures, shoulders, side))
     put_turn(turn, pose.rotations[segment])
     put_beside(collar, turn, 0.0, 0.0, measures[at.M_CLAVICLE + side], pose.positions[point + 1])
     m = at.M_ARM + 2 * side
