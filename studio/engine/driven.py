@@ -1,7 +1,9 @@
 """Performers that a live input drives: their pose comes from there, and the solver asks of it what their clips ask."""
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
@@ -9,6 +11,9 @@ from studio.core.project import Project
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
+
+if TYPE_CHECKING:
+    from studio.live.planting import Planted
 
 PoseSource = Callable[[], NormalizedMotion | None]
 """The newest pose, as a motion that is still; None while there is none."""
@@ -22,12 +27,13 @@ class Driven:
         self._sources: dict[str, PoseSource] = {}
         self._shown: dict[str, AdaptedMotion] = {}
         self._requests: dict[str, tuple[Wanted, AdaptRequest]] = {}
+        self._planted: dict[str, Planted] = {}
         self.problems: dict[str, str] = {}
         """Why a performer cannot play what comes in, in a sentence."""
 
     def drive(self, performer_id: str, source: PoseSource | None) -> None:
         """Let a source drive a performer; with None its clips play again."""
-        for held in (self._sources, self._shown, self._requests, self.problems):
+        for held in (self._sources, self._shown, self._requests, self._planted, self.problems):
             held.pop(performer_id, None)
         if source is not None:
             self._sources[performer_id] = source
@@ -53,12 +59,14 @@ class Driven:
         self, project: Project, key: str, seconds: float, pose: NormalizedMotion, results: Mapping[str, AdaptedMotion]
     ) -> AdaptedMotion:
         from studio.live.driving import driven  # loads the solver
+        from studio.live.planting import Planted
 
-        performer = project.performers[key]
+        performer, clock = project.performers[key], time.monotonic()
+        planted = self._planted.setdefault(key, Planted())
         if not performer.clips:
             body = project.characters[performer.character_id].morphology
             ground = project.ground.seen_from(performer.position, performer.heading)
-            return driven(AdaptRequest(pose, body, ground=ground), 0, pose)
+            return driven(AdaptRequest(pose, body, ground=ground), 0, pose, planted, clock)
         known = results.get(key)
         wanted = wanted_of(project, key, (key,), results.get)
         if wanted is None or known is None:
@@ -67,4 +75,4 @@ class Driven:
             self._requests[key] = wanted, player_of(project, key, wanted, self._prepare).request
         row = round(timing_of(project, performer).frame_at(seconds))
         row = min(max(row, 0), frame_count_of(project, performer) - 1)
-        return replace(driven(self._requests[key][1], row, pose), composite=known.composite)
+        return replace(driven(self._requests[key][1], row, pose, planted, clock), composite=known.composite)

@@ -9,10 +9,11 @@ from studio.core.body.morphology import Morphology
 from studio.core.constraints.carried_over import Carry, carried_over
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.adapt import hold, standing_of
+from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import OwnPath
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.live import vmc
+from studio.live.planting import Planted
 from studio.live.tracker import Inbox
 
 FloatArray = NDArray[np.float64]
@@ -45,13 +46,12 @@ def _pose_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
     return pose if np.isfinite(pose.channels).all() else None
 
 
-def driven(request: AdaptRequest, row: int, pose: NormalizedMotion) -> AdaptedMotion:
+def driven(request: AdaptRequest, row: int, pose: NormalizedMotion, planted: Planted, seconds: float) -> AdaptedMotion:
     """Frame ``row`` of a request with ``pose`` in the place of its motion: stood, and solved for what is asked.
 
-    No contact is known of what comes in live: feet stand where the sender has them, scaled.
+    ``planted`` knows how the feet stood before, ``seconds`` by the clock.
     """
-    seconds = row / request.motion.frame_rate
-    now = Carry(-seconds, 1.0, 0.0, (0.0, 0.0), False, -ALWAYS, ALWAYS)
+    now = Carry(-row / request.motion.frame_rate, 1.0, 0.0, (0.0, 0.0), False, -ALWAYS, ALWAYS)
     window = slice(row, row + 1)
     tracks = {
         key: track if isinstance(track, OwnPath) else track.within(window) for key, track in request.tracks.items()
@@ -60,4 +60,4 @@ def driven(request: AdaptRequest, row: int, pose: NormalizedMotion) -> AdaptedMo
     body = body if isinstance(body, Morphology) else body.at(row)
     alone = replace(request, motion=pose, morphology=body, contacts=(), tracks={}, actor=None)
     asked = [carried_over(each, now) for each in request.constraints]
-    return replace(hold(standing_of(alone), asked, 0, 0, tracks), first_frame=row)
+    return replace(hold(planted.stand(alone, seconds), asked, 0, 0, tracks), first_frame=row)

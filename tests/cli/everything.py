@@ -35,6 +35,7 @@ from studio.library.indexing import index
 from studio.library.library import Library
 from studio.library.searching import Asked, find
 from studio.live.driving import ReceivedPose, driven
+from studio.live.planting import Planted
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox
 from studio.resources_folder import example_captures_folder
@@ -88,7 +89,7 @@ def play_live() -> None:
     pose = ReceivedPose(inbox)()
     assert pose is not None
     for request in asking(AdaptRequest(WALK, STILL, FEET), [("position",)]):
-        driven(request, 20, pose)
+        driven(request, 20, pose, Planted(), 0.0)
 
 
 def read_files() -> None:

@@ -1,0 +1,128 @@
+"""A body that comes in live, set on the ground a pose at a time, with nothing known of what comes next (METHOD 4)."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.contacts import FOOT_POINTS, GREATEST_DRIFT, ContactInterval
+from studio.core.kernels.adapt import place_frames
+from studio.core.kernels.limbs.limb import COMFORT
+from studio.core.kernels.support.feet import FLAT, HEEL, TOE
+from studio.core.normalized.realize import realize
+from studio.core.solver.adapt import Standing
+from studio.core.solver.asking.self_contact import self_contact_of
+from studio.core.solver.request import AdaptRequest
+from studio.core.solver.smoothing.stretch import legs_of
+from studio.core.solver.standing.footing import Footing, leg_stretches, run_out
+from studio.core.solver.standing.raised_arms import raise_arms
+from studio.live.foothold import Follower, Foothold, FootPose
+
+FloatArray = NDArray[np.float64]
+
+FLOOR_RISES = 0.01
+"""Metres a second by which what counts as low comes up towards feet that are never lower."""
+LOST = 0.5
+"""Seconds without a pose after which a body begins anew where it is."""
+BITS = {point: HEEL if point.is_heel else TOE for point in FOOT_POINTS}
+
+
+class Planted:
+    """``stand`` a body's newest pose; what it keeps from one call to the next is where the feet stand."""
+
+    def __init__(self) -> None:
+        self._request: AdaptRequest | None = None
+        self._standing: Standing | None = None
+        self._feet: tuple[Foothold, ...] = ()
+        self._seconds = -math.inf
+        self._low = self._lowest = math.inf
+        self._floor = Follower(0.0)
+
+    @property
+    def states(self) -> tuple[int, ...]:
+        """What stands of each foot, in bits as ``kernels.support.feet`` has them."""
+        return tuple(foot.state for foot in self._feet)
+
+    def stand(self, request: AdaptRequest, seconds: float) -> Standing:
+        """The still pose of ``request`` on its body and the ground, ``seconds`` by the clock."""
+        before, self._request = self._request, request
+        same = before is not None and before.morphology is request.morphology and before.ground == request.ground
+        if self._standing is None or not (same and before is not None and before.motion is request.motion):
+            begins = not same or not seconds - self._seconds < LOST
+            self._standing = self._stand(request, 0.0 if begins else seconds - self._seconds, begins)
+            self._seconds = seconds
+        return self._standing
+
+    def _stand(self, request: AdaptRequest, dt: float, begins: bool) -> Standing:
+        body = request.morphology.still
+        positions, rotations = realize(request.motion, body)
+        if begins:
+            self._low = self._lowest = math.inf
+            self._floor = Follower(0.0)
+            self._feet = tuple(Foothold(body, side, request.ground, Follower(0.0)) for side in range(2))
+        own = [_posed(foot, positions, rotations) for foot in self._feet]
+        low = self._low_of(own, dt) - self._floor.value
+        positions[:, :, 2] -= self._floor_under(own, dt)
+        own = [_posed(foot, positions, rotations) for foot in self._feet]
+        aimed = [foot.step(each, low, dt) for foot, each in zip(self._feet, own, strict=True)]
+        positions[:, :, 2] += np.mean([foot.climb.value for foot in self._feet])
+        footing = self._footing(request, aimed, positions)
+        legs = legs_of(footing, request.motion, slice(None))
+        place_frames(body.rows, footing.drops, legs, positions, rotations)
+        for foot in self._feet:
+            foot.show(_posed(foot, positions, rotations))
+        return self._standing_of(request, footing, positions, rotations)
+
+    def _low_of(self, feet: list[FootPose], dt: float) -> float:
+        """Metres of the lowest heel or ball of late, which comes up slowly at most."""
+        points = [foot.points_of(pose)[:, 2] for foot, pose in zip(self._feet, feet, strict=True)]
+        lowest = float(np.min(points))
+        self._lowest = min(self._lowest, lowest)
+        self._low = min(self._low + FLOOR_RISES * dt, self._lowest + GREATEST_DRIFT, lowest)
+        return self._low
+
+    def _floor_under(self, feet: list[FootPose], dt: float) -> float:
+        """Metres of the floor that the sender stands on, as feet that stand flat show it."""
+        pairs = zip(self._feet, feet, strict=True)
+        flat = [foot.points_of(pose)[:, 2].mean() for foot, pose in pairs if foot.state == FLAT]
+        return self._floor.follow(float(np.mean(flat)), dt) if flat else self._floor.value
+
+    def _footing(self, request: AdaptRequest, aimed: list[FootPose], positions: FloatArray) -> Footing:
+        """What the ground asks of both frames, which are alike."""
+        motion, body = request.motion, request.morphology.still
+        count = motion.frame_count
+        states, weights = (np.array([[each] * count for each in both]) for both in (self.states, self._weights))
+        ankles, feet, toes = (
+            np.stack([np.stack([part] * count) for part in parts]) for parts in zip(*aimed, strict=True)
+        )
+        standing, _ = leg_stretches(motion, np.full_like(states, FLAT))
+        comforts = COMFORT + weights * (standing - COMFORT)
+        hips = np.stack([positions[:, body.layout.hip(side)] for side in range(2)])
+        off, reaches = ankles - hips, comforts * body.leg.sum(axis=1)[:, None]
+        below = np.sqrt(np.maximum(reaches**2 - np.sum(off[..., :2] ** 2, axis=2), 0.0))
+        drops = (weights * np.maximum(-off[..., 2] - below, 0.0)).max(axis=0)
+        return Footing(states, comforts, run_out(1.0 - weights), ankles, feet, toes, drops)
+
+    @property
+    def _weights(self) -> tuple[float, ...]:
+        return tuple(foot.weight for foot in self._feet)
+
+    def _standing_of(
+        self, request: AdaptRequest, footing: Footing, positions: FloatArray, rotations: FloatArray
+    ) -> Standing:
+        motion, body, ground = request.motion, request.morphology.still, request.ground
+        raise_arms(body, ground, None, motion.frame_rate, positions, rotations)
+        contact = self_contact_of(motion, body, (), request.volume, request.actor, request.clears)
+        last = motion.frame_count - 1
+        contacts = tuple(
+            ContactInterval("live", point, 0, last) for point, bit in BITS.items() if self.states[point.side] & bit
+        )
+        known = request.volume, request.actor, request.limited, contact
+        standing = Standing(motion, body, contacts, ground, footing, (), None, positions, rotations, *known)
+        return standing.with_arms_right([slice(0, last + 1)])
+
+
+def _posed(foot: Foothold, positions: FloatArray, rotations: FloatArray) -> FootPose:
+    layout, side = foot.body.layout, foot.side
+    segment = layout.spine_count + 12 + 4 * side
+    return FootPose(positions[0, layout.ankle(side)].copy(), *rotations[0, segment : segment + 2].copy())
