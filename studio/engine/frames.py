@@ -1,12 +1,14 @@
 """Frames: the one frame of each body that a picture shows, solved for it as all is asked at that moment.
 
 A frame is solved from its own pose alone (``core.solver.adapt.hold``), so it is what the whole clip has there, but for
-the easing of what jolts. It costs less than a message to another thread: bodies follow the hand in the same picture.
+the easing of what jolts. Who is worked on is solved before the picture is drawn, on the window's own thread: it costs
+less than a message to another one, and the body follows the hand in the same picture. The others are solved beside the
+window while that picture is drawn, and are in the next.
 """
 
 import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
@@ -17,14 +19,16 @@ from studio.core.solver.performers.circles import solve_circle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.engine.solve_cache import SolveCache
-from studio.engine.wanted import Wanted, player_of, wanted_of
+from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
 
 Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
+Circle = tuple[str, ...]
+"""Performers who follow each other, mostly one alone: they are solved together."""
 
-BUDGET = 0.004
-"""Processor seconds after which no other body is begun in a picture: the next begins with who is left."""
-LONG, PART = 0.05, 0.2
-"""Processor seconds above which a frame would make the window slow: then it takes this part of the time at most."""
+BUDGET = 0.002
+"""Processor seconds before a picture after which no other body is begun: who is left is solved beside it."""
+LONG = 0.05
+"""Processor seconds above which a frame would keep pictures waiting: then it is solved beside them, whosever it is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +42,80 @@ class Frame:
     asked_at: float
 
 
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What became of a circle: its frames, none where it cannot be solved, or need not be.
+
+    It need not where whole motions answer ``current``, what the project asks. ``spent`` processor seconds.
+    """
+
+    circle: Circle
+    project: Project
+    asked_at: float
+    frames: Mapping[str, Frame] = field(default_factory=dict)
+    current: Mapping[str, Wanted] = field(default_factory=dict)
+    spent: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Instant:
+    """What is to be seen, and all that is known: ``answered`` by ``results`` is what was asked of whole motions.
+
+    Any thread may solve it; what it has solved is in ``frames`` for who follows that.
+    """
+
+    project: Project
+    seconds: float
+    asked_at: float
+    results: Mapping[str, AdaptedMotion]
+    answered: Mapping[str, Wanted]
+    frames: dict[str, Frame]
+    prepare: Prepare
+    solve: Solve
+
+    def solved(self, circle: Circle) -> Outcome:
+        """The frames of a circle as they are asked now."""
+        begun, project = time.thread_time(), self.project
+        rows = {key: row_at(project, project.performers[key], self.seconds) for key in circle}
+        asked = {key: wanted_of(project, key, circle, self._seen) for key in circle}
+        wanted = {key: each for key, each in asked.items() if each is not None}
+        known = {key: frame for key in circle if (frame := self.frames.get(key)) and frame.row == rows[key]}
+        if len(wanted) < len(circle):
+            return Outcome(circle, project, self.asked_at)
+        if all(self.answered.get(key) == each for key, each in wanted.items()):
+            current = {key: self.answered[key] for key in circle}
+            return Outcome(circle, project, self.asked_at, current=current)
+        if {key: each.wanted for key, each in known.items()} == wanted:
+            same = {key: replace(each, project=project) for key, each in known.items()}
+            return Outcome(circle, project, self.asked_at, same)
+        try:
+            motions = self._motions(circle, wanted, rows)
+        except StudioError:
+            return Outcome(circle, project, self.asked_at)  # the solve of the whole motion tells of it
+        frames = {key: Frame(project, wanted[key], rows[key], motions[key], self.asked_at) for key in circle}
+        self.frames.update(frames)
+        return Outcome(circle, project, self.asked_at, frames, spent=time.thread_time() - begun)
+
+    def _motions(
+        self, circle: Circle, wanted: Mapping[str, Wanted], rows: Mapping[str, int]
+    ) -> Mapping[str, AdaptedMotion]:
+        players = {key: player_of(self.project, key, each, self.prepare) for key, each in wanted.items()}
+
+        def solve(key: str, request: AdaptRequest) -> AdaptedMotion:
+            return self.solve(replace(request, eased=False), rows[key], rows[key])
+
+        if len(circle) == 1:
+            motions = {key: solve(key, each.request) for key, each in players.items()}
+        else:
+            at_rows = {key: replace(each, frame=rows[key]) for key, each in players.items()}
+            motions = dict(solve_circle(at_rows, solve).results)
+        return {key: replace(motion, composite=players[key].composite) for key, motion in motions.items()}
+
+    def _seen(self, performer_id: str) -> AdaptedMotion | None:
+        frame = self.frames.get(performer_id)
+        return self.results.get(performer_id) if frame is None else frame.motion
+
+
 class Frames:
     """The newest frame of every performer whose whole motion is not solved yet as it is asked now."""
 
@@ -49,18 +127,21 @@ class Frames:
         self._frames: dict[str, Frame] = {}
         self._current: dict[str, tuple[Project, Wanted]] = {}
         """With what project the newest whole motion was found to be what is asked."""
-        self._not_before: dict[tuple[str, ...], float] = {}
+        self._whole_at: dict[str, float] = {}
+        """When that was asked which the newest whole motion answers."""
+        self._slow: set[Circle] = set()
 
     def get(self, performer_id: str) -> Frame | None:
         """The frame of one performer."""
         return self._frames.get(performer_id)
 
     def drop(self, performer_id: str) -> None:
-        """The whole motion is there."""
+        """It is not seen any more."""
         self._frames.pop(performer_id, None)
 
-    def drop_older(self, performer_id: str, asked_at: float) -> None:
-        """As ``drop``, where the whole motion answers what was asked at ``asked_at``, and the frame nothing newer."""
+    def whole_is_there(self, performer_id: str, asked_at: float) -> None:
+        """The whole motion answers what was asked at ``asked_at``: a frame that answers nothing newer is let go."""
+        self._whole_at[performer_id] = asked_at
         if self.asked_at(performer_id) <= asked_at:
             self.drop(performer_id)
 
@@ -71,7 +152,7 @@ class Frames:
 
     def clear(self) -> None:
         """Another project is shown."""
-        for held in (self._frames, self._current, self._not_before):
+        for held in (self._frames, self._current, self._whole_at, self._slow):
             held.clear()
 
     def bring(
@@ -79,78 +160,63 @@ class Frames:
         project: Project,
         seconds: float,
         asked_at: float,
-        circles: Iterable[tuple[str, ...]],
+        first: Sequence[Circle],
+        others: Sequence[Circle],
         results: Mapping[str, AdaptedMotion],
-    ) -> bool:
+    ) -> Callable[[], Sequence[Outcome]] | None:
         """Solve what performers do at ``seconds`` of the stage, leaders before those who follow them.
 
-        Who follow each other, a circle, are solved together. False where not all had room in ``BUDGET``; the first has
-        it always.
+        ``others`` who have no room in ``BUDGET`` are left to what is given back: any thread may call it, and ``take``
+        hears what comes of it.
         """
-        begun, all_there, solved = time.thread_time(), True, False
-        for circle in circles:
+        known = dict(results), dict(self._answered), dict(self._frames)
+        instant = Instant(project, seconds, asked_at, *known, self._prepare, self._solve)
+        begun, solved, left = time.thread_time(), False, list[Circle]()
+        for circle in (*first, *others):
             if not all(key in results and self._is_prepared(project, key) for key in circle):
                 continue  # nothing of it is seen yet
-            if not solved and all(self._is_current(key, project) for key in circle):
-                continue
-            rows = {key: _row_at(project, project.performers[key], seconds) for key in circle}
-            known = {key: frame for key in circle if (frame := self._frames.get(key)) and frame.row == rows[key]}
-            if not solved and len(known) == len(circle) and all(each.project is project for each in known.values()):
+            if not solved and not left and self._is_seen(circle, project, seconds):
                 continue  # nor has anybody moved whom it may follow
-            asked = {key: wanted_of(project, key, circle, lambda leader: self._seen(leader, results)) for key in circle}
-            wanted = {key: each for key, each in asked.items() if each is not None}
-            if len(wanted) < len(circle):
-                self._drop(circle)
-            elif all(self._answered.get(key) == each for key, each in wanted.items()):
-                self._drop(circle)
-                self._current |= {key: (project, self._answered[key]) for key in circle}
-            elif {key: each.wanted for key, each in known.items()} == wanted:
-                self._frames |= {key: replace(each, project=project) for key, each in known.items()}
-            elif time.monotonic() < self._not_before.get(circle, 0.0):
+            has_room = circle in first or time.thread_time() - begun < BUDGET
+            if left or circle in self._slow or not has_room:
+                left.append(circle)
                 continue
-            elif not solved or time.thread_time() - begun < BUDGET:
-                solved = True
-                self._bring(project, circle, wanted, rows, asked_at)
-            else:
-                all_there = False
-        return all_there
+            outcome = instant.solved(circle)
+            solved |= bool(outcome.spent)
+            self._put(outcome)
+        return (lambda: [instant.solved(circle) for circle in left]) if left else None
 
-    def _bring(
-        self,
-        project: Project,
-        circle: tuple[str, ...],
-        wanted: Mapping[str, Wanted],
-        rows: Mapping[str, int],
-        asked_at: float,
-    ) -> None:
-        begun = time.thread_time()
-        players = {key: player_of(project, key, each, self._prepare) for key, each in wanted.items()}
+    def take(self, outcomes: Iterable[Outcome]) -> list[str]:
+        """Take what was solved beside the window, as far as nothing newer is there; tells whose frames are others now."""
+        news = [outcome for outcome in outcomes if all(self._is_older(key, outcome) for key in outcome.circle)]
+        for outcome in news:
+            self._put(outcome)
+        return [key for outcome in news if outcome.spent for key in outcome.circle]
 
-        def solve(key: str, request: AdaptRequest) -> AdaptedMotion:
-            return self._solve(replace(request, eased=False), rows[key], rows[key])
+    def _is_older(self, performer_id: str, outcome: Outcome) -> bool:
+        whole_at = self._whole_at.get(performer_id, 0.0)
+        return self.asked_at(performer_id) <= outcome.asked_at and whole_at < outcome.asked_at
 
-        try:
-            if len(circle) == 1:
-                motions = {key: solve(key, each.request) for key, each in players.items()}
-            else:
-                at_rows = {key: replace(each, frame=rows[key]) for key, each in players.items()}
-                motions = dict(solve_circle(at_rows, solve).results)
-        except StudioError:
-            self._drop(circle)  # the solve of the whole motion tells of it
-            return
-        for key, motion in motions.items():
-            played = replace(motion, composite=players[key].composite)
-            self._frames[key] = Frame(project, wanted[key], rows[key], played, asked_at)
-        spent = time.thread_time() - begun
-        if spent > LONG:
-            self._not_before[circle] = time.monotonic() + spent / PART
+    def _put(self, outcome: Outcome) -> None:
+        if outcome.spent:
+            (self._slow.add if outcome.spent > LONG else self._slow.discard)(outcome.circle)
+        for key in outcome.circle:
+            self.drop(key)
+        self._frames |= outcome.frames
+        self._current |= {key: (outcome.project, wanted) for key, wanted in outcome.current.items()}
 
     def _is_prepared(self, project: Project, performer_id: str) -> bool:
         return all(map(self._prepare.holds, _captures_of(project, project.performers[performer_id])))
 
-    def _drop(self, circle: tuple[str, ...]) -> None:
-        for key in circle:
-            self.drop(key)
+    def _is_seen(self, circle: Circle, project: Project, seconds: float) -> bool:
+        """Whether the frames, or the whole motions, of a circle were found to be what ``project`` asks."""
+        if all(self._is_current(key, project) for key in circle):
+            return True
+        rows = {key: row_at(project, project.performers[key], seconds) for key in circle}
+        frames = {key: frame for key in circle if (frame := self._frames.get(key))}
+        return len(frames) == len(circle) and all(
+            frame.project is project and frame.row == rows[key] for key, frame in frames.items()
+        )
 
     def _is_current(self, performer_id: str, project: Project) -> bool:
         """Whether the newest whole motion was found to be what is asked, and neither has changed since."""
@@ -159,16 +225,12 @@ class Frames:
         known, wanted = self._current[performer_id]
         return known is project and wanted is self._answered.get(performer_id)
 
-    def _seen(self, performer_id: str, results: Mapping[str, AdaptedMotion]) -> AdaptedMotion | None:
-        frame = self._frames.get(performer_id)
-        return results.get(performer_id) if frame is None else frame.motion
-
 
 def _captures_of(project: Project, performer: Performer) -> list[Capture]:
     return [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.all_clips]
 
 
-def _row_at(project: Project, performer: Performer, seconds: float) -> int:
+def row_at(project: Project, performer: Performer, seconds: float) -> int:
     """As ``performance.row_at``, before there is a motion."""
     frame = round(timing_of(project, performer).frame_at(seconds))
     return min(max(frame, 0), frame_count_of(project, performer) - 1)

@@ -39,10 +39,10 @@ class Live(Protocol):
     def failure(self, performer_id: str) -> str:
         """Why a performer cannot be adapted, in a sentence; empty for who is, or is on the way."""
 
-    def bring(self, seconds: float) -> bool:
+    def bring(self, seconds: float) -> None:
         """Solve the frame at ``seconds`` of the stage of all whose newest motion answers an older question.
 
-        False where a picture has no time for all; the next call goes on.
+        Those for whom a picture has no time are solved beside it; ``adapted`` tells of them.
         """
 
     def shown(self, performer_id: str) -> AdaptedMotion | None:

@@ -1,7 +1,7 @@
 """LiveAdaptation: every visible performer's adapted motion, kept up to date while the document changes."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from studio.core.solver.performers.stage import in_order, leaders_of
 from studio.core.solver.request import AdaptedMotion
 from studio.document.document import Document
 from studio.engine.driven import Driven
-from studio.engine.frames import Frames, Solve
+from studio.engine.frames import Circle, Frames, Outcome, Solve
 from studio.engine.hand import Hand
 from studio.engine.live_play import LivePlay
 from studio.engine.scheduler import SolveScheduler
@@ -33,7 +33,7 @@ WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, REST_MILLISECONDS = 120, 150
 """How often windows are solved while a hand moves, and after which rest whole motions are."""
 TELL_MILLISECONDS = 100
-_SOURCE, _EXPECTED, _TOGETHER = "source ", "expected ", "\n"
+_SOURCE, _EXPECTED, _FRAMES, _TOGETHER = "source ", "expected ", "frames", "\n"
 
 Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
 
@@ -110,6 +110,9 @@ class LiveAdaptation(QObject):
         self._scheduler.answered.connect(self._take)
         self._scheduler.failed.connect(self._tell)
         self._scheduler.settled.connect(self._tell_busy)
+        self._beside = SolveScheduler(self, workers=1)
+        self._beside.answered.connect(self._take_frames)
+        self._beside.failed.connect(_raise)
         # Several changes of one event-loop turn (a group, a cascade) ask for one solve.
         self.play = LivePlay(document, self._prepare, self)
         self.play.running_changed.connect(self._play_changed)
@@ -152,24 +155,23 @@ class LiveAdaptation(QObject):
         """The newest whole-clip result; while dragging, with the newest window in its place."""
         return self._results.get(performer_id)
 
-    def bring(self, seconds: float) -> bool:
-        """As ``Live.bring``; first those who are worked on, then who is furthest behind."""
+    def bring(self, seconds: float) -> None:
+        """As ``Live.bring``."""
         if self._warm_up is not None and not self._warm_up.ready:
-            return True
+            return
         project = self._document.project
         self.driven.bring(project, seconds, self._results)
         if self.play.running:
-            return True
-        return self._frames.bring(project, seconds, self._changed_at, self._by_need(project), self._results)
+            return
+        left = self._frames.bring(project, seconds, self._changed_at, *self._by_need(project), self._results)
+        if left is not None:
+            self._beside.request(_FRAMES, self._document.revision, left)
 
-    def _by_need(self, project: Project) -> list[tuple[str, ...]]:
-        """Who is worked on, with all whom these follow, then who is furthest behind; leaders before who follows."""
+    def _by_need(self, project: Project) -> tuple[list[Circle], list[Circle]]:
+        """Those who are worked on and whom these follow, then all others; leaders before who follows."""
         circles = _circles_of(project)
         first = {*in_order(project, self._selected(key for circle in circles for key in circle))}
-        rest = [circle for circle in circles if circle not in first]
-        if not any(leaders_of(project, key) for circle in rest for key in circle):
-            rest.sort(key=lambda circle: self._frames.asked_at(circle[0]))
-        return [circle for circle in circles if circle in first] + rest
+        return [each for each in circles if each in first], [each for each in circles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
         """Those who are worked on: the selected ones, else the one that is active."""
@@ -251,7 +253,7 @@ class LiveAdaptation(QObject):
     def wait(self, timeout: float = 10.0) -> bool:
         """Run the event loop until all is solved and told; False when ``timeout`` seconds are not enough."""
         end = time.monotonic() + timeout
-        while self._turn.isActive() or self._rest.isActive() or self._scheduler.busy:
+        while self._turn.isActive() or self._rest.isActive() or self._scheduler.busy or self._beside.busy:
             if time.monotonic() > end:
                 return False
             QCoreApplication.processEvents()
@@ -272,6 +274,7 @@ class LiveAdaptation(QObject):
         if self._warm_up is not None:
             self._scheduler.failed.disconnect(self._tell)  # workers wait for the kernels, and are told to give up
             self._warm_up.stop(PATIENCE)
+        self._beside.close()
         self._scheduler.close()
 
     def _play_changed(self, running: bool) -> None:
@@ -292,6 +295,7 @@ class LiveAdaptation(QObject):
         together = (_TOGETHER.join(circle) for circle in self._circles)
         for key in (*together, *(_SOURCE + motion_id for motion_id in self._sources)):
             self._scheduler.forget(key)
+        self._beside.forget(_FRAMES)
         for held in (
             self._wanted, self._results, self._answered, self._told, self._sources, self._asked_at, self._failures,
         ):  # fmt: skip
@@ -397,7 +401,7 @@ class LiveAdaptation(QObject):
                 self._failures.pop(performer_id, None)
                 if answer.whole:
                     self._answered[performer_id] = answer.wanted[performer_id]
-                    self._frames.drop_older(performer_id, answer.asked_at)
+                    self._frames.whole_is_there(performer_id, answer.asked_at)
                 self.adapted.emit(performer_id)
                 if performer_id in self._leaders:
                     self._schedule("performers", performer_id)
@@ -407,6 +411,11 @@ class LiveAdaptation(QObject):
         for performer_id, performer in self._document.project.performers.items():
             if any(clip.motion_id == motion_id for clip in performer.clips):
                 self.adapted.emit(performer_id)
+
+    def _take_frames(self, _key: str, _revision: int, outcomes: Sequence[Outcome]) -> None:
+        there = [outcome for outcome in outcomes if outcome.circle in self._circles]
+        for performer_id in self._frames.take(there):
+            self.adapted.emit(performer_id)
 
     def _tell(self, key: str, _revision: int, error: Exception) -> None:
         if key.startswith(_EXPECTED):
@@ -427,6 +436,10 @@ class LiveAdaptation(QObject):
         if busy != self._busy:
             self._busy = busy
             self.busy_changed.emit(busy)
+
+
+def _raise(_key: str, _revision: int, error: Exception) -> None:
+    raise error
 
 
 def _circles_of(project: Project) -> tuple[tuple[str, ...], ...]:

@@ -1,7 +1,8 @@
 """StandingSolver: the solver, which keeps how each body stands on the ground."""
 
 import threading
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.target import own_places_of
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 
 KEPT_STANDING = 16
 
+Body = tuple[NormalizedMotion, AnyMorphology]
+"""What plays, and on which body."""
 Windows = tuple[tuple[int, int], ...]
 """First frames and those past the last."""
 
@@ -21,37 +24,62 @@ class StandingSolver:
     """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest.
 
     Asked for some frames it puts only the arms right that these have to do with: the rest of a body that is dragged
-    is not seen. What it keeps, and its answers, take half the memory that solving takes. Any thread may call it.
+    is not seen. Such a body is another one in every picture and takes the place of no body that stands wholly. What
+    is kept, and the answers, take half the memory that solving takes. Any thread may call it.
     """
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[NormalizedMotion, AnyMorphology], tuple[object, Windows, Standing]] = {}
+        self._whole: dict[Body, Kept] = {}
+        self._partly: dict[Body, Kept] = {}
         self._lock = threading.Lock()
 
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
-        from studio.core.solver.adapt import hold, stand_but_for_arms
+        from studio.core.solver.adapt import hold
 
-        key, count = (request.motion, request.morphology), request.motion.frame_count
-        ground = (
-            *(request.contacts, request.ground, request.volume, request.actor),
-            *(request.limited, request.clears),
-        )
-        whole: Windows = ((0, count),)
-        windows = whole if last is None else ((first, last + 1), *own_frames(request))
-        kept = self._kept.get(key)
-        if kept is None or kept[0] != ground or kept[1] not in (whole, windows):
-            standing = stand_but_for_arms(request).with_arms_right([slice(*each) for each in windows])
-            kept = ground, windows, standing.kept()
-            with self._lock:
-                while len(self._kept) >= KEPT_STANDING:
-                    self._kept.pop(next(iter(self._kept)))
-                self._kept[key] = kept
-        return hold(kept[2], request.constraints, first, last, request.tracks, eased=request.eased).kept()
+        standing = self._standing(request, None if last is None else ((first, last + 1), *own_frames(request)))
+        return hold(standing, request.constraints, first, last, request.tracks, eased=request.eased).kept()
 
     def forget(self) -> None:
         """Let go of all that is kept."""
         with self._lock:
-            self._kept.clear()
+            self._whole.clear()
+            self._partly.clear()
+
+    def _standing(self, request: AdaptRequest, windows: Windows | None) -> "Standing":
+        """How the body of ``request`` stands, in some ``windows`` at least."""
+        from studio.core.solver.adapt import stand_but_for_arms
+
+        body, on = (request.motion, request.morphology), _ground_of(request)
+        whole, partly = self._whole.get(body), self._partly.get(body)
+        if whole is not None and whole.on == on:
+            return whole.standing
+        if windows is not None and partly is not None and (partly.on, partly.windows) == (on, windows):
+            return partly.standing
+        every_frame = [slice(0, request.motion.frame_count)]
+        wanted = every_frame if windows is None else [slice(*each) for each in windows]
+        kept = Kept(on, windows, stand_but_for_arms(request).with_arms_right(wanted).kept())
+        with self._lock:
+            if windows is None:
+                self._partly.clear()  # the hand rests
+            held = self._whole if windows is None else self._partly
+            while len(held) >= KEPT_STANDING:
+                held.pop(next(iter(held)))
+            held[body] = kept
+        return kept.standing
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """How a body stands ``on`` what carries and binds it, in some ``windows`` or, None, in all frames."""
+
+    on: tuple[Any, ...]
+    windows: Windows | None
+    standing: "Standing"
+
+
+def _ground_of(request: AdaptRequest) -> tuple[Any, ...]:
+    """All of a request that a standing depends on, but for motion and body."""
+    return request.contacts, request.ground, request.volume, request.actor, request.limited, request.clears
 
 
 def own_frames(request: AdaptRequest) -> Windows:

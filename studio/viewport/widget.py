@@ -269,8 +269,7 @@ class Viewport(Canvas):
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
         self._posed_in = self._document.project
-        if not self._live.bring(self._document.playhead.time):
-            self.show_soon()
+        self._live.bring(self._document.playhead.time)
         project, time, self.posed = seen_now(self._document, self._live)
         self.resting = resting_performers(project, self.posed)
         if self.posed and not self._framed:

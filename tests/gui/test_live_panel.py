@@ -60,7 +60,12 @@ def test_a_body_drives_a_performer_and_its_own_clips_play_again_after_it(control
     before, project = live.shown(key), document.project
     control.drive(key, "1")
     send(control, *child_packets())
-    qtbot.waitUntil(lambda: live.bring(0.0) and live.shown(key) is not before, timeout=PATIENCE)
+
+    def is_driven():
+        live.bring(0.0)
+        return live.shown(key) is not before
+
+    qtbot.waitUntil(is_driven, timeout=PATIENCE)
     height = live.shown(key).positions[0, before.morphology.layout.head_end, 2]
     assert abs(height / before.morphology.stature - 1.0) < 0.2
     assert document.project is project  # what comes in is no edit

@@ -56,8 +56,8 @@ class StandingLive(QObject):
     def asked_at(self, performer_id: str) -> float:
         return 0.0
 
-    def bring(self, seconds: float) -> bool:
-        return True
+    def bring(self, seconds: float) -> None:
+        pass
 
     def shown(self, performer_id: str) -> AdaptedMotion | None:
         return self.result(performer_id)
