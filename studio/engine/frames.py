@@ -187,7 +187,7 @@ class Frames:
         return (lambda: [instant.solved(circle) for circle in left]) if left else None
 
     def take(self, outcomes: Iterable[Outcome]) -> list[str]:
-        """Take what was solved beside the window, as far as nothing newer is there; tells whose frames are others now."""
+        """Take what was solved beside the window and is no older than what is there; tells whose frames are new."""
         news = [outcome for outcome in outcomes if all(self._is_older(key, outcome) for key in outcome.circle)]
         for outcome in news:
             self._put(outcome)

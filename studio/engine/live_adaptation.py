@@ -106,13 +106,8 @@ class LiveAdaptation(QObject):
         self._asked_at: dict[str, float] = {}
         self._hand = Hand(self)
         self._changed_at = time.monotonic()
-        self._scheduler = SolveScheduler(self, workers)
-        self._scheduler.answered.connect(self._take)
-        self._scheduler.failed.connect(self._tell)
-        self._scheduler.settled.connect(self._tell_busy)
-        self._beside = SolveScheduler(self, workers=1)
-        self._beside.answered.connect(self._take_frames)
-        self._beside.failed.connect(_raise)
+        self._scheduler, self._beside = SolveScheduler(self, workers), SolveScheduler(self, workers=1)
+        self._hear_workers()
         # Several changes of one event-loop turn (a group, a cascade) ask for one solve.
         self.play = LivePlay(document, self._prepare, self)
         self.play.running_changed.connect(self._play_changed)
@@ -125,6 +120,13 @@ class LiveAdaptation(QObject):
         document.entity_changed.connect(self._schedule)
         document.project_opened.connect(self._begin_anew)
         self._refresh(whole=True)
+
+    def _hear_workers(self) -> None:
+        self._scheduler.answered.connect(self._take)
+        self._scheduler.failed.connect(self._tell)
+        self._scheduler.settled.connect(self._tell_busy)
+        self._beside.answered.connect(self._take_frames)
+        self._beside.failed.connect(_raise)
 
     @property
     def interactive(self) -> bool:

@@ -1,11 +1,12 @@
 """StandingSolver: the solver, which keeps how each body stands on the ground."""
 
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.target import own_places_of
+from studio.core.grounds.ground import Ground
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
@@ -24,8 +25,9 @@ class StandingSolver:
     """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest.
 
     Asked for some frames it puts only the arms right that these have to do with: the rest of a body that is dragged
-    is not seen. Such a body is another one in every picture and takes the place of no body that stands wholly. What
-    is kept, and the answers, take half the memory that solving takes. Any thread may call it.
+    is not seen. Such a body is another one in every picture and takes the place of no body that stands wholly. With a
+    ground that goes up or down bodies go along as they stand. What is kept, and the answers, take half the memory that
+    solving takes. Any thread may call it.
     """
 
     def __init__(self) -> None:
@@ -48,38 +50,54 @@ class StandingSolver:
     def _standing(self, request: AdaptRequest, windows: Windows | None) -> "Standing":
         """How the body of ``request`` stands, in some ``windows`` at least."""
         from studio.core.solver.adapt import stand_but_for_arms
+        from studio.core.solver.standing.lifted import lifted
 
-        body, on = (request.motion, request.morphology), _ground_of(request)
+        body, on = (request.motion, request.morphology), Carried.of(request)
         whole, partly = self._whole.get(body), self._partly.get(body)
         if whole is not None and whole.on == on:
             return whole.standing
         if windows is not None and partly is not None and (partly.on, partly.windows) == (on, windows):
             return partly.standing
-        every_frame = [slice(0, request.motion.frame_count)]
-        wanted = every_frame if windows is None else [slice(*each) for each in windows]
-        kept = Kept(on, windows, stand_but_for_arms(request).with_arms_right(wanted).kept())
+        if whole is not None and whole.on.at_height(on.ground.height) == on:
+            standing = lifted(whole.standing, on.ground.height)
+        else:
+            every_frame = [slice(0, request.motion.frame_count)]
+            wanted = every_frame if windows is None else [slice(*each) for each in windows]
+            standing = stand_but_for_arms(request).with_arms_right(wanted).kept()
         with self._lock:
             if windows is None:
                 self._partly.clear()  # the hand rests
             held = self._whole if windows is None else self._partly
             while len(held) >= KEPT_STANDING:
                 held.pop(next(iter(held)))
-            held[body] = kept
-        return kept.standing
+            held[body] = Kept(on, windows, standing)
+        return standing
+
+
+@dataclass(frozen=True)
+class Carried:
+    """All of a request that a standing depends on, but for motion and body."""
+
+    ground: Ground
+    rest: tuple[Any, ...]
+
+    @staticmethod
+    def of(request: AdaptRequest) -> "Carried":
+        bound = request.limited, request.clears
+        return Carried(request.ground, (request.contacts, request.volume, request.actor, *bound))
+
+    def at_height(self, height: float) -> "Carried":
+        """The same with its ground higher or lower."""
+        return replace(self, ground=self.ground.at_height(height))
 
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """How a body stands ``on`` what carries and binds it, in some ``windows`` or, None, in all frames."""
+    """How a body stands ``on`` what carries it, in some ``windows`` or, None, in all frames."""
 
-    on: tuple[Any, ...]
+    on: Carried
     windows: Windows | None
     standing: "Standing"
-
-
-def _ground_of(request: AdaptRequest) -> tuple[Any, ...]:
-    """All of a request that a standing depends on, but for motion and body."""
-    return request.contacts, request.ground, request.volume, request.actor, request.limited, request.clears
 
 
 def own_frames(request: AdaptRequest) -> Windows:

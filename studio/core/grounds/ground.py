@@ -4,7 +4,7 @@ Other kinds (``studio.core.grounds``) derive from it and add to its height; a pr
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import ClassVar
 
 import numpy as np
@@ -66,6 +66,10 @@ class Ground:
             return self
         return Ground(self.height)
 
+    def at_height(self, height: float) -> "Ground":
+        """The same ground higher or lower."""
+        return replace(self, height=height)
+
     def seen_from(self, position: tuple[float, float], heading: float) -> "Ground":
         """The same ground in the axes of who stands at ``position`` (metres), turned by ``heading`` (radians)."""
         return self if self.is_level else PlacedGround(self.height, self, position, heading)
@@ -79,6 +83,9 @@ class PlacedGround(Ground):
     ground: Ground = Ground()
     position: tuple[float, float] = (0.0, 0.0)
     heading: float = 0.0
+
+    def at_height(self, height: float) -> Ground:
+        return replace(self, height=height, ground=self.ground.at_height(height))
 
     def rise_at(self, xy: FloatArray) -> FloatArray:
         return self.ground.rise_at(self._outside(xy))

@@ -1,0 +1,37 @@
+"""A body that stands on a ground goes up and down with it: nothing else of how it stands is another."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from studio.core.solver.adapt import Standing
+
+FloatArray = NDArray[np.float64]
+
+_PLACE, _KNEE_FACES = 2, 5
+"""Heights among the numbers of an ankle, see ``Footing.ankles``."""
+
+
+def lifted(standing: "Standing", height: float) -> "Standing":
+    """``standing`` with its ground at another ``height``."""
+    rise = height - standing.ground.height
+    positions, ankles = standing.positions.copy(), standing.footing.ankles.copy()
+    positions[..., 2] = positions[..., 2] + rise
+    for heights in range(_PLACE, ankles.shape[2], _KNEE_FACES - _PLACE):
+        ankles[..., heights] += rise
+    arms = standing.arms
+    return replace(
+        standing,
+        ground=standing.ground.at_height(height),
+        footing=replace(standing.footing, ankles=ankles),
+        holds=tuple(replace(each, places=_raised(each.places, rise)) for each in standing.holds),
+        arms=None if arms is None else replace(arms, wrists=_raised(arms.wrists, rise)),
+        positions=positions,
+    )
+
+
+def _raised(places: FloatArray, rise: float) -> FloatArray:
+    return np.asarray(places + np.array([0.0, 0.0, rise]))
