@@ -12,7 +12,7 @@ import numpy as np
 
 from studio.cli.adaptation import MOTION_ID, cleaning_records, spans_by_foot
 from studio.cli.import_options import add_import_options, import_options
-from studio.cli.printing import print_json
+from studio.cli.printing import counted, print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
 from studio.core.body.character_skeleton import character_body_map, character_skeleton
 from studio.core.captures.capture import Capture, Guess
@@ -213,8 +213,9 @@ def _words(record: Record, key: str) -> str:
         case "contents":
             return ", ".join(f"{count} {name}" for name, count in value.items() if count)
         case "markers":
-            counts = [f"{value['markers']} markers of {value['points']} points", f"{value['signals']} signals"]
-            counts += [f"{len(value[key])} {_label(key)}" for key in ("force_plates", "events")]
+            counts = [f"{counted(value['markers'], 'marker')} of {counted(value['points'], 'point')}"]
+            counts += [counted(value["signals"], "signal"), counted(len(value["force_plates"]), "force plate")]
+            counts += [counted(len(value["events"]), "event")]
             worst = max(value["joint_centres_mm"].values(), default=None)
             near = [] if worst is None else [f"joint centres within {worst:.4f} mm of those stored"]
             return ", ".join(counts + near)

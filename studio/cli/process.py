@@ -66,13 +66,15 @@ def writable_kernel_cache() -> Path:
 
 
 def kernel_cache_folder() -> Path:
-    """The cache folder of exactly these kernels.
+    """The cache folder of exactly these kernels, where they are.
 
     numba looks only at the file a kernel stands in, not at the kernels it calls from other files; a cache per
-    content of the whole package can never answer with old code.
+    content of the whole package can never answer with old code. A checkout that was moved or copied compiles anew, as
+    numba keeps kernels by their path: a cache of its own says so.
     """
     cache = Path(platformdirs.user_cache_dir("morpho-studio", appauthor=False))
-    return cache / "kernels" / content_digest(sorted(KERNELS.rglob("*.py")))
+    place = hashlib.sha256(str(KERNELS).encode()).hexdigest()[:6]
+    return cache / "kernels" / f"{content_digest(sorted(KERNELS.rglob('*.py')))}-{place}"
 
 
 def content_digest(files: Iterable[Path]) -> str:

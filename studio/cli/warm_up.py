@@ -33,7 +33,7 @@ HALVES = (("first_run", "run_standing"), ("first_run", "run_constraints"))
 FAR_BEHIND = 10
 """How much nicer than the window's the processes are that compile the solver: it is to be used meanwhile."""
 CHILD = (sys.executable, "-m", "studio.cli.warm_up")
-LONGEST_TO_COMPILE, LAST_TO_READ = "adapt.solve_frames-*.nbc", "normalize.encode_frames-*.nbc"
+COMPLETE, LAST_TO_READ = "complete", "normalize.encode_frames-*.nbc"
 """What stands in a cache that is full, and in one of which a capture has been read."""
 
 
@@ -106,6 +106,8 @@ class WarmUp:
             self._ready.set()
         if not self._stopped.is_set():
             self._first_run("run_seldom")
+            if folder := os.environ.get("NUMBA_CACHE_DIR"):
+                Path(folder, COMPLETE).touch()
 
     def _first_run(self, part: str) -> None:
         getattr(import_module("studio.cli.first_run"), part)()
@@ -145,10 +147,10 @@ def tell_what_reading_waits_for() -> None:
         print("What reads motions is compiled, once on this machine: some ten seconds.", file=sys.stderr)
 
 
-def is_cold(kernel: str = LONGEST_TO_COMPILE) -> bool:
-    """Whether a kernel is still to be compiled; by itself that with which most are."""
+def is_cold(last: str = COMPLETE) -> bool:
+    """Whether there is something still to be compiled; by itself anything that the warm-up compiles."""
     folder = os.environ.get("NUMBA_CACHE_DIR")
-    return folder is not None and not any(Path(folder).rglob(kernel))
+    return folder is not None and not any(Path(folder).rglob(last))
 
 
 def ready_share() -> float:

@@ -28,6 +28,8 @@ FloatArray = NDArray[np.float64]
 _PLACES = {"arms": ("shoulder", "elbow", "wrist"), "legs": ("front_hip", "knee", "ankle")}
 _SHOWN = 6
 """Markers that a sentence names."""
+_SKIN = 0.025
+"""Metres by which a joint is off most of the time where it is no more the skin that moves (at most 0.017 in trials)."""
 _LEG = (0.3, 1.4)
 """Metres of a leg, or twice an arm, from hip to ankle within which a unit is believed."""
 
@@ -179,10 +181,11 @@ def _body_guesses(
 ) -> list[Guess]:
     used = _there(take)
     first = followed.first_frame
-    off = [
-        np.linalg.norm(positions[first:, solved.joints[joint]] - track[first:], axis=1)
+    off = {
+        joint: np.linalg.norm(positions[first:, solved.joints[joint]] - track[first:], axis=1)
         for joint, track in joints.items()
-    ]
+    }
+    every = list(off.values())
     guesses = [
         Guess("marker map", take.marker_map.name, f"{len(used.labels)} markers at {len(used.markers)} places."),
         Guess(
@@ -193,8 +196,8 @@ def _body_guesses(
         Guess(
             "skeleton",
             "bones of constant length",
-            f"Its joints lie {1000 * float(np.median(off)):.0f} mm from the joint centres, "
-            f"{1000 * float(np.max(off)):.0f} mm at worst: skin moves over bones.",
+            f"Its joints lie {1000 * float(np.median(every)):.0f} mm from the joint centres, "
+            f"{1000 * float(np.max(every)):.0f} mm at worst: skin moves over bones.{_far_off(off)}",
         ),
     ]
     if solved.resting:
@@ -209,11 +212,20 @@ def _body_guesses(
         if report.told
     ]
     if first or followed.unseen:
-        left_out = take.trial.frame_count - len(next(iter(joints.values())))
-        reason = f"{left_out} frames at the end show no body and were left out." if left_out else ""
         words = f"In {followed.unseen} frames some place is not seen: it moves straight on as seen from the pelvis."
-        guesses.append(Guess("first frame", str(first), " ".join((words if followed.unseen else "", reason)).strip()))
+        guesses.append(Guess("first frame", str(first), words if followed.unseen else ""))
+    if left_out := take.trial.frame_count - len(next(iter(joints.values()))):
+        reason = f"Of the {take.trial.frame_count} recorded, {left_out} at the end show no body and were left out."
+        guesses.append(Guess("frames", str(take.trial.frame_count - left_out), reason))
     return guesses
+
+
+def _far_off(off: Mapping[str, FloatArray]) -> str:
+    """The joints that are farther from their centres than skin moves, where there are any."""
+    far = [joint.replace("_", " ") for joint, own in off.items() if float(np.median(own)) > _SKIN]
+    if not far:
+        return ""
+    return f" {', '.join(far).capitalize()} lie farther off most of the time: labels of left and right may be swapped."
 
 
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:

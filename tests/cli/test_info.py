@@ -134,6 +134,25 @@ def test_the_program_itself_prints_one_document_and_ends_with_the_exit_code(walk
     assert done.stderr == ""
 
 
+def test_a_file_is_told_of_without_waiting_for_what_only_solves(walk):
+    late = (
+        "scipy.ndimage",
+        "scipy.linalg",
+        "scipy.spatial",
+        "scipy.interpolate",
+        "studio.core.solver.adapt",
+        "vtkmodules",
+    )
+    script = (
+        "import contextlib, io, sys; from studio.cli.main import main\n"
+        "with contextlib.redirect_stdout(io.StringIO()): main(sys.argv[1:])\n"
+        f"print(*({{*{late}}} & sys.modules.keys()))"
+    )
+    command = [sys.executable, "-c", script, "info", str(walk)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
 @pytest.mark.parametrize(
     ("name", "joints", "frames", "unit", "up_axis"),
     [

@@ -1,5 +1,6 @@
 import os
 import platform
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -20,6 +21,13 @@ def test_the_kernel_cache_changes_with_the_content_of_any_kernel(tmp_path):
     assert content_digest([kernel, other]) == before
     other.write_text("b = 2\n")
     assert content_digest([kernel, other]) != before
+
+
+def test_a_checkout_that_is_copied_has_a_kernel_cache_of_its_own(tmp_path, monkeypatch):
+    copy = shutil.copytree(process.KERNELS, tmp_path / "kernels", ignore=shutil.ignore_patterns("__pycache__"))
+    here = kernel_cache_folder()
+    monkeypatch.setattr(process, "KERNELS", copy)
+    assert kernel_cache_folder() != here
 
 
 def test_a_home_that_cannot_be_written_still_gets_a_kernel_cache(tmp_path, monkeypatch):

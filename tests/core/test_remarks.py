@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from studio.core.body.humanoid import BodyPart
+from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
@@ -42,6 +42,17 @@ def test_a_foot_that_is_somewhere_else_for_a_frame_is_told(walk: Capture) -> Non
     odd = remarks_on(_moved(walk, walk.body_map[BodyPart.LEFT_FOOT], slice(50, 51), 0.7))
     assert [remark.spans for remark in odd] == [((50, 51),)]
     assert odd[0].sentence.startswith("The left foot moves at up to 4")
+
+
+def test_feet_that_point_backwards_are_told(walk: Capture) -> None:
+    assert walk.body_map is not None
+    sides = {
+        part: BodyPart(part.value.replace("left", "rig_ht").replace("right", "left").replace("rig_ht", "right"))
+        for part in walk.body_map.parts
+    }
+    swapped = BodyMap({sides[part]: joint for part, joint in walk.body_map.parts.items()}, walk.body_map.spine)
+    [remark] = remarks_on(replace(walk, body_map=swapped))
+    assert remark.words == "The feet point backwards: left and right may be swapped."
 
 
 def test_a_take_that_hovers_is_told(walk: Capture) -> None:

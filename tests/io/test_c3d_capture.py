@@ -97,6 +97,32 @@ def test_what_is_not_shown_is_told_by_the_places_it_lacks_and_the_markers_left_o
     assert guess.reason.endswith(f"At no place of the map: {', '.join(left_over)}.")
 
 
+def test_frames_without_a_body_at_the_end_are_told_where_nothing_else_is() -> None:
+    trial, marker_map = made_trial()
+    points = trial.points.copy()
+    points[-2:] = np.nan
+    capture = load_capture_of(replace(trial, points=points), ImportOptions(marker_map=marker_map))
+    [guess] = [guess for guess in capture.guesses if guess.subject == "frames"]
+    assert guess.value == str(capture.frame_count) == str(trial.frame_count - 2)
+    assert f"Of the {trial.frame_count} recorded, 2 at the end show no body" in guess.reason
+
+
+@pytest.mark.parametrize("joint", ["knee", "ankle"])
+def test_joints_of_the_other_leg_are_told_where_bones_cannot_follow(joint: str) -> None:
+    trial, marker_map = made_trial()
+
+    def told(one: MarkerMap) -> str:
+        capture = load_capture_of(trial, ImportOptions(marker_map=one))
+        return next(guess.reason for guess in capture.guesses if guess.subject == "skeleton")
+
+    swapped = marker_map
+    for role in (joint, f"inner_{joint}"):
+        left, right = (marker_map.markers[f"{side}_{role}"] for side in ("left", "right"))
+        swapped = swapped.with_role(f"left_{role}", right).with_role(f"right_{role}", left)
+    assert "swapped" not in told(marker_map)
+    assert "labels of left and right may be swapped" in told(swapped)
+
+
 def test_a_unit_that_makes_a_giant_is_overruled_and_listed() -> None:
     trial, marker_map = made_trial()
     capture = load_capture_of(replace(trial, unit="m"), ImportOptions(marker_map=marker_map))

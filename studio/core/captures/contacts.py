@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.stage.scope import EVERYONE, Scope
+from studio.core.windows import lowest, smoothed
 
 FloatArray = NDArray[np.float64]
 Span = tuple[int, int]
@@ -314,19 +315,13 @@ def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
     """
     if len(track) < 2:
         return np.full(len(track), np.inf)
-    from scipy.ndimage import gaussian_filter1d
-
-    smooth = gaussian_filter1d(track, SMOOTHING * frame_rate, axis=0, mode="nearest")
-    steps = np.linalg.norm(np.diff(smooth, axis=0), axis=1) * frame_rate
+    steps = np.linalg.norm(np.diff(smoothed(track, SMOOTHING * frame_rate), axis=0), axis=1) * frame_rate
     return np.asarray(np.minimum(np.append(steps, np.inf), np.append(np.inf, steps)))
 
 
 def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
     """(F,) the low of each moment, within ``reach`` frames of it: captures' floors rise and sink by centimetres."""
-    from scipy.ndimage import minimum_filter1d
-
-    local = minimum_filter1d(heights, 2 * reach + 1, mode="nearest")
-    return np.clip(local, low, low + GREATEST_DRIFT)
+    return np.clip(lowest(heights, reach), low, low + GREATEST_DRIFT)
 
 
 def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:

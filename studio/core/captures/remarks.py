@@ -113,10 +113,24 @@ def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[R
             lengths = " and ".join(f"{100.0 * float(side[np.argmax(odd)]):.0f}" for side in (left, right))
             words = f"The left and the right {part} are {lengths} cm long: labels or joints may be swapped."
             found.append(Remark(words))
+    if _feet_point_back(capture, body, seen):
+        found.append(Remark("The feet point backwards: left and right may be swapped."))
     stature = float(bones("left leg").sum()) / LEGS_OF_STATURE
     if stature > TALLEST:
         found.append(Remark(f"By its legs the body is {stature:.1f} m tall. Check the unit."))
     return found
+
+
+def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> bool:
+    """Whether what lies beyond both ankles is most of the time behind them, as hips and trunk face."""
+    across = positions[:, body[BodyPart.LEFT_THIGH]] - positions[:, body[BodyPart.RIGHT_THIGH]]
+    forward = np.cross(across, positions[:, body.spine[-1]] - positions[:, body.spine[0]])
+    feet = [body[part] for part in (BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)]
+    beyond = [capture.skeleton.descendants(foot) for foot in feet]
+    if not all(beyond):
+        return False
+    ways = [positions[:, joints].mean(axis=1) - positions[:, foot] for foot, joints in zip(feet, beyond, strict=True)]
+    return all(float(np.median(np.einsum("fi,fi->f", way, forward))) < 0.0 for way in ways)
 
 
 def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import Span, Touch, spans_of
 from studio.core.mesh.volume import CAPSULES_OF, PALM, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
+from studio.core.windows import highest, lowest
 
 FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -125,9 +125,9 @@ def _both_hands(actor: Morphology, positions: FloatArray, rotations: FloatArray,
     wrists = np.einsum("fij,fwi->fwj", chest, wrists) / leg
     gap = np.linalg.norm(wrists[:, 1] - wrists[:, 0], axis=1)
     together, before = _between(gap, *TOGETHER), wrists[:, :, 0].min(axis=1)
-    around = 2 * round(0.5 * STEADY_FOR * rate) + 1
-    spread = maximum_filter1d(gap, around, mode="nearest") - minimum_filter1d(gap, around, mode="nearest")
-    steady = maximum_filter1d(spread < STEADY, around, mode="constant", cval=False)  # a steady stretch is so as a whole
+    around = round(0.5 * STEADY_FOR * rate)
+    spread = highest(gap, around) - lowest(gap, around)
+    steady = highest(spread < STEADY, around)  # a steady stretch is so as a whole
     held = steady & (before > BEFORE) & (gap > HELD[0]) & (gap < HELD[1]) & ~together
     for first, last in spans_of(held):
         held[first : last + 1] = np.ptp(wrists[first : last + 1].mean(axis=1), axis=0).max() > FAR

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import Morphology
@@ -40,6 +39,7 @@ from studio.core.normalized.soles import sole_points
 from studio.core.pieces import do_over_frames
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.sharing import Shared
+from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]
 Contacts = dict[ContactPoint, list[tuple[int, int]]]
@@ -193,4 +193,4 @@ def heading(pelvis: FloatArray, frame_rate: float) -> FloatArray:
     """Low-passed, unwrapped heading (F,) in radians of pelvis rotations (F, 3, 3): their twist about Z."""
     quaternions = sign_continuous(from_matrix(pelvis))
     turn = np.unwrap(2.0 * np.arctan2(quaternions[:, 2], quaternions[:, 3]))
-    return np.asarray(gaussian_filter1d(turn, HEADING_SMOOTHING * frame_rate, mode="nearest"))
+    return smoothed(turn, HEADING_SMOOTHING * frame_rate)

@@ -42,6 +42,8 @@ def test_hip_joints_lie_between_the_markers_of_the_pelvis() -> None:
         ("r mall", ("right", "ankle")), ("l met", ("left", "toe")), ("r should", ("right", "shoulder")),
         ("L_HDF", ("left", "front_head")), ("L_SAJ", ("left", "shoulder")), ("R_FM1", ("right", "toe")),
         ("R_FM5", ("right", "toe")), ("L_UHE", ("left", "outer_wrist")), ("LTHI_2", ("left", "thigh")),
+        ("CV7", ("", "neck_back")), ("TV10", ("", "back")), ("SJN", ("", "collar")), ("SXS", ("", "breastbone")),
+        ("L_HM2", ("left", "hand")), ("R_TTC", ("right", "shank")), ("L_FAX", ("left", "shank")),
     ],
 )  # fmt: skip
 def test_labels_of_known_sets_say_where_their_marker_is(label: str, place: tuple[str, str]) -> None:

@@ -8,6 +8,8 @@ import numba
 TRIED = "0.68."
 """How versions of numba begin whose inside is known: any other is used by its public ways."""
 KNOWN = numba.__version__.startswith(TRIED)
+if KNOWN:
+    import_module("studio.core.kernels.compiling.no_blas")
 compiled: Any = import_module(f"studio.core.kernels.compiling.{'linked' if KNOWN else 'plain'}").compiled
 pack: Any = import_module(f"studio.core.kernels.compiling.{'packed' if KNOWN else 'plain'}").pack
 """``pack(values)``: a tuple of arrays, handed on to other kernels as one address."""

@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from studio.core.body.morphology import AnyMorphology, sole_rows
 from studio.core.captures.contacts import ContactInterval, ContactPoint
@@ -24,6 +23,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray
 from studio.core.solver.standing.footprints import drape, find_footprints
 from studio.core.solver.standing.swing import Sole, led_clear
+from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]
 
@@ -144,7 +144,7 @@ def _draped_footing(
     ]
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
-    climb = feet_share * gaussian_filter1d(climb, CLIMB_SMOOTHING * motion.frame_rate, mode="nearest")
+    climb = feet_share * smoothed(climb, CLIMB_SMOOTHING * motion.frame_rate)
     comforts, runs = leg_stretches(motion, states)  # draping has put down heels that would hang
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
@@ -276,7 +276,7 @@ def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> F
         np.pad(share, half := max(1, round(PASSED_ON * frame_rate)), "edge"), hann_window(half), "valid"
     )
     way = off[1] + share[:, None] * (off[0] - off[1])
-    return np.asarray(gaussian_filter1d(way, FOLLOWED * frame_rate, axis=0, mode="nearest"))
+    return smoothed(way, FOLLOWED * frame_rate)
 
 
 def _drape_foot(

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from studio.core.body.morphology import AnyMorphology, sole_rows
 from studio.core.captures.contacts import ContactInterval
 from studio.core.kernels.support.feet import FLAT, fill_gaps
 from studio.core.solver.standing.footing import foot_states, freedom
+from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def shown_floor(
     floors -= np.median(floors - floors.mean(axis=0), axis=1, keepdims=True)
     weights = np.array([1.0 - freedom(near[side], frame_rate) for side in sides]) + FAINT
     floor = np.average(floors, axis=0, weights=weights)
-    return np.asarray(gaussian_filter1d(floor, SMOOTHING * frame_rate, mode="nearest"))
+    return smoothed(floor, SMOOTHING * frame_rate)
 
 
 def _passed_on(heights: FloatArray, known: NDArray[np.bool_]) -> FloatArray:

@@ -1,0 +1,20 @@
+"""numba asks, before it runs any kernel, whether there is a BLAS: SciPy's linear algebra, a fifth of a second to load.
+
+No kernel multiplies matrices by one, so it is told that there is none.
+"""
+
+from importlib import import_module
+
+from numba.np import linalg
+
+
+def _none() -> None:
+    raise ImportError
+
+
+_asked = linalg.ensure_blas
+linalg.ensure_blas = _none
+try:
+    import_module("numba.np.arraymath")  # asks while it is loaded
+finally:
+    linalg.ensure_blas = _asked
