@@ -25,17 +25,17 @@ from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.tasks import TaskRunner
 
 
-def main(argv: Sequence[str] | None = None) -> NoReturn:
+def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> NoReturn:
     """Open the window with the files named in ``argv`` (without the program's name), else the sample.
 
-    The process ends when the window is closed.
+    The process ends when the window is closed. A ``warm_up`` that was begun before goes on.
     """
     names = list(sys.argv[1:] if argv is None else argv)
     gc.disable()  # what is loaded stays: looking for what is lost among it costs a tenth of the start
     start_log()
     application = make_application()
     problems = ProblemHooks()
-    warm_up = WarmUp(held=True)
+    warm_up = warm_up or WarmUp(held=True)
     journals = journal_folder()
     window = make_window(Settings(), Document(journal_folder=journals), warm_up)
     problems.told.connect(window.bench.said)

@@ -7,11 +7,15 @@ from argparse import ArgumentParser
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
+from typing import TYPE_CHECKING
 
 from studio import __version__
 from studio.cli.process import check_libraries, has_display, prepare_process
 from studio.core.errors import Stopped, StudioError
 from studio.io.registry import known_formats
+
+if TYPE_CHECKING:
+    from studio.cli.warm_up import WarmUp
 
 VERBS = {
     "info": "say what was read from a file, what was guessed, and how well it round-trips",
@@ -112,8 +116,9 @@ def open_window(files: Sequence[str] | None = None) -> int:
     found = entry_points(group="morpho_studio.window", name="main")
     if not found:
         raise StudioError("No window is installed. Install Morpho Studio with `pip install -e .` first.")
-    window: Callable[[Sequence[str] | None], int] = next(iter(found)).load()
-    return window(files)
+    warm_up = import_module("studio.cli.warm_up").WarmUp(held=True)  # compiles beside, while the window is imported
+    window: Callable[[Sequence[str] | None, WarmUp], int] = next(iter(found)).load()
+    return window(files, warm_up)
 
 
 def run_example() -> int:
