@@ -21,13 +21,14 @@ from benchmarks.machine import machine
 from benchmarks.report import number, table
 from benchmarks.window_hand import Hand, Move
 from benchmarks.window_parts import Parts
-from benchmarks.window_scene import DRAGGED, long_clip, open_window
+from benchmarks.window_scene import DRAGGED, long_clip, open_clip, open_window
 from studio.app.main_window import MainWindow
 from studio.core.project import GROUND_ID, Project
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import perform
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.engine.live_adaptation import normalised
+from studio.library.scenes.fight import fight_training
 
 WORDS = """# The window under a hand
 
@@ -263,24 +264,46 @@ def playback(window: MainWindow, watch: Watch, parts: Parts, seconds: float) -> 
     """Pictures a second while all play, how steady they are, and what a window at rest computes."""
     playhead = window.bench.document.playhead
     playhead.play()
+    told = seen(f"{CROWD} bodies play", watch, parts, seconds)
+    playhead.pause()
+    run_window(SETTLED)
+    rested, begun = time.process_time(), time.monotonic()
+    run_window(3000)
+    rest = 100 * (time.process_time() - rested) / (time.monotonic() - begun)
+    return f"{told}\nAt rest the window computes {rest:.1f} % of a core.\n"
+
+
+def fight(window: MainWindow, watch: Watch, parts: Parts, seconds: float) -> str:
+    """Scene 8, the fight training: from the timeline, then live, where all in white kick every three seconds."""
+    document, play = window.bench.document, window.bench.live.play
+    document.playhead.play()
+    told = seen("The fight training plays from the timeline", watch, parts, seconds)
+    document.playhead.pause()
+    kicking, moments = QTimer(interval=3000), set[float]()
+    kicking.timeout.connect(lambda: play.press("X"))
+    play.begin()
+    kicking.start()
+    play.stepped.connect(lambda: moments.add(play.seconds))
+    lasted = seen("The fight training plays live", watch, parts, seconds)
+    kicking.stop()
+    play.end()
+    return f"{told}\n{lasted}\nThe stage made {len(moments) / (seconds + 0.5):.1f} steps a second.\n"
+
+
+def seen(what: str, watch: Watch, parts: Parts, seconds: float) -> str:
+    """Pictures a second, how steady they are and what they cost."""
     run_window(500)
     watch.begin()
     parts.begin()
     begun = time.monotonic()
     run_window(round(1000 * seconds))
     lasted, spent, times = time.monotonic() - begun, parts.end(), [each.at for each in watch.pictures]
-    playhead.pause()
-    run_window(SETTLED)
-    rested, begun = time.process_time(), time.monotonic()
-    run_window(3000)
-    rest = 100 * (time.process_time() - rested) / (time.monotonic() - begun)
     steps = [1000 * (after - before) for before, after in pairwise(times)]
     each = {part: 1000 * value / len(times) for part, value in spent.items()}
     rows = [[name, f"{value:.1f}"] for name, value in each.items() if value > 0.05]
     return (
-        f"{CROWD} bodies play: {len(times) / lasted:.1f} pictures/s; from one to the next {np.median(steps):.0f} ms "
-        f"(95 %: {np.percentile(steps, 95):.0f}). At rest the window computes {rest:.1f} % of a core.\n\n"
-        + table(("part", "processor ms a picture"), rows)
+        f"{what}: {len(times) / lasted:.1f} pictures/s; from one to the next {np.median(steps):.0f} ms "
+        f"(95 %: {np.percentile(steps, 95):.0f}).\n\n" + table(("part", "processor ms a picture"), rows)
     )
 
 
@@ -308,21 +331,25 @@ def main(arguments: Sequence[str]) -> int:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(prog="benchmarks.window")
     parser.add_argument("--seconds", type=float, default=5.0)
-    parser.add_argument("--only", choices=[*DRAGS, "playback"])
+    parser.add_argument("--only", choices=[*DRAGS, "playback", "fight"])
     parser.add_argument("--film", type=Path)
     options = parser.parse_args(arguments)
     parts, clip, told = Parts(), long_clip(), []
     with tempfile.TemporaryDirectory() as folder:
-        if options.only != "playback":
-            window = open_window(clip, BODIES, Path(folder))
+        if options.only in (None, *DRAGS):
+            window = open_clip(clip, BODIES, Path(folder))
             chosen = [options.only] if options.only else list(DRAGS)
             watch = Watch(window, options.film)
             told.append(tables([drag(window, watch, parts, name, options.seconds) for name in chosen]))
             watch.write_film()
             _close(window)
         if options.only in (None, "playback"):
-            window = open_window(clip, CROWD, Path(folder))
+            window = open_clip(clip, CROWD, Path(folder))
             told.append(playback(window, Watch(window, None), parts, options.seconds))
+            _close(window)
+        if options.only in (None, "fight"):
+            window = open_window(fight_training(), Path(folder))
+            told.append(fight(window, Watch(window, None), parts, options.seconds))
             _close(window)
     words = (
         WORDS + f"{clip.capture.name}, {clip.motion.frame_count} frames; {machine()}; load {os.getloadavg()[0]:.1f}.\n"

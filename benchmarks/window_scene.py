@@ -64,18 +64,25 @@ def middle_of(clip: ReadyCapture) -> float:
     return round(clip.motion.frame_count / 2) / clip.motion.frame_rate
 
 
-def open_window(clip: ReadyCapture, count: int, folder: Path) -> MainWindow:
-    """The window of ``SIZE`` with ``count`` bodies solved, the playhead in the middle of the clip."""
+def open_window(project: Project, folder: Path) -> MainWindow:
+    """The window of ``SIZE`` with all bodies of a project solved."""
     make_application()
     first_run.run()
     window = make_window(Settings(folder / "studio.ini"), Document(journal_folder=folder))
     window.resize(*SIZE)
     window.show()
-    project = make_scene(clip, count)
     window.bench.document.new(project)
     import_views()
     show_views(window)
     settle()
+    assert window.bench.live.wait(300.0)
+    return window
+
+
+def open_clip(clip: ReadyCapture, count: int, folder: Path) -> MainWindow:
+    """The window with ``make_scene``, the playhead in the middle of the clip."""
+    project = make_scene(clip, count)
+    window = open_window(project, folder)
     document = window.bench.document
     seconds = middle_of(clip) - clip.capture.first_frame / clip.capture.frame_rate
     document.playhead.set_time(seconds)

@@ -164,6 +164,7 @@ class LiveAdaptation(QObject):
         project = self._document.project
         self.driven.bring(project, seconds, self._results)
         if self.play.running:
+            self.play.drawn()
             return
         left = self._frames.bring(project, seconds, self._changed_at, *self._by_need(project), self._results)
         if left is not None:

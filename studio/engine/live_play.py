@@ -20,8 +20,10 @@ from studio.engine.tasks import PATIENCE, join_all
 if TYPE_CHECKING:
     from studio.live.stage import LiveStage
 
-STEP = 1.0 / 60.0
-"""Seconds from one step to the next where there is time for it; a step that took longer is as long as it took."""
+STEP, UNSEEN = 1.0 / 60.0, 1.0 / 30.0
+"""Seconds from one step to the next where there is time for it; a step that took longer is as long as it took. The next
+one waits for a picture of the last one, but no longer than the other: what nobody sees takes the window's time.
+"""
 ANSWERING = 2.0
 """Seconds for which the window waits for an answer at most; a step takes a hundredth of that."""
 LONGEST = 0.1
@@ -116,6 +118,11 @@ class LivePlay(QObject):
             self._told, self._failed = {}, {}
             self.running_changed.emit(False)
 
+    def drawn(self) -> None:
+        """A picture shows the newest moment: the next step may be made."""
+        if self._worker is not None:
+            self._worker.drawn.set()
+
     def start(self, performer_id: str, clip: Clip) -> None:
         """Let a performer go over to a clip."""
         self._order(lambda stage: stage.start(performer_id, clip))
@@ -176,6 +183,8 @@ class _Worker:
         self._stage, self._made, self._broken = stage, made, broken
         self._newest: Moment | None = None
         self._seen = True
+        self.drawn = threading.Event()
+        """Set when a picture of the last step is made."""
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="live stage", daemon=True)
 
@@ -213,6 +222,8 @@ class _Worker:
                     self._seen = False
                     self._made()
                 self._stopped.wait(max(last + STEP - time.monotonic(), 0.0))
+                self.drawn.wait(max(last + UNSEEN - time.monotonic(), 0.0))
+                self.drawn.clear()
                 now = time.monotonic()
                 last, dt = now, min(now - last, LONGEST)
         except Exception as error:  # noqa: BLE001 - told on the window's thread
