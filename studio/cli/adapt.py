@@ -26,6 +26,7 @@ from studio.cli.warm_up import compile_first
 from studio.core.body.character import Character
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
+from studio.core.plausible import PLACE
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.constraint_file import ConstraintFile, read_constraints
@@ -38,8 +39,6 @@ from studio.io.report_file import write_json
 from studio.resources_folder import help_file
 
 ACTOR = "actor"
-FARTHEST_PLACE = 1e6
-"""Metres and degrees."""
 SPACE = """
 Targets of constraints are metres in the motion's own space: X forward, Y left, Z up, the origin on the ground
 under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
@@ -183,7 +182,7 @@ def placed(said: Sequence[Sequence[str]], characters: Iterable[str]) -> dict[str
             x, y, degrees = map(float, numbers)
         except ValueError:
             x = y = degrees = math.nan
-        if not all(abs(number) <= FARTHEST_PLACE for number in (x, y, degrees)):
+        if not all(abs(number) <= PLACE.most for number in (x, y, degrees)):
             raise StudioError(f"--place {name} {' '.join(numbers)}: say two lengths in metres and degrees.")
         places[key] = Placement((x, y), math.radians(degrees))
     return places

@@ -15,22 +15,30 @@ class Range:
     unit: str = "m"
     least: float = 0.0
 
-    def check(self, values: ArrayLike) -> None:
-        """Raise ValueError where any of ``values`` lies outside; those that are not finite are somebody else's."""
+    def check(self, values: ArrayLike, what: str = "") -> None:
+        """Raise ValueError where any of ``values`` lies outside; those that are not finite are somebody else's.
+
+        ``what`` they are, where that can be said more exactly.
+        """
+        what = what or self.what
         amounts = np.abs(np.asarray(values, dtype=np.float64))
         amounts = amounts[np.isfinite(amounts)]
         if amounts.size and amounts.max() > self.most:
             told = f"{amounts.max():.3g} {self.unit}"
-            raise ValueError(f"{self.what} of {told} cannot be true: it is at most {self.most:g} {self.unit}.")
+            raise ValueError(f"{what} of {told} cannot be true: it is at most {self.most:g} {self.unit}.")
         if amounts.size and amounts.min() < self.least:
             told = f"{amounts.min():.3g} {self.unit}"
-            raise ValueError(f"{self.what} of {told} cannot be true: it is at least {self.least:g} {self.unit}.")
+            raise ValueError(f"{what} of {told} cannot be true: it is at least {self.least:g} {self.unit}.")
 
 
 BONE = Range("A bone", 1e3)
 TRAVEL = Range("A way of the root", 1e5)
 MESH = Range("A mesh with a place", 1e5)
-PLACE = Range("A place on the stage", 1e5)
+PLACE = Range("A place", 1e5)
+SKIN = Range("A place on a skin", 1e3)
 TIME = Range("A time", 1e9, "s")  # also "always", as files write it
+ROUND = Range("A round", 1e6, "s", least=1e-3)
 FRAME_RATE = Range("A frame rate", 1e5, "Hz", least=0.01)
-GROUND = Range("A height of the ground", 1e4)
+TURN = Range("A turn", 1e4, "rad")
+GROUND = Range("A measure of the ground", 1e4)
+WEIGHT = Range("A weight among equals", 1e6, "times the usual")

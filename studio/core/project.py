@@ -19,7 +19,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.target import follows_of
 from studio.core.grounds.ground import Ground
-from studio.core.plausible import PLACE
+from studio.core.plausible import PLACE, TURN
 from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer
@@ -74,6 +74,7 @@ class Performer:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):
             raise ValueError(f"'{self.name}': a place on the stage is made of finite numbers.")
         PLACE.check(self.position)
+        TURN.check(self.heading)
 
     @property
     def all_clips(self) -> tuple[Clip, ...]:

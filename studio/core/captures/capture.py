@@ -11,7 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake
-from studio.core.plausible import FRAME_RATE
+from studio.core.plausible import FRAME_RATE, GROUND
 
 FloatArray = NDArray[np.float64]
 
@@ -62,6 +62,7 @@ class Capture:
             raise StudioError(f"The frame rate or the floor of '{self.name}' is no usable number.")
         try:
             FRAME_RATE.check(self.frame_rate)
+            GROUND.check(self.floor)
         except ValueError as error:
             raise StudioError(f"'{self.name}': {error}") from error
         mapped = (*self.body_map.parts.values(), *self.body_map.spine) if self.body_map else ()

@@ -9,6 +9,7 @@ from studio.core.constraints.base import Constraint, Shown, Vector, finite_vecto
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
 from studio.core.mesh.triangle_mesh import TriangleMesh
+from studio.core.plausible import TURN
 
 
 class AreaShape(StrEnum):
@@ -55,6 +56,7 @@ class AreaConstraint(Constraint):
         object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': the size of an area"))
         if not (isinstance(self.heading, KeyedNumber) or math.isfinite(self.heading)):
             raise ValueError(f"'{self.name}': a heading is a finite number of radians, got {self.heading}.")
+        TURN.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
         if self.shape is AreaShape.MESH and self.mesh is None:
             raise ValueError(f"'{self.name}': an area with the shape of a mesh needs one. Load it from a file.")
         used: dict[AreaShape, tuple[float, ...]] = {

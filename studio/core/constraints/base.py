@@ -9,15 +9,13 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.activation import ActivationCurve
+from studio.core.plausible import PLACE, WEIGHT
 from studio.core.stage.scope import EVERYONE, Scope
 
 if TYPE_CHECKING:
     from studio.core.constraints.carried_over import Carry
 
 Vector = tuple[float, float, float]
-
-FARTHEST = 1e15
-"""Metres beyond which nothing is taken for a place: squares of such numbers end in infinity."""
 
 
 @dataclass(frozen=True)
@@ -172,6 +170,7 @@ class Constraint:
             )
         if not (math.isfinite(self.weight) and self.weight > 0.0):
             raise ValueError(f"'{self.name}': a weight is a finite number above 0, got {self.weight}.")
+        WEIGHT.check(self.weight)
 
     def carried(self, carry: "Carry") -> dict[str, Any]:
         """What else of it changes where a clip plays (``constraints.carried_over``)."""
@@ -183,8 +182,9 @@ class Constraint:
 
 
 def finite_vector(values: object, what: str) -> Vector:
-    """Three finite floats from any sequence, none beyond ``FARTHEST``; ValueError beginning with ``what`` otherwise."""
+    """Three finite floats from any sequence, none too far to be a place; ValueError that says ``what`` otherwise."""
     numbers = tuple(float(value) for value in values)  # type: ignore[attr-defined]
-    if len(numbers) != 3 or not all(abs(number) <= FARTHEST for number in numbers):
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise ValueError(f"{what} is three finite numbers in metres, got {values}.")
+    PLACE.check(numbers, what)
     return numbers

@@ -8,6 +8,7 @@ from studio.core.constraints.base import BodyPoint, Constraint, Shown
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.constraints.target import Place, checked_place
+from studio.core.plausible import PLACE
 
 
 @dataclass(frozen=True)
@@ -39,3 +40,4 @@ class DistanceConstraint(Constraint):
         for distance in distances:
             if not (math.isfinite(distance) and distance >= 0.0):
                 raise ValueError(f"'{self.name}': a distance is zero or more metres, got {distance}.")
+        PLACE.check(distances, f"'{self.name}': a distance")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.activation import EaseShape, ease
-from studio.core.plausible import TIME
+from studio.core.plausible import PLACE, TIME
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -51,6 +51,7 @@ class Keys:
         numbers = np.array(value, dtype=np.float64).reshape(-1)
         if numbers.shape != (self.size,) or not np.isfinite(numbers).all():
             raise ValueError(f"The value of a key is {self.size} finite numbers, got {value}.")
+        PLACE.check(numbers, "The value of a key")
         return tuple(numbers.tolist()) if self.size > 1 else float(numbers[0])
 
     def key_at(self, time: float) -> int | None:

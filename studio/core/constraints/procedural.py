@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.base import Vector, finite_vector
+from studio.core.plausible import PLACE, ROUND, TIME, TURN
 
 FloatArray = NDArray[np.float64]
 
@@ -38,6 +39,9 @@ class RuledPlace:
         numbers = [value for value in vars(self).values() if isinstance(value, float | int)]
         if not all(math.isfinite(number) for number in numbers) or self.seconds <= 0.0:
             raise ValueError("A place that moves has finite numbers, and takes more than 0 seconds for a round.")
+        ROUND.check(self.seconds)
+        TIME.check(self.since)
+        TURN.check(self.heading)
 
     def at(self, times: ArrayLike) -> FloatArray:
         """(N, 3) metres at ``times`` (N,) seconds."""
@@ -74,6 +78,11 @@ class CirclePlace(RuledPlace):
     radius: float = 0.2
     tilt: float = 0.0
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        PLACE.check(self.radius, "A radius")
+        TURN.check(self.tilt)
+
     def mirrored(self) -> Self:
         return replace(super().mirrored(), tilt=math.pi - self.tilt)
 
@@ -90,6 +99,11 @@ class PendulumPlace(RuledPlace):
     kind: ClassVar[str] = "pendulum"
     length: float = 1.0
     angle: float = 0.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        PLACE.check(self.length, "A pendulum")
+        TURN.check(self.angle)
 
     def _way(self, rounds: FloatArray) -> FloatArray:
         swing = self.angle * np.cos(2.0 * np.pi * rounds)

@@ -29,8 +29,8 @@ class Ground:
             value = getattr(self, field.name)
             if isinstance(value, int | float) and not math.isfinite(value):
                 raise ValueError(f"The ground's {field.name} is a finite number of metres, got {value}.")
-
-        GROUND.check(self.height)
+            if isinstance(value, float | tuple):
+                GROUND.check(value)
 
     @property
     def is_level(self) -> bool:

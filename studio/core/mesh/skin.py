@@ -14,6 +14,7 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.body.standing import standing_points
 from studio.core.mesh.appearance import Appearance
 from studio.core.mesh.hand_shapes import HandShapes
+from studio.core.plausible import SKIN
 
 INFLUENCES = 4
 _FOOT_LENGTHS = (0.6, 1.6)
@@ -70,6 +71,8 @@ class SkinnedMesh:
                 raise ValueError(f"{name}: expected shape ({rows}, {width}), got {array.shape}.")
             if not np.isfinite(array).all():
                 raise ValueError(f"{name}: holds a number that is not finite.")
+            if (kind, width) == (np.float32, 3):
+                SKIN.check(array)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if not len(self.vertices) or not len(self.triangles):

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from studio.core.plausible import PLACE, TIME
+from studio.core.plausible import PLACE, TIME, TURN
 
 SLOWEST, FASTEST, MOST_REPEATS = 0.1, 10.0, 1000
 """Times as fast as it was captured, and times that a clip may play."""
@@ -46,6 +46,7 @@ class Clip:
         if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
             raise ValueError("A clip's turn and offset are finite numbers.")
         PLACE.check(self.offset)
+        TURN.check(self.turn)
         if not (math.isfinite(self.ease) and self.ease >= 0.0):
             raise ValueError(f"A clip takes over in some seconds, or 0 for as many as it needs, not in {self.ease}.")
 
