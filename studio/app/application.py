@@ -13,6 +13,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
 from studio.app import recovery, sample
+from studio.app.collector import Collector
 from studio.app.main_window import MainWindow
 from studio.app.problems import ProblemHooks, start_log
 from studio.app.settings import Settings
@@ -55,11 +56,11 @@ def end_process(code: int) -> NoReturn:
     os._exit(code)
 
 
-def settle() -> None:
+def settle(window: MainWindow) -> None:
     """What is loaded by now stays: the collector, which would stop the window for 0.1 s, need not look at it again."""
     gc.collect()
     gc.freeze()
-    gc.enable()
+    Collector(window)
 
 
 def make_application() -> QApplication:
@@ -113,7 +114,7 @@ def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
 def show_last(window: MainWindow) -> None:
     """Put the timeline into the window; nothing is missing then."""
     show_timeline(window)
-    settle()
+    settle(window)
 
 
 def import_views() -> None:

@@ -1,0 +1,47 @@
+"""What is lost while a window is open is ended on the window's thread, as Qt needs it."""
+
+import gc
+import threading
+
+import pytest
+from PySide6.QtCore import QObject
+
+from studio.app.application import make_application, make_window
+from studio.app.collector import Collector
+from studio.app.settings import Settings
+from studio.document.document import Document
+
+
+class Lost:
+    """In a circle with a thing of Qt, as forms and what they call are."""
+
+    def __init__(self, ended: list[int]) -> None:
+        self.ended, self.itself, self.part = ended, self, QObject()
+
+    def __del__(self) -> None:
+        self.ended.append(threading.get_ident())
+
+
+@pytest.fixture
+def threshold():
+    before = gc.get_threshold()
+    gc.set_threshold(500, 1, 1)
+    yield
+    gc.set_threshold(*before)
+
+
+def test_what_is_lost_is_ended_on_the_thread_of_the_window_alone(qtbot, tmp_path, threshold):
+    make_application()
+    window = make_window(Settings(tmp_path / "studio.ini"), Document())
+    Collector(window)
+    ended: list[int] = []
+    Lost(ended)
+    worker = threading.Thread(target=lambda: [[k] for k in range(20_000)])
+    worker.start()
+    worker.join()
+    assert ended == []
+    qtbot.waitUntil(lambda: bool(ended))
+    assert ended == [threading.get_ident()]
+    window.leave()
+    assert gc.isenabled()
+    window.deleteLater()
