@@ -101,7 +101,7 @@ class MainWindow(QMainWindow):
         """Let the user choose from a list like the palette's: ((text, detail), what it does)."""
         actions = []
         for (text, detail), run in choices:
-            action = QAction(text, self)
+            action = QAction(text, self.choice_panel)
             action.setData(detail)
             action.triggered.connect(lambda _=False, run=run: run())
             actions.append(action)
@@ -233,6 +233,8 @@ class MainWindow(QMainWindow):
         bench.live.play.state_changed.connect(self.behaviour.show_running)
         document.saved_state_changed.connect(self._saved_state_changed)
         document.project_opened.connect(self._show_title)
+        for changed in (document.project_opened, document.entity_changed):
+            changed.connect(self.choice_panel.hide)  # what it offers is of the project as it was
         runner.started.connect(self.status.progress.begin)
         runner.progressed.connect(self.status.progress.show_share)
         for over in (runner.finished, runner.failed, runner.cancelled):

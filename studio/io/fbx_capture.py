@@ -19,6 +19,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, to_matrix
 from studio.io.bvh_capture import capture_of
+from studio.io.child_process import child_process
 from studio.io.guessing import UNITS
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
@@ -99,28 +100,26 @@ def _run_child(path: Path, target: Path, alive: Callable[[], object]) -> None:
     except OSError as error:
         raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
     command = [sys.executable, "-m", "studio.io.fbx_child", str(path.resolve()), str(target)]
-    root = Path(__file__).resolve().parents[2]
-    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=root)
-    stop = threading.Timer(seconds, child.kill)
-    stop.start()
-    try:
-        while True:
-            alive()
-            try:
-                _, said = child.communicate(timeout=_POLL)
-                break
-            except subprocess.TimeoutExpired:
-                continue
-    finally:
-        timed_out = not stop.is_alive()
-        stop.cancel()
-        child.kill()
-        child.wait()
+    with child_process(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, behind=0) as child:
+        stop = threading.Timer(seconds, child.kill)
+        stop.start()
+        try:
+            while True:
+                alive()
+                try:
+                    _, answer = child.communicate(timeout=_POLL)
+                    break
+                except subprocess.TimeoutExpired:
+                    continue
+        finally:
+            timed_out = not stop.is_alive()
+            stop.cancel()
     if child.returncode == 0:
         return
     if timed_out:
         raise StudioError(f"{path.name} takes longer than {seconds:.0f} s to be read as FBX. {INSTEAD}")
-    reason = said.strip().splitlines()[-1][:200] if said.strip() and child.returncode > 0 else "its reader crashed"
+    said = answer.decode("utf-8", "replace").strip()
+    reason = said.splitlines()[-1][:200] if said and child.returncode > 0 else "its reader crashed"
     raise StudioError(f"{path.name} could not be read as FBX: {reason.rstrip('.')}. {INSTEAD}")
 
 

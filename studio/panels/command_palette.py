@@ -105,7 +105,9 @@ class CommandPalette(QFrame):
         self.field.setFocus()
 
     def offer(self, title: str, actions: Sequence[QAction]) -> None:
-        """Show these to choose from, and no others."""
+        """Show these to choose from, and no others; those that were offered before are gone."""
+        for action in self._actions:
+            action.deleteLater()
         self._actions = actions
         self.field.setPlaceholderText(title)
         self.field.setAccessibleName(title)

@@ -194,8 +194,9 @@ class Choice(QComboBox):
 
     @property
     def value(self) -> object:
-        """What is chosen now."""
-        return self._values[self.currentIndex()]
+        """What is chosen now; None where nothing is."""
+        place = self.currentIndex()
+        return self._values[place] if place >= 0 else None
 
     def offer(self, items: Iterable[tuple[object, str]]) -> None:
         """Other things to choose from; nothing happens where they are the same."""

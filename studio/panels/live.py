@@ -112,7 +112,7 @@ class LivePanel(QScrollArea):
                 self.inputs.takeTopLevelItem(place)
         self.told.setText(told if rows else NO_INPUTS)
         for choice, none in ((self.body, OWN_CLIPS), (self.head, NO_INPUT)):
-            chosen = choice.value if choice.count() else None
+            chosen = choice.value
             choice.offer([(None, none), *((row.key, row.name) for row in rows)])
             choice.show_value(chosen if choice.offers(chosen) else None)
 
@@ -121,7 +121,7 @@ class LivePanel(QScrollArea):
         offered: list[tuple[Choice, list[tuple[object, str]]]]
         offered = [(self.performer, [*performers]), (self.prop, [*props] or [(None, NO_PROP)])]
         for choice, items in offered:
-            chosen = choice.value if choice.count() else None
+            chosen = choice.value
             choice.offer(items)
             choice.show_value(chosen if choice.offers(chosen) else items[0][0] if items else None)
 
@@ -197,13 +197,17 @@ class LivePanel(QScrollArea):
     def _connect(self) -> None:
         self.inputs.itemChanged.connect(self._changed)
         self.performer.chosen.connect(lambda key: self.performer_looked_at.emit(str(key)))
-        self.body.chosen.connect(lambda key: self.body_driven.emit(str(self.performer.value or ""), key or ""))
+        self.body.chosen.connect(self._drive)
         for field in (self.head, self.prop):
             field.chosen.connect(lambda _: self._track())
         self.names.editingFinished.connect(self._track)
         self.stream.toggled.connect(lambda _: self._stream())
         self.out_address.editingFinished.connect(self._stream)
         self.out_port.edited.connect(lambda _: self._stream())
+
+    def _drive(self, key: str | None) -> None:
+        if self.performer.value is not None:
+            self.body_driven.emit(str(self.performer.value), key or "")
 
     def _listen(self) -> None:
         self.listen_wanted.emit(round(self.port.value()), str(self.address.value))

@@ -14,6 +14,7 @@ from studio.app import recovery
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.problems import ProblemHooks
 from studio.app.settings import Settings
+from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import Session
 from studio.io import registry
@@ -280,6 +281,19 @@ def test_the_kinds_of_files_are_listed_and_those_that_failed_with_them(window, m
     texts = [action.text() for action in window.choice_panel._actions]
     assert "BVH  .bvh" in texts
     assert failed.failures[0] in texts
+
+
+def test_what_is_offered_to_choose_goes_with_the_project_that_it_is_of(window):
+    document = window.bench.document
+    changes = [
+        lambda: document.add("props", Prop("Box"), "Add a box"),
+        lambda: document.new(make_project(characters=0)),
+    ]
+    for change in changes:
+        window.actions_by_id.by_id["add_clip"].trigger()
+        assert window.choice_panel.isVisible()
+        change()
+        assert not window.choice_panel.isVisible()
 
 
 def test_the_sample_is_one_motion_playing_on_five_characters(qtbot, window):

@@ -104,6 +104,21 @@ def test_a_reader_that_never_ends_is_ended(tmp_path: Path, monkeypatch: pytest.M
         load_capture(tmp_path / "take.fbx")
 
 
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files are counted")
+def test_a_reader_that_is_cancelled_leaves_nothing_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "take.fbx").write_text(fbx_text())
+    instead_of_the_reader(monkeypatch, "while True: pass")
+    before = len(list(Path("/proc/self/fd").iterdir()))
+
+    def cancel(share: float, _text: str) -> None:
+        if share > 0.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as cancelled:
+        load_capture(tmp_path / "take.fbx", progress=cancel)
+    assert len(list(Path("/proc/self/fd").iterdir())) == before, cancelled
+
+
 def test_without_its_package_the_sentence_says_what_to_export(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "take.fbx").write_text(fbx_text())
     monkeypatch.setattr(fbx_capture, "find_spec", lambda _name: None)

@@ -16,6 +16,7 @@ import shutil
 import sys
 import tempfile
 import time
+import traceback
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -33,7 +34,7 @@ class Soak:
     """Rounds of the monkey, each with a window of its own, in one event loop."""
 
     def __init__(self, events: int, seed: int, folder: Path, tell: Callable[[str], object]) -> None:
-        from PySide6.QtCore import QTimer
+        from PySide6.QtCore import QTimer, qInstallMessageHandler
 
         from studio.app.application import make_application
         from studio.app.problems import ProblemHooks
@@ -49,6 +50,7 @@ class Soak:
         files.mkdir()
         self.monkey = Monkey(seed, files, self.report)
         logging.getLogger().addHandler(_Faults(self.fault))
+        qInstallMessageHandler(self.complained)
         self.left, self.stepping = 0, 0.0
         self.heart = QTimer(interval=BEAT)
         self.heart.timeout.connect(self.beat)
@@ -65,6 +67,11 @@ class Soak:
     def fault(self, sentence: str) -> None:
         self.report.faults.append(f"event {self.report.events}: {sentence}")
         self.tell(self.report.faults[-1])
+
+    def complained(self, _kind: object, _context: object, text: str) -> None:
+        """What Qt says of how it is used; but not of what the platform without a screen has not."""
+        if "plugin does not support" not in text:
+            self.fault(f"{text}\n{''.join(traceback.format_stack())}")
 
     def said(self, sentence: str) -> None:
         """Only what is no sentence for the user: that was logged, with its stack, or comes from a task."""

@@ -42,12 +42,24 @@ class Report:
         return not self.faults and not self.gaps and self.growth < GROWTH
 
 
-def waited_for_a_processor(thread: int) -> float:
-    """Seconds in which a thread of this process could have run and was not let by others."""
+def waits() -> dict[str, float]:
+    """Seconds in which the window's thread, and those that draw for it, could have run and were not let by others."""
+    return {task.name: _waited(task) for task in Path("/proc/self/task").iterdir() if _draws(task)}
+
+
+def _waited(task: Path) -> float:
     try:
-        return int(Path(f"/proc/self/task/{thread}/schedstat").read_text().split()[1]) / 1e9
-    except (OSError, IndexError, ValueError):
+        return int((task / "schedstat").read_text().split()[1]) / 1e9
+    except (OSError, IndexError, ValueError):  # it has ended
         return 0.0
+
+
+def _draws(task: Path) -> bool:
+    """Whether a thread is the window's, or one of OpenGL in software."""
+    try:
+        return task.name == str(os.getpid()) or (task / "comm").read_text().startswith("llvmpipe")
+    except OSError:
+        return False
 
 
 def resident() -> int:
@@ -59,18 +71,19 @@ class Clock(threading.Thread):
 
     def __init__(self) -> None:
         super().__init__(daemon=True)
-        self.main, self.native = threading.get_ident(), threading.get_native_id()
+        self.main = threading.get_ident()
         self.begun, self.stack = time.monotonic(), ""
+        self.waited: dict[str, float] = {}
         self.stopped = threading.Event()
 
     def turn(self) -> tuple[float, str]:
         """Seconds since the last turn without those for which others had the processor, and the stack of a long one."""
-        now, waited = time.monotonic(), waited_for_a_processor(self.native)
-        took = now - self.begun - (waited - self.waited)
+        now, waited = time.monotonic(), waits()
+        longer = {thread: waited[thread] - before for thread, before in self.waited.items() if thread in waited}
+        window = longer.pop(str(os.getpid()), 0.0)
+        took = now - self.begun - window - max(longer.values(), default=0.0)
         stack, self.begun, self.waited, self.stack = self.stack, now, waited, ""
         return took, stack
-
-    waited = 0.0
 
     def run(self) -> None:
         while not self.stopped.wait(0.05):

@@ -159,6 +159,13 @@ def test_a_double_click_renames_a_state_and_its_transitions_follow(document, pan
     assert document.history == ("Rename Strike",)
 
 
+def test_a_state_that_could_not_be_added_has_no_name_to_type(panel, document, qtbot):
+    [add] = [each for each in panel.findChildren(QPushButton) if each.text() == "Add state"]
+    document.new(make_project(characters=0))
+    add.click()
+    assert panel.findChildren(QLineEdit) == []
+
+
 def test_a_name_that_is_taken_is_refused_in_a_sentence(document, panel, hand):
     told = []
     document.problem.connect(told.append)

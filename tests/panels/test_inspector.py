@@ -17,7 +17,7 @@ from studio.io.character_file import bundled_characters
 from studio.panels.constraint_editors.body_figure import SCALE, SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.residuals import BodyResidual, ResidualTable, residuals_of, words_of
-from studio.panels.fields import NumberField
+from studio.panels.fields import Choice, NumberField
 from studio.panels.inspector import Inspector
 from tests.builders import make_morphology, make_project
 
@@ -80,6 +80,13 @@ def drag(widget, start, *steps):
 
 def handle_of(slider):
     return QPoint(round(slider.width() * slider.value() / slider.maximum()), slider.height() // 2)
+
+
+def test_a_list_of_which_nothing_is_chosen_says_so(qapp):
+    assert Choice("Body", ()).value is None
+    choice = Choice("Body", [("child", "Child")])
+    choice.show_value("gone")
+    assert choice.value is None
 
 
 def test_a_drag_of_a_slider_is_one_undo_step_and_live_on_the_way(inspector, document, live):

@@ -129,8 +129,10 @@ class Diagram(QGraphicsView):
         document.selection.set(*bodies, *(items or [("behaviours", self.behaviour_id)]))
 
     def rename(self, name: str) -> None:
-        """Let a state's name be typed in its box."""
+        """Let a state's name be typed in its box, if there is one."""
         self._end_renaming()
+        if name not in self.states:
+            return
         rect = self.mapFromScene(self.states[name].rect).boundingRect()
         field = QLineEdit(name, self.viewport())
         field.setAccessibleName("Name of the state")

@@ -89,7 +89,7 @@ class BehaviourPanel(QWidget):
         self._against = labelled("against", "second")
         for choice in (self._choice, self._partner):
             choice.setMinimumContentsLength(14)
-        self._choice.chosen.connect(lambda key: self._let_play(str(key), str(self._partner.value)))
+        self._choice.chosen.connect(lambda key: self._let_play(str(key), str(self._partner.value or "")))
         self._partner.chosen.connect(lambda key: self._let_play(self.diagram.behaviour_id, str(key)))
         self._tools = [
             press_button("Add state", lambda: self.diagram.rename(self.diagram.add_state())),
