@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -65,14 +66,18 @@ def unreadable_maps() -> tuple[str, ...]:
 
 def _read_maps() -> tuple[tuple[MarkerMap, ...], tuple[str, ...]]:
     own = sorted(maps_folder().glob("*.json")) if maps_folder().is_dir() else []
-    shipped = sorted((resources_folder() / "marker_maps").glob("*.json"))
     found, failures = [], []
-    for path in (*own, *shipped):
+    for path in own:
         try:
             found.append(read_map(path))
         except StudioError as error:
             failures.append(f"The marker map {path} was left out: {error}")
-    return tuple(found), tuple(failures)
+    return (*found, *_shipped_maps()), tuple(failures)
+
+
+@lru_cache(maxsize=1)
+def _shipped_maps() -> tuple[MarkerMap, ...]:
+    return tuple(map(read_map, sorted((resources_folder() / "marker_maps").glob("*.json"))))
 
 
 def maps_folder() -> Path:
