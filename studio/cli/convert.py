@@ -1,6 +1,7 @@
 """``convert``: a motion in another file format, with its own joints and frame rate; or a character."""
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from studio.cli.import_options import add_import_options, import_options
 from studio.cli.outputs import add_output_options, refuse_replacing
 from studio.cli.printing import print_json
 from studio.cli.warm_up import tell_what_reading_waits_for
+from studio.core.captures.capture import Guess
 from studio.io.character_file import actor_character
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, load_annotations, load_capture, load_character
@@ -40,7 +42,7 @@ def run(arguments: Namespace) -> int:
     capture = read.capture
     written = write_take(export_options(arguments).applied_to(read, arguments.target), arguments.target)
     joints = int(np.count_nonzero(~capture.skeleton.end_sites))
-    guesses = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in capture.guesses]
+    guesses = _sentences(capture.guesses)
     if arguments.json:
         print_json(
             {
@@ -59,10 +61,18 @@ def run(arguments: Namespace) -> int:
         return 0
     print(f"{arguments.target}: {written.name}, {capture.frame_count} frames of {joints} joints", end=" ")
     print(f"at {capture.frame_rate:g} Hz.")
-    for kind, sentences in (("guessed", guesses), ("repaired", capture.repairs)):
+    _print_changes(guesses, capture.repairs)
+    return 0
+
+
+def _sentences(guesses: Iterable[Guess]) -> list[str]:
+    return [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in guesses]
+
+
+def _print_changes(guesses: Iterable[str], repairs: Iterable[str]) -> None:
+    for kind, sentences in (("guessed", guesses), ("repaired", repairs)):
         for sentence in sentences:
             print(f"  {kind:<9} {sentence}")
-    return 0
 
 
 def _take_of(source: Path, options: ImportOptions) -> Take:
@@ -88,7 +98,7 @@ def _convert_character(arguments: Namespace) -> int:
     read = _character_of(arguments.source, import_options(arguments))
     written = format_for(arguments.target, "character_writer")
     written.write_character(arguments.target, read.character, lambda share, text: None)
-    guesses = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses]
+    guesses = _sentences(read.guesses)
     body = read.character.morphology
     if arguments.json:
         print_json(
@@ -105,9 +115,7 @@ def _convert_character(arguments: Namespace) -> int:
         )
         return 0
     print(f"{arguments.target}: {written.name}, '{read.character.name}', {body.stature:.2f} m tall.")
-    for kind, sentences in (("guessed", guesses), ("repaired", read.repairs)):
-        for sentence in sentences:
-            print(f"  {kind:<9} {sentence}")
+    _print_changes(guesses, read.repairs)
     return 0
 
 

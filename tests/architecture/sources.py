@@ -28,6 +28,11 @@ def product_files() -> list[Path]:
     return sorted([ROOT / "main.py", *found])
 
 
+def test_files() -> list[Path]:
+    """Every Python file of the tests."""
+    return sorted((ROOT / "tests").rglob("*.py"))
+
+
 def functions_of(file: Path) -> Iterator[Function]:
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"), str(file))):
         if isinstance(node, Function):

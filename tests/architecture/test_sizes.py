@@ -1,5 +1,6 @@
 import ast
 
+from tests.architecture import sources
 from tests.architecture.sources import ROOT, functions_of, place_of, product_files
 
 LONGEST_FILE = 500
@@ -12,8 +13,12 @@ def line_count(file):
     return len(file.read_text(encoding="utf-8").splitlines())
 
 
-def is_studio(file):
-    return file.is_relative_to(ROOT / "studio")
+def every_file():
+    return product_files() + sources.test_files()
+
+
+def is_strict(file):
+    return any(file.is_relative_to(ROOT / folder) for folder in ("studio", "tests"))
 
 
 def argument_count(function):
@@ -23,24 +28,24 @@ def argument_count(function):
 
 
 def test_no_file_is_too_long_to_read_in_one_go():
-    too_long = [place_of(file) for file in product_files() if line_count(file) > LONGEST_FILE]
+    too_long = [place_of(file) for file in every_file() if line_count(file) > LONGEST_FILE]
     assert too_long == []
 
 
 def test_no_function_is_too_long_to_see_at_once():
     too_long = [
         f"{place_of(file, function.lineno)} {function.name}"
-        for file in product_files()
+        for file in every_file()
         for function in functions_of(file)
-        if function.end_lineno - function.lineno + 1 > (LONGEST_FUNCTION if is_studio(file) else LONGEST_BESIDE)
+        if function.end_lineno - function.lineno + 1 > (LONGEST_FUNCTION if is_strict(file) else LONGEST_BESIDE)
     ]
     assert too_long == []
 
 
-def test_no_function_of_the_studio_takes_more_arguments_than_one_can_keep_in_mind():
+def test_no_function_of_studio_and_tests_takes_more_arguments_than_one_can_keep_in_mind():
     too_many = [
         f"{place_of(file, function.lineno)} {function.name}"
-        for file in filter(is_studio, product_files())
+        for file in filter(is_strict, every_file())
         for function in functions_of(file)
         if argument_count(function) > MOST_ARGUMENTS
     ]

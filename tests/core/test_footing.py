@@ -123,7 +123,8 @@ class _Leg:
 def test_a_leg_is_placed_as_its_twin_and_nothing_else_moves(seed: int) -> None:
     leg = _Leg(seed)
     root, pelvis = leg.before[0][0], leg.before[1][0]
-    points, segments = twin.place_leg(leg.row, BODY, leg.side, leg.comfort, leg.ankle, leg.foot, leg.toe, root, pelvis)
+    stance = twin.Stance(leg.comfort, leg.ankle, leg.foot, leg.toe)
+    points, segments = twin.place_leg(leg.row, BODY, leg.side, stance, root, pelvis)
     assert np.allclose(leg.positions[leg.points], points, atol=1e-9)
     assert np.allclose(leg.rotations[leg.segments], segments, atol=1e-9)
     others = np.delete(leg.positions, leg.points, axis=0), np.delete(leg.rotations, leg.segments, axis=0)
@@ -156,8 +157,8 @@ def test_a_clip_is_placed_frame_by_frame() -> None:
         root = positions[frame, 0] - [0.0, 0.0, footing.drops[frame]]
         assert np.allclose(placed[frame, 0], root)
         for side in range(2):
-            each = [array[side, frame] for array in stance]
-            points, _ = twin.place_leg(WALK.channels[frame], BODY, side, *each, root, rotations[frame, 0])
+            each = twin.Stance(*(array[side, frame] for array in stance))
+            points, _ = twin.place_leg(WALK.channels[frame], BODY, side, each, root, rotations[frame, 0])
             assert np.allclose(placed[frame, BODY.layout.hip(side) :][:5], points, atol=1e-9)
     above = positions[:, BODY.layout.neck_base] - placed[:, BODY.layout.neck_base]
     assert np.allclose(above[:, 2], footing.drops)

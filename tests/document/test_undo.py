@@ -31,6 +31,12 @@ from tests.builders import make_capture, make_constraint, make_contact, make_pro
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
+REMOVED = {
+    "behaviours": 2, "constraints": 6, "contacts": 6, "props": 6, "performers": 2, "characters": 1, "motions": 0.1,
+    "captures": 0.1,
+}  # fmt: skip
+"""How often something of each collection is removed, beside the others."""
+
 
 def state(document: Document) -> bytes:
     return project_json(document.project, {})
@@ -79,17 +85,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
         case "behave":
             document.add("behaviours", behaviour_of(document, chance), "Add behaviour")
         case "remove":
-            names = [
-                "behaviours",
-                "constraints",
-                "contacts",
-                "props",
-                "performers",
-                "characters",
-                "motions",
-                "captures",
-            ]
-            name = chance.choices(names, [2, 6, 6, 6, 2, 1, 0.1, 0.1])[0]
+            [name] = chance.choices(list(REMOVED), list(REMOVED.values()))
             keys = list(getattr(project, name))
             if keys:
                 document.remove(name, chance.choice(keys), "Remove")

@@ -20,11 +20,16 @@ from tests.viewport.standing import StandingLive
 
 
 @pytest.fixture
-def window(qtbot, tmp_path):
+def project():
+    """What is open in the window."""
+    return make_project(characters=2)
+
+
+@pytest.fixture
+def window(qtbot, tmp_path, project):
     """A small project in the window, nothing playing."""
     make_application()
-    document = Document(make_project(characters=2))
-    window = make_window(Settings(tmp_path / "studio.ini"), document)
+    window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
     with qtbot.waitExposed(window):
         window.show()
     window.resize(1400, 900)

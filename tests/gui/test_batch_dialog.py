@@ -7,10 +7,7 @@ import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
 from PySide6.QtTest import QTest
 
-from studio.app.application import make_application, make_window
 from studio.app.batch_dialog import BatchDialog
-from studio.app.settings import Settings
-from studio.document.document import Document
 from studio.io.export import write_capture
 from tests.builders import make_capture, make_project
 
@@ -18,15 +15,8 @@ PATIENCE = 90_000
 
 
 @pytest.fixture
-def window(qtbot, tmp_path):
-    make_application()
-    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project(characters=1)))
-    with qtbot.waitExposed(window):
-        window.show()
-    yield window
-    window.leave()
-    window.deleteLater()
-    QTest.qWait(0)
+def project():
+    return make_project(characters=1)
 
 
 @pytest.fixture

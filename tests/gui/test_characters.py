@@ -6,40 +6,23 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
-from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 from scipy.spatial.transform import Rotation
 
-from studio.app.application import make_application, make_window
-from studio.app.settings import Settings
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.skin import Blending, bound_pose
 from studio.core.project import Performer
 from studio.core.solver.request import AdaptedMotion
 from studio.document.commands.replace import same_value
-from studio.document.document import Document
 from studio.engine.performance import Placement, Posed
 from studio.io.importing import load_character
 from studio.io.project_file import new_document_id, read_project, write_project
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.surfaces import points_of
-from tests.builders import make_project
 from tests.io.character_files import PIXEL, Gltf, vrml
 
 PATIENCE = 30_000
-
-
-@pytest.fixture
-def window(qtbot, tmp_path):
-    make_application()
-    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project(characters=2)))
-    with qtbot.waitExposed(window):
-        window.show()
-    yield window
-    window.leave()
-    window.deleteLater()
-    QTest.qWait(0)
 
 
 @pytest.fixture

@@ -3,12 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from PySide6.QtTest import QTest
 
 from studio.app import export_dialog
-from studio.app.application import make_application, make_window
-from studio.app.settings import Settings
-from studio.document.document import Document
 from studio.io.importing import load_capture
 from tests.builders import make_project
 from tests.io.bvh_exports import EXTRAS, with_extras
@@ -17,17 +13,9 @@ PATIENCE = 60_000
 
 
 @pytest.fixture
-def window(qtbot, tmp_path):
+def project():
     """A body that plays a capture with fingers, an eye and a prop."""
-    make_application()
-    project = replace(make_project(characters=1, contacts=0), captures={"capture": with_extras()})
-    window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
-    with qtbot.waitExposed(window):
-        window.show()
-    yield window
-    window.leave()
-    window.deleteLater()
-    QTest.qWait(0)
+    return replace(make_project(characters=1, contacts=0), captures={"capture": with_extras()})
 
 
 @pytest.mark.parametrize("others", ["carry", "leave"])

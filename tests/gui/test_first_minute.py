@@ -65,13 +65,28 @@ def pixel(viewport, place):
 
 
 def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
-    document, viewport, timeline = window.bench.document, window.bench.viewport, window.bench.timeline
-    # 1. five characters play; Space pauses
+    pause(window)
+    constraint_id = ask_for_the_kick(window)
+    choose_one_place_for_all(window, constraint_id)
+    drag_up_until_the_child_falls_short(window, constraint_id)
+    drag_a_handle_of_the_bar(window, constraint_id)
+    drop_an_own_capture(qtbot, window, walk)
+    QTest.keyClick(window, Qt.Key.Key_S, Qt.KeyboardModifier.ControlModifier)
+    assert window.bench.document.dirty  # it asks for a name first
+
+
+def pause(window):
+    """1. Five characters play; Space pauses."""
+    document = window.bench.document
     assert document.playhead.playing
-    assert len(viewport.posed) == 5
+    assert len(window.bench.viewport.posed) == 5
     QTest.keyClick(window, Qt.Key.Key_Space)
     assert not document.playhead.playing
-    # 2. the playhead to the kick, a click on the ball of the child's right foot, C, one place for all
+
+
+def ask_for_the_kick(window):
+    """2. The playhead to the kick, a click on the ball of the child's right foot, C; the constraint's id."""
+    document, viewport, timeline = window.bench.document, window.bench.viewport, window.bench.timeline
     ruler = timeline.row_rect("ruler")
     QTest.mouseClick(
         timeline.tracks, LEFT, NONE, QPoint(round(timeline.x_of_frame(HEIGHT_OF_KICK)), ruler.center().y())
@@ -87,6 +102,10 @@ def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
     _, constraint_id = document.selection.current
     assert timeline.row_rect("constraints", constraint_id).height() > 0
     assert all(miss < HELD for miss in misses(window, constraint_id).values())
+    return constraint_id
+
+
+def choose_one_place_for_all(window, constraint_id):
     [choice] = [
         box
         for box in window.inspector.findChildren(QComboBox)
@@ -95,9 +114,13 @@ def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
     choice.setFocus()
     QTest.keyClick(choice, Qt.Key.Key_Down)
     solved(window)
-    assert isinstance(document.project.constraints[constraint_id].target, tuple)
+    assert isinstance(window.bench.document.project.constraints[constraint_id].target, tuple)
     assert all(miss < HELD for miss in misses(window, constraint_id).values())
-    # 3. the blue arrow, up, until the child cannot reach it any more; the others still can
+
+
+def drag_up_until_the_child_falls_short(window, constraint_id):
+    """3. The blue arrow, up, until the child cannot reach it any more; the others still can."""
+    document, viewport, timeline = window.bench.document, window.bench.viewport, window.bench.timeline
     while (missed := misses(window, constraint_id))["child"] < SHORT:
         assert max(miss for key, miss in missed.items() if key != "child") < HELD
         height = document.project.constraints[constraint_id].target[2]
@@ -113,7 +136,11 @@ def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
     curve = document.project.constraints[constraint_id].activation
     shown = {timeline.strip_state(constraint_id, "child", round(60 * time)) for time in (curve.full, curve.full_end)}
     assert StripState.NOT_REACHED in shown
-    # 4. a handle of the bar
+
+
+def drag_a_handle_of_the_bar(window, constraint_id):
+    """4."""
+    document, timeline = window.bench.document, window.bench.timeline
     before = document.project.constraints[constraint_id].activation
     handle = timeline.handle_point(constraint_id, "end")
     QTest.mousePress(timeline.tracks, LEFT, NONE, handle)
@@ -121,12 +148,13 @@ def test_the_first_minute_is_as_the_readme_says(qtbot, window, walk):
         move(timeline.tracks, handle + QPoint(step, 0))
     QTest.mouseRelease(timeline.tracks, LEFT, NONE, handle + QPoint(30, 0))
     assert document.project.constraints[constraint_id].activation.end > before.end
-    # 5. an own capture
+
+
+def drop_an_own_capture(qtbot, window, walk):
+    """5."""
+    document = window.bench.document
     drop(window, walk)
     wait_until_idle(qtbot, window)
     solved(window)
     assert document.project.motions[document.active_motion_id].name == "walk"
-    assert all(viewport.posed[key].motion.frame_count == 40 for key in document.project.performers)
-    # 6. saved, and what is asked for by Ctrl+E
-    QTest.keyClick(window, Qt.Key.Key_S, Qt.KeyboardModifier.ControlModifier)
-    assert document.dirty  # it asks for a name first
+    assert all(window.bench.viewport.posed[key].motion.frame_count == 40 for key in document.project.performers)

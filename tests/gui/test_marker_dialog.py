@@ -6,12 +6,10 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from studio.app.application import make_application, make_window, show_views
+from studio.app.application import show_views
 from studio.app.marker_dialog import open_markers
-from studio.app.settings import Settings
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.trial import AnalogSignals, ForcePlate, Trial, TrialEvent
-from studio.document.document import Document
 from studio.io.c3d_writer import write_c3d
 from studio.io.marker_maps import known_maps, maps_folder
 from tests.builders import make_project
@@ -23,15 +21,8 @@ KNEE, MARKER = "left_knee", "P_left_knee"
 
 
 @pytest.fixture
-def window(qtbot, tmp_path):
-    make_application()
-    window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project(characters=1)))
-    with qtbot.waitExposed(window):
-        window.show()
-    yield window
-    window.leave()
-    window.deleteLater()
-    QTest.qWait(0)
+def project():
+    return make_project(characters=1)
 
 
 def nameless() -> Trial:

@@ -17,7 +17,21 @@ Span = tuple[int, int]
 """The first and the last frame of a contact."""
 
 
-class ContactPoint(StrEnum):
+class _Sided(StrEnum):
+    """What is named by its side and its member: ``left_heel``, ``right_hand_on_head``."""
+
+    @cached_property
+    def side(self) -> int:
+        """0 left, 1 right; what is on neither side, or on both, counts as left."""
+        return 1 if self.value.startswith("right") else 0
+
+    @cached_property
+    def member(self) -> str:
+        """What it is on either side, or what a hand is on."""
+        return self.value.rpartition("_")[2]
+
+
+class ContactPoint(_Sided):
     """What of a body touches the ground.
 
     The heel moves with the ankle, the toe with the toe joint, the hand with the wrist; the seat is the middle of the
@@ -33,16 +47,6 @@ class ContactPoint(StrEnum):
     LEFT_KNEE = "left_knee"
     RIGHT_KNEE = "right_knee"
     SEAT = "seat"
-
-    @cached_property
-    def side(self) -> int:
-        """0 left, 1 right; the seat counts as left."""
-        return 1 if self.value.startswith("right") else 0
-
-    @cached_property
-    def member(self) -> str:
-        """What it is on either side: ``heel``, ``toe``, ``hand``, ``knee`` or ``seat``."""
-        return self.value.rpartition("_")[2]
 
     @cached_property
     def is_heel(self) -> bool:
@@ -73,7 +77,7 @@ def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
     return [layout.hip(point.side) + {"knee": 1, "heel": 2, "toe": 3}[point.member]]
 
 
-class Touch(StrEnum):
+class Touch(_Sided):
     """What hands touch or hold, other than the ground.
 
     Hands that are together keep their way from each other as far as their arms are long; a thing between them keeps
@@ -90,16 +94,6 @@ class Touch(StrEnum):
     RIGHT_HAND_ON_TRUNK = "right_hand_on_trunk"
     RIGHT_HAND_ON_HIPS = "right_hand_on_hips"
     RIGHT_HAND_ON_THIGH = "right_hand_on_thigh"
-
-    @cached_property
-    def side(self) -> int:
-        """0 left, 1 right; both hands count as left."""
-        return 1 if self.value.startswith("right") else 0
-
-    @cached_property
-    def member(self) -> str:
-        """What a hand is on: ``head``, ``trunk``, ``hips`` or ``thigh``; of both hands ``together`` or ``thing``."""
-        return self.value.rpartition("_")[2]
 
     @property
     def is_foot(self) -> bool:

@@ -1,5 +1,7 @@
 """Legs under a body: how far it must come down, and a leg set on its ankle."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from studio.core.body.morphology import Morphology
@@ -18,25 +20,28 @@ def drop(body: Morphology, pelvis: np.ndarray, ankles: np.ndarray, comforts: np.
     return max(drops)
 
 
+class Stance(NamedTuple):
+    """What one leg does in one frame: how far it stretches in comfort, its ankle (3,), foot and toe (3, 3)."""
+
+    comfort: float
+    ankle: np.ndarray
+    foot: np.ndarray
+    toe: np.ndarray
+
+
 def place_leg(
-    row: np.ndarray,
-    body: Morphology,
-    side: int,
-    comfort: float,
-    ankle: np.ndarray,
-    foot: np.ndarray,
-    toe: np.ndarray,
-    root: np.ndarray,
-    pelvis: np.ndarray,
+    row: np.ndarray, body: Morphology, side: int, stance: Stance, root: np.ndarray, pelvis: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points hip, knee, ankle, toe, toe end (5, 3) and rotations thigh, shank, foot, toe (4, 3, 3)."""
     hip = root + pelvis @ body.hip_offset[side]
-    apart = ankle - hip
+    apart = stance.ankle - hip
     distance, length = np.linalg.norm(apart), body.leg[side].sum()
     limb = 2 + side
     frame = pelvis @ from_quaternion(row[at.LIMB_FRAME + 4 * limb : at.LIMB_FRAME + 4 * limb + 4])
     aimed = shortest_arc(frame[:, 2], apart / distance) @ frame
-    stretch = max(length * soft_reach(distance / length, comfort), abs(body.leg[side, 0] - body.leg[side, 1]) + 1e-6)
+    stretch = max(
+        length * soft_reach(distance / length, stance.comfort), abs(body.leg[side, 0] - body.leg[side, 1]) + 1e-6
+    )
     knee, reached, thigh, shank = place_limb(
         hip,
         aimed,
@@ -46,5 +51,6 @@ def place_leg(
         1.0,
         row[at.LIMB_TWIST + 2 * limb : at.LIMB_TWIST + 2 * limb + 2],
     )
-    ball = reached + foot @ body.foot[side]
-    return np.array([hip, knee, reached, ball, ball + toe @ body.toe[side]]), np.array([thigh, shank, foot, toe])
+    ball = reached + stance.foot @ body.foot[side]
+    points = np.array([hip, knee, reached, ball, ball + stance.toe @ body.toe[side]])
+    return points, np.array([thigh, shank, stance.foot, stance.toe])
