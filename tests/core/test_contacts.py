@@ -69,6 +69,18 @@ def test_a_low_foot_that_glides_does_not_stand() -> None:
     assert _detect(gliding, _track([(0, 119)]))[ContactPoint.LEFT_TOE] == []
 
 
+@pytest.mark.parametrize("rising", [False, True])
+def test_a_foot_that_is_slowly_set_down_or_drawn_up_does_not_stand_till_it_is_down(rising: bool) -> None:
+    heights = np.concatenate([np.full(30, 0.3), np.full(20, 0.115), np.linspace(0.115, 0.08, 10), np.full(60, 0.08)])
+    hovering = np.zeros((120, 3))
+    hovering[:, 2] = heights[::-1] if rising else heights
+    found = _detect(hovering, _track([(0, 119)]))
+    for kind in ("heel", "toe"):
+        ((first, last),) = found[ContactPoint(f"left_{kind}")]
+        assert last <= 67 if rising else first >= 52
+        assert last - first >= 58
+
+
 def test_flicker_is_closed_and_blinks_are_dropped() -> None:
     left = _track([(20, 80)])
     left[50, 2] += 0.045

@@ -83,12 +83,7 @@ def _sets(before: AdaptedMotion, times: ActivationCurve) -> Iterator[tuple[Const
         ("accad_male2_E1_JabLeft", "adult_woman"),
     ],
 )
-def test_edges_add_at_most_twice_the_peak_of_the_source(
-    captures: Path, stem: str, name: str, limited: bool, request: pytest.FixtureRequest
-) -> None:
-    if (stem, name, limited) == ("accad_female1_B03_Walk1", "child", True):
-        reason = "a balance that begins while the child rolls over its heel adds 2.5 times the peak"
-        request.applymarker(pytest.mark.xfail(reason=reason))
+def test_edges_add_at_most_twice_the_peak_of_the_source(captures: Path, stem: str, name: str, limited: bool) -> None:
     standing, before = _standing(stem, name, limited)
     rate, first, last = before.frame_rate, before.first_frame, before.first_frame + before.frame_count - 1
     seconds = first / rate + np.array([0.3, 0.6]) * before.frame_count / rate

@@ -165,6 +165,8 @@ DRIFT_WINDOW = 1.0
 """Seconds to each side in which a foot is taken to touch the ground at least once."""
 GREATEST_DRIFT = 0.04
 """Metres by which the ground of a capture may rise above its usual low."""
+HOVERING = 0.025
+"""Metres above the lowest that it comes to while it is near the ground at which a point is in the air."""
 ON_THE_FLOOR = 0.12
 """Metres that one foot's usual low may lie above the other's; higher, and it never stands."""
 
@@ -207,8 +209,12 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
     lows = np.percentile(tracks[..., 2], 5, axis=0)
     on_the_floor = lows < lows.min(axis=0) + ON_THE_FLOOR
     for side, name in enumerate(("left", "right")):
+        heights, reach = tracks[:, side, :, 2], round(DRIFT_WINDOW * frame_rate)
+        near = [_near(heights[:, end], lows[side, end], reach) & on_the_floor[side, end] for end in range(3)]
+        down = [_come_down(heights[:, end], near[end], reach) for end in range(3)]
+        down[1] = down[2] = down[1] | down[2]  # toes that roll over one end are not in the air
         stands = [
-            _stands(tracks[:, side, end], lows[side, end], *speeds, frame_rate) & on_the_floor[side, end]
+            _stands(tracks[:, side, end], near[end] & down[end], *speeds, frame_rate)
             for end, speeds in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
         ]
         for kind, standing in (("heel", stands[0]), ("toe", stands[1] | stands[2])):
@@ -217,11 +223,31 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
     return found
 
 
-def _stands(track: FloatArray, low: float, landing: float, leaving: float, frame_rate: float) -> NDArray[np.bool_]:
-    """(F,) where a point of a sole (F, 3) with a usual ``low`` stands: near it and still, coming to rest or leaving, at
+def _near(heights: FloatArray, low: float, reach: int) -> NDArray[np.bool_]:
+    """(F,) where a point with a usual ``low`` is near what that is ``reach`` frames around: captures' floors rise and
+    sink by centimetres.
+    """
+    return np.asarray(heights < np.clip(lowest(heights, reach), low, low + GREATEST_DRIFT) + HEIGHT_MARGIN)
+
+
+def _come_down(heights: FloatArray, near: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """(F,) where a point that is ``near`` the ground (F,) is about as low as it comes before it leaves that again.
+
+    A foot that is set down, or drawn up, slowly is in the air until it is down.
+    """
+    down = near.copy()
+    for first, last in spans_of(near):
+        span = slice(first, last + 1)
+        down[span] = heights[span] < lowest(heights[span], reach) + HOVERING
+    return down
+
+
+def _stands(
+    track: FloatArray, near: NDArray[np.bool_], landing: float, leaving: float, frame_rate: float
+) -> NDArray[np.bool_]:
+    """(F,) where a point of a sole (F, 3) stands: ``near`` the ground (F,) and still, coming to rest or leaving, at
     less than ``landing`` or ``leaving`` metres a second.
     """
-    near = track[:, 2] < _drifting_low(track[:, 2], low, round(DRIFT_WINDOW * frame_rate)) + HEIGHT_MARGIN
     speeds = _speeds(track, frame_rate)
     still = near & (speeds < STILL_SPEED)
     standing, longest = still.copy(), round(ROLLING * frame_rate)
@@ -311,11 +337,6 @@ def _speeds(track: FloatArray, frame_rate: float) -> FloatArray:
         return np.full(len(track), np.inf)
     steps = np.linalg.norm(np.diff(smoothed(track, SMOOTHING * frame_rate), axis=0), axis=1) * frame_rate
     return np.asarray(np.minimum(np.append(steps, np.inf), np.append(np.inf, steps)))
-
-
-def _drifting_low(heights: FloatArray, low: float, reach: int) -> FloatArray:
-    """(F,) the low of each moment, within ``reach`` frames of it: captures' floors rise and sink by centimetres."""
-    return np.clip(lowest(heights, reach), low, low + GREATEST_DRIFT)
 
 
 def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
