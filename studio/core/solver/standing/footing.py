@@ -307,12 +307,14 @@ def _drape_foot(
 
 
 def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """The ``comforts`` of a ``Footing``, where it stands as far as the motion's own leg stretches, and its ``runs``."""
+    """The ``comforts`` of a ``Footing``, where it stands halfway from the motion's own leg to a straight one, and its
+    ``runs``: a knee that is nearly straight gives way sooner than hips ride lower.
+    """
     if not np.count_nonzero(states):
         return np.full(states.shape, COMFORT), np.full(states.shape, np.inf)
     free = np.array([freedom(planted, motion.frame_rate) for planted in states != 0])
     own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
-    standing = own.clip(OWN_COMFORT, 1.0 - 1e-9)
+    standing = (0.5 * (1.0 + own)).clip(OWN_COMFORT, 1.0 - 1e-9)
     return standing + free * (COMFORT - standing), run_out(free)
 
 
