@@ -5,10 +5,10 @@ from typing import Any
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.body.character import Character
-from studio.core.mesh.skin import skin_vertices
+from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
 from studio.core.stage.placement import Placement
 from studio.engine.performance import Posed
-from studio.viewport.coarse import coarse_triangles
+from studio.viewport.coarse import coarse_skin
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
@@ -39,17 +39,30 @@ class BodyVisual:
         else:
             self.skin_actors = material_actors(self._skin, character.skin.triangles, look)
         self.bones_actor: Any = None
-        self._coarse: Polydata | None = None
+        self._coarse: LiveMesh | None = None
         self._is_coarse = False
+        self._posing: tuple[object, ...] = ()
+        """What was drawn of which motion: drawn the same again, it costs nothing."""
 
     def coarsen(self, coarse: bool) -> None:
-        """Draw the next poses with fewer triangles, or with all; a skin with materials is always drawn whole."""
+        """Draw the next poses with fewer vertices, or with all; a skin with materials is always drawn whole."""
         if coarse == self._is_coarse or self._character.skin.appearance is not None:
             return
         if self._coarse is None:
-            self._coarse = self._skin.part(coarse_triangles(self._character.skin))
+            skin = coarse_skin(self._character.skin)
+            self._coarse = LiveMesh(len(skin.vertices), skin.triangles)
         self._is_coarse = coarse
-        self.skin_actors[0].GetMapper().SetInputData(self._coarse if coarse else self._skin.polydata)
+        self.skin_actors[0].GetMapper().SetInputData(self._drawn.polydata)
+
+    @property
+    def _drawn(self) -> LiveMesh:
+        return self._coarse if self._is_coarse and self._coarse is not None else self._skin
+
+    @property
+    def _shown(self) -> SkinnedMesh:
+        """What ``_drawn`` draws, with its hands as they are to be."""
+        character = self._character
+        return gripping(coarse_skin(character.skin), character.grip) if self._is_coarse else character.shown_skin
 
     def belongs_to(self, character: Character) -> bool:
         """Whether this mesh can show ``character``: proportions and colour may differ, the skin may not."""
@@ -85,13 +98,17 @@ class BodyVisual:
             self._bones.pose(motion.positions[row])
             place(self.bones_actor, posed.placement)
             return
+        mesh, shown = self._drawn, self._shown
+        posing = mesh, shown, self._character.blending, motion, row
+        if posing == self._posing:
+            return
+        self._posing = posing
         if posed.resting and motion.morphology == self._character.build:
             # As it was bound: needs no kernel, which may not be compiled yet.
-            shown = self._character.shown_skin
-            self._skin.points[:], self._skin.normals[:] = shown.vertices, shown.normals
+            mesh.points[:], mesh.normals[:] = shown.vertices, shown.normals
         else:
             skin_vertices(
-                self._character.shown_skin, self._character.build, motion.morphology_at(row), motion.positions[row],
-                motion.rotations[row], self._skin.points, self._skin.normals, self._character.blending,
+                shown, self._character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
+                mesh.points, mesh.normals, self._character.blending,
             )  # fmt: skip
-        self._skin.touch()
+        mesh.touch()

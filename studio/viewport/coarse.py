@@ -1,10 +1,12 @@
-"""A coarser mesh over the same vertices, for pictures of which the next comes at once."""
+"""A coarser skin of some of the vertices of another one, for pictures of which the next comes at once."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.skin import SkinnedMesh
 
 FEW = 2000
@@ -14,6 +16,21 @@ CELL = 2.8
 
 
 @lru_cache(maxsize=64)
+def coarse_skin(mesh: SkinnedMesh) -> SkinnedMesh:
+    """``mesh`` with ``coarse_triangles`` and no vertices but theirs; a skin with materials as it is."""
+    triangles = coarse_triangles(mesh)
+    if mesh.appearance is not None or triangles is mesh.triangles:
+        return mesh
+    kept, corners = np.unique(triangles, return_inverse=True)
+    hands = mesh.hands
+    if hands is not None:
+        own = kept[kept >= len(mesh.vertices) - hands.count] - (len(mesh.vertices) - hands.count)
+        hands = HandShapes(hands.vertices[:, own], hands.normals[:, own])
+    rows = {name: getattr(mesh, name)[kept] for name in ("vertices", "normals", "centres", "segments", "weights")}
+    faces = np.asarray(corners, dtype=np.int32).reshape(-1, 3)
+    return replace(mesh, triangles=faces, hands=hands, **rows)
+
+
 def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.int32]:
     """(T, 3) triangles between some of the vertices of ``mesh``; all of its own where these are few.
 

@@ -73,7 +73,7 @@ class LiveLines:
         )
         put_points(self._polydata, np.concatenate([path.points for path in paths]))
         put_lines(self._polydata, np.column_stack([first, first + 1]))
-        put_colours(self._polydata, np.concatenate([_faded(path) for path in paths]))
+        put_colours(self._polydata, _faded(paths))
 
 
 def flat_actor(polydata: Polydata, colour: str | None = None, culling: bool = False) -> Any:
@@ -83,6 +83,7 @@ def flat_actor(polydata: Polydata, colour: str | None = None, culling: bool = Fa
     return actor
 
 
-def _faded(path: StagePath) -> NDArray[np.uint8]:
-    full, away = (np.array(bytes_of(hue), dtype=np.float64) for hue in (path.colour, colours.BAR))
-    return np.round(away + np.clip(path.strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)
+def _faded(paths: Sequence[StagePath]) -> NDArray[np.uint8]:
+    full = np.repeat([bytes_of(path.colour) for path in paths], [len(path.points) for path in paths], axis=0)
+    strength, away = np.concatenate([path.strength for path in paths]), np.array(bytes_of(colours.BAR))
+    return np.round(away + np.clip(strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)

@@ -1,6 +1,6 @@
 """Lines on the stage: trails of a point, rings round who is selected, marks where bodies touch the ground."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ RING_RADIUS, MARK_RADIUS = 0.20, 0.045
 LIFT = 0.005
 _TURN = np.linspace(0.0, 2 * np.pi, 41)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
+_UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +63,8 @@ def trails(
 def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Collection[str]) -> list[StagePath]:
     """A ring on the ground round each selected performer."""
     chosen = [posed[key] for key in selected if key in posed]
-    return [
-        _ring(
-            pose.points[0], RING_RADIUS * 2 * pose.motion.morphology.leg_length, project, colours.SELECTED_HANDLE, 0.7
-        )
-        for pose in chosen
-    ]
+    centres, sizes = [pose.points[0] for pose in chosen], [2 * pose.motion.morphology.leg_length for pose in chosen]
+    return _rings(project, centres, RING_RADIUS * np.array(sizes), colours.SELECTED_HANDLE, 0.7)
 
 
 def prop_paths(project: Project, selected: Collection[str], time: float) -> list[StagePath]:
@@ -81,17 +78,15 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
     """A small ring on the ground where a heel, toe, hand, knee or seat is in contact now."""
-    found, standing = [], {}
+    centres, standing = [], {}
     for pose in posed.values():
         moment = pose.motion_id or "", pose.frame
         if moment not in standing:  # once for all bodies: a long motion has thousands of contacts
             contacts = project.contacts_of(moment[0]).values()
             now = [each for each in contacts if each.first <= moment[1] <= each.last]
             standing[moment] = [each.point for each in now if isinstance(each.point, ContactPoint)]
-        for point in standing[moment]:
-            colour = colours.kind_colour("contact")
-            found.append(_ring(_touching_point(pose, point), MARK_RADIUS, project, colour, 0.9))
-    return found
+        centres += [_touching_point(pose, point) for point in standing[moment]]
+    return _rings(project, centres, np.full(len(centres), MARK_RADIUS), colours.kind_colour("contact"), 0.9)
 
 
 def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
@@ -108,7 +103,12 @@ def _touching_point(pose: Posed, point: ContactPoint) -> FloatArray:
     return np.asarray(pose.points[touching].mean(axis=0))
 
 
-def _ring(centre: FloatArray, radius: float, project: Project, colour: str, strength: float) -> StagePath:
-    points = np.array([centre[0], centre[1], LIFT]) + radius * _CIRCLE
-    points[:, 2] += project.ground.height_at(points)
-    return StagePath(points, colour, np.full(len(_CIRCLE), strength))
+def _rings(
+    project: Project, centres: Sequence[FloatArray], radii: FloatArray, colour: str, strength: float
+) -> list[StagePath]:
+    """Circles on the ground under ``centres``."""
+    if not centres:
+        return []
+    points = np.array(centres)[:, None] * [1.0, 1.0, 0.0] + LIFT * _UP + radii[:, None, None] * _CIRCLE
+    points[..., 2] += project.ground.height_at(points)
+    return [StagePath(ring, colour, np.full(len(_CIRCLE), strength)) for ring in points]
