@@ -12,7 +12,7 @@ from studio.viewport.coarse import coarse_skin
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
-from studio.viewport.surfaces import Polydata, actor_of, paint
+from studio.viewport.surfaces import actor_of, paint
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> Any:

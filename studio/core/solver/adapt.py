@@ -235,7 +235,8 @@ def _solved(
     """The frames ``touched``, solved with as many around as have to do with how they are ``eased``."""
     seen = standing.around(touched, LOOKED if eased else 0.0)
     stretch = Stretch(standing, constraints, seen, tracks, bound)
-    if stretch.solve() and eased and stretch.eases(touched):
+    stretch.solve()
+    if eased and stretch.may_jolt and stretch.eases(touched):
         while not are_among(wide := standing.around(stretch.with_runs(touched), LOOKED), seen):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             stretch = Stretch(standing, constraints, seen, tracks, bound)

@@ -4,7 +4,6 @@ It has the first word, on the body as it stands, and the last, once constraints 
 then, and the body. Only a hand of which something is asked, or that stands on the ground, is left where it is.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -79,17 +78,17 @@ class SelfContact:
         """The frames that have to do with where the arms are in a ``window``."""
         if self.rooms is None:
             return window
-        near, far = (self._wider(window, turns * 2.5 * EASED) for turns in (1, 2))
+        reach = 2 * _eased_over(self.frame_rate)
+        near, far = (self._wider(window, turns * reach) for turns in (1, 2))
         touches = self.firm[near].any() or any(each.firm[near].any() for each in self.resting)
         return far if touches else near  # hands that touch are looked at twice
 
-    def _wider(self, window: slice, seconds: float) -> slice:
-        frames = math.ceil(seconds * self.frame_rate)
+    def _wider(self, window: slice, frames: int) -> slice:
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
     def beside(self, acts: FloatArray) -> FloatArray:
         """(F,) how far arms are put right again after what ``acts`` (F,) in [0, 1]: eased before and after that."""
-        half = max(1, round(EASED * self.frame_rate))
+        half = _eased_over(self.frame_rate)
         near = maximum_filter1d(acts, 2 * half + 1, mode="constant")
         return np.asarray(convolve1d(near, hann_window(half), mode="nearest"))
 
@@ -157,12 +156,17 @@ class SelfContact:
         move_arms(moves, positions, rotations)
 
 
+def _eased_over(frame_rate: float) -> int:
+    """``EASED`` in frames; ``eased_ways`` looks twice as far to either side."""
+    return max(1, round(EASED * frame_rate))
+
+
 def eased_ways(ways: FloatArray, frame_rate: float) -> FloatArray:
     """Ways (F, N, D) as long as they are within ``EASED`` seconds of each moment, and averaged over time.
 
     Where they contradict each other they are shorter: an arm that passes through the body passes through.
     """
-    half = max(1, round(EASED * frame_rate))
+    half = _eased_over(frame_rate)
     near, wide = hann_window(half), hann_window(2 * half)
     lengths = np.linalg.norm(ways, axis=2)
     longest = convolve1d(maximum_filter1d(lengths, 2 * half + 1, axis=0, mode="nearest"), near, axis=0, mode="nearest")

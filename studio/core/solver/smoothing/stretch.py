@@ -97,11 +97,15 @@ class Stretch:
         free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, self.window)
         return np.ascontiguousarray(free[:, self._joints.limbs])
 
-    def solve(self, frames: IntArray | None = None) -> bool:
-        """Solve every frame, or some of them (n,), from its own pose; whether anything may jolt, where it was every."""
+    def solve(self, frames: IntArray | None = None) -> None:
+        """Solve every frame, or some of them (n,), from its own pose."""
         self.whole = self._solve_of()
         noting = self.whole.noting
         self._pose(None, noting if frames is None else noting._replace(frames=frames))
+
+    @property
+    def may_jolt(self) -> bool:
+        """Whether anything may, of all frames as they are solved."""
         return self._hides_jolts() or (self.whole.jolts() and self.whole.jolts(self._brings_of(self._ranks >= 0)))
 
     def _hides_jolts(self) -> bool:
