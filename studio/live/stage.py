@@ -10,12 +10,16 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.follow import FollowPerformer
+from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.project import Performer, Project
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
+from studio.core.solver.performers.awaiting import awaited_moment, expected_at
 from studio.core.solver.performers.circles import Paths, Player, paths_of, solve_circle
 from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.performers.stage import followed_by, in_order, props_of, tracks_of
@@ -28,6 +32,8 @@ from studio.live.acting import Act, Seen, act_of, senses_of
 from studio.live.keeping import step_of
 from studio.live.playing import Playing, asked_anew, own_row, restood, taken_over
 from studio.live.take import Begun, Take
+
+Expected = dict[FollowPerformer, NDArray[np.float64]]
 
 SWEEPS, FIRST_SWEEPS = 4, 6
 """Times that those who follow each other are solved again in a step at most; more in their first one."""
@@ -261,7 +267,8 @@ class LiveStage:
 
     def _solved(self, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion]) -> dict[str, AdaptedMotion]:
         """One frame of performers who follow each other, mostly of one alone, after all whom they follow."""
-        players = {key: self._player(key, circle, solved) for key in circle}
+        awaited = {key: self._awaited(key) for key in circle}  # before tracks of the last step are gone
+        players = {key: self._player(key, circle, solved, awaited[key]) for key in circle}
         unasked = dict(paths_of(players, {key: self._unasked(key) for key in circle})) if len(circle) > 1 else {}
         if not unasked:
             self._paths.pop(circle, None)
@@ -273,7 +280,9 @@ class LiveStage:
             self._parts[key].tracks = request.tracks
         return dict(found.results)
 
-    def _player(self, key: str, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion]) -> Player:
+    def _player(
+        self, key: str, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion], expected: Expected
+    ) -> Player:
         part = self._parts[key]
         playing, frame = part.playing, part.frame
         constraints = playing.active(frame)
@@ -282,13 +291,38 @@ class LiveStage:
         followed = followed_by(self._staged, key, solved.get, circle, constraints, own)
         if followed is None:
             raise StudioError(f"'{self._staged.performers[key].name}' follows somebody who cannot be adapted.")
-        part.tracks = tracks_of(followed, playing.composite.at(frame))
+        part.tracks = expected_at(tracks_of(followed, playing.composite.at(frame)), expected)
         standing = playing.standing
         request = AdaptRequest(
             standing.motion, standing.morphology, standing.contacts, constraints, standing.ground, part.tracks
         )
         placement = Placement.of(self._staged.performers[key])
-        return Player(request, playing.composite, placement, self._staged.props, frame)
+        return Player(request, playing.composite, placement, self._staged.props, frame, expected)
+
+    def _awaited(self, key: str) -> Expected:
+        """Where those are met that a performer awaits: as they will be, by what plays now and what is asked now."""
+        part, found = self._parts[key], Expected()
+        time = part.playing.time_of(part.frame)
+        for constraint in part.playing.active(part.frame):
+            moment = awaited_moment(constraint.activation, time)
+            for follow in follows_of(constraint):
+                if moment is not None and isinstance(follow, FollowPerformer) and follow.awaits:
+                    place = self._place_at(follow, part.playing.composite.timing.begin + moment)
+                    if place is not None:
+                        found[follow] = Placement.of(self._staged.performers[key]).to_motion(place)
+        return found
+
+    def _place_at(self, follow: FollowPerformer, seconds: float) -> NDArray[np.float64] | None:
+        """(3,) where on the stage what is followed is at ``seconds``; None where its performer does not play."""
+        part = self._parts.get(follow.performer_id)
+        if part is None or part.result is None:
+            return None
+        frame = part.playing.frame_at(seconds)
+        asked = [each for each in part.playing.active(frame) if part.tracks.keys() >= {*follows_of(each)}]
+        then = hold(part.playing.solvable, asked, frame, frame, part.tracks)
+        return np.asarray(
+            Placement.of(self._staged.performers[follow.performer_id]).to_stage(place_of(follow.point, then)[0])
+        )
 
     def _frame(self, key: str, request: AdaptRequest) -> AdaptedMotion:
         part = self._parts[key]

@@ -11,6 +11,7 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import touching_points
 from studio.core.captures.reaching import farthest_frame
 from studio.core.project import Project
+from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import place_of
 from studio.core.stage.manners import FIST, FOREARM, HEAD, KeepDistance, LeanAway
 from studio.core.stage.placement import Placement
@@ -177,3 +178,22 @@ def test_who_is_too_far_does_not_strike():
 
 def test_the_punch_is_found_to_hit_where_its_arm_is_stretched_most():
     assert farthest_frame(scene().captures["straight_punch"], 140, 230) == pytest.approx(PUNCH, abs=3)
+
+
+def test_who_wards_off_meets_the_kick_and_does_not_chase_it():
+    project = fight.fight_training()
+    stage = LiveStage(project, prepare)
+    stage.step(0.0)
+    for _ in range(60):
+        stage.step(STEP)
+    stage.press("X")
+    red = [each.performer_id for each in project.behaviours["red"].cast]
+    turns: dict[str, list[np.ndarray]] = {key: [] for key in red}
+    for _ in range(120):
+        for key, result in stage.step(STEP).items():
+            if key in turns:
+                carriers = np.array(result.morphology.layout.parent_segments())[1:]
+                turns[key].append(np.swapaxes(result.rotations[0, carriers], 1, 2) @ result.rotations[0, 1:])
+        assert not stage.failures
+    for each in turns.values():
+        assert angular_acceleration(np.array(each), 1.0 / STEP).max() < 2000.0

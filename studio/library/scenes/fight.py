@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.character import Character
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.own_place import OwnPlace
@@ -83,9 +84,9 @@ def fight_training(pairs: int = 4) -> Project:
         small = characters[pair.white].morphology.stature < SMALL * characters[pair.red].morphology.stature
         constraints |= _asked(pair, BEFORE_BELLY if small else BEFORE_CHEST)
     behaviours = {"white": _kicking(fighters), "red": _warding(fighters)}
-    return Project(
-        stuff.captures, stuff.motions, characters, performers, constraints, stuff.contacts, behaviours=behaviours
-    )
+    contacts = {key: each for key, each in stuff.contacts.items() if isinstance(each.point, ContactPoint)}
+    # Hands on guard are near each other, but who wards off with one does not take the other along.
+    return Project(stuff.captures, stuff.motions, characters, performers, constraints, contacts, behaviours=behaviours)
 
 
 def _kicking(fighters: Sequence[Pair]) -> Behaviour:

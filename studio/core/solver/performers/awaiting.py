@@ -1,14 +1,34 @@
 """Whom somebody awaits: who meets another goes straight to where that one will be once they are asked to meet."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.solver.asking.tracks import Track, Tracks
+
+FloatArray = NDArray[np.float64]
+
+
+def awaited_moment(curve: ActivationCurve, time: float) -> float | None:
+    """As of when one is met that is awaited: when it is first asked wholly, or was last; None for now."""
+    if curve.start <= time < curve.full:
+        return curve.full
+    return curve.full_end if curve.full_end < time <= curve.end else None
+
+
+def expected_at(tracks: Tracks, places: Mapping[FollowPerformer, FloatArray]) -> Tracks:
+    """``tracks`` of one frame, with those that are awaited at their ``places`` (3,)."""
+    found = dict(tracks)
+    for follow, place in places.items():
+        track = tracks.get(follow)
+        if isinstance(track, Track):
+            found[follow] = Track(place[None], track.rotations)
+    return found
 
 
 def awaited(tracks: Tracks, constraints: Sequence[Constraint], frame_rate: float) -> Tracks:

@@ -21,7 +21,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.kernels.tasks.task import STRICT
 from studio.core.normalized.compose import Composite
 from studio.core.solver.asking.tracks import Track, Tracks
-from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.awaiting import awaited, expected_at
 from studio.core.solver.performers.stage import leader_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
@@ -50,6 +50,8 @@ class Player:
     """All that it may follow, by id."""
     frame: int | None = None
     """The one frame of its motion that is solved; None for all."""
+    expected: Mapping[FollowPerformer, FloatArray] = field(default_factory=dict)
+    """(3,) where those are met, in its own motion's space, that it awaits in that frame."""
 
     @cached_property
     def times(self) -> FloatArray:
@@ -111,6 +113,7 @@ def solve_circle(
 
 def _following_paths(key: str, player: Player, paths: Paths) -> AdaptRequest:
     own: Tracks = {follow: track for (whose, follow), track in paths.items() if whose == key}
+    own = expected_at(own, player.expected)
     own = awaited(own, player.request.constraints, player.composite.timing.frame_rate)
     return replace(player.request, tracks={**player.request.tracks, **own})
 
