@@ -117,10 +117,12 @@ def _all_families() -> NamingFamily:
     return NamingFamily("all", names)
 
 
+@lru_cache(maxsize=4096)  # the words of all tables are asked for in every file
 def _plain(name: str) -> str:
     return re.sub(r"[\W_]+", "", name).casefold()
 
 
+@lru_cache(maxsize=4096)
 def _sided(name: str) -> str:
     """The same for ``thigh.L``, ``L_Thigh``, ``LeftThigh`` and ``left_thigh_jnt``: ``left thigh``."""
     words = [word.casefold() for word in _WORD.findall(name)]

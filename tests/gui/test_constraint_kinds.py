@@ -26,7 +26,7 @@ from studio.viewport.gizmo import AXES
 from studio.viewport.handle_places import handle_place
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
-from tests.gui.test_viewport import drag, joint_pixel, settle
+from tests.gui.viewport_use import drag, joint_pixel, settle
 from tests.viewport.standing import StandingLive
 
 LEFT = Qt.MouseButton.LeftButton
