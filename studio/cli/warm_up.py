@@ -85,9 +85,10 @@ class WarmUp:
 
     def follow(self, report: Callable[[float, str], None]) -> None:
         """Tell how far it is until it is done: a job for the ``TaskRunner``."""
-        begun = time.monotonic()
+        begun, share = time.monotonic(), 0.0
         while self.running:
-            share = TRANSLATED * min(ready_share() + sum(self._shares.values()), 1.0)
+            # Kernels that are loaded meanwhile are still to be compiled: what was told is not taken back.
+            share = max(share, TRANSLATED * min(ready_share() + sum(self._shares.values()), 1.0))
             report(share, "once on this machine" if time.monotonic() - begun > LONG else "")
             time.sleep(LOOKED_AT_EVERY)
 

@@ -15,7 +15,7 @@ from studio.document import clips
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section, labelled, press_button
+from studio.panels.fields import NumberField, Section, labelled, press_button, short
 from studio.panels.layer_section import LayerSection
 
 FAR = 1000.0
@@ -60,7 +60,7 @@ class ClipEditor(Editor):
 
     def _placing(self) -> Section:
         section = Section("Where it plays")
-        self._joined = self._box("where the one before ends", lambda on: self._set("Join", joined=on))
+        self._joined = self._box("where the last one ends", lambda on: self._set("Join", joined=on))
         section.add_row("Begins", self._joined)
         turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
         self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
@@ -110,7 +110,7 @@ class ClipEditor(Editor):
         self._players.setText(", ".join(each.name for each in players.values()))
         active = players.get(self.document.active_performer_id or "")
         self._own.setVisible(len(players) > 1 and active is not None)
-        self._own.setText(f"Make it {active.name}'s own" if active else "")
+        self._own.setText(f"Make it {short(active.name, self._own)}'s own" if active else "")
         shown = {
             self._start: clip.start, self._first: clip.first, self._last: clip.last, self._speed: clip.speed,
             self._repeats: clip.repeats, self._turn: math.degrees(clip.turn), self._ease: clip.ease,

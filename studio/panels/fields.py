@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from PySide6.QtCore import QEvent, QObject, QPointF, QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QFont, QKeyEvent, QMouseEvent
+from PySide6.QtCore import QEvent, QObject, QPointF, QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QFont, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import (
     QButtonGroup,
     QComboBox,
@@ -13,11 +13,12 @@ from PySide6.QtWidgets import (
     QLabel,
     QPushButton,
     QSizePolicy,
+    QToolTip,
     QVBoxLayout,
     QWidget,
 )
 
-LABEL_WIDTH = 84
+LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
 SIDE = 12
 SCRUB_START = 3
@@ -25,7 +26,7 @@ SCRUB_START = 3
 
 def labelled(text: str, role: str) -> QLabel:
     """A label in one of the style sheet's roles: head, title, second, hint, value."""
-    label = QLabel(text.upper() if role == "head" else text)
+    label = Value(text) if role == "value" else QLabel(text.upper() if role == "head" else text)
     label.setProperty("role", role)
     if role == "head":
         font = label.font()
@@ -34,6 +35,41 @@ def labelled(text: str, role: str) -> QLabel:
         label.setAccessibleName(text)
     label.setWordWrap(role == "hint")
     return label
+
+
+def short(name: str, among: QWidget) -> str:
+    """A name ``among`` other words of a form that must not become wider than it is."""
+    return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, LONGEST_NAME)
+
+
+class Value(QLabel):
+    """Words that may be longer than the form is wide: what has no room ends in dots, and is told under the mouse."""
+
+    def minimumSizeHint(self) -> QSize:
+        """As narrow as the form."""
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """The beginning, where not all has room."""
+        if not self._is_cut():
+            super().paintEvent(event)
+            return
+        room = self.contentsRect()
+        words = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, room.width())
+        where, enabled = int(self.alignment()), self.isEnabled()
+        with QPainter(self) as painter:
+            self.style().drawItemText(painter, room, where, self.palette(), enabled, words, self.foregroundRole())
+
+    def event(self, event: QEvent) -> bool:
+        """Tell all of it where the mouse rests."""
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self._is_cut():
+            QToolTip.showText(event.globalPos(), self.text(), self)
+            return True
+        return bool(super().event(event))
+
+    def _is_cut(self) -> bool:
+        wide = self.fontMetrics().horizontalAdvance(self.text())
+        return not self.wordWrap() and wide > self.contentsRect().width()
 
 
 class Section(QWidget):

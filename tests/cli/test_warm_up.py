@@ -26,6 +26,18 @@ def test_following_the_warm_up_reports_rising_shares_until_it_is_done(monkeypatc
     assert told == [(pytest.approx(0.45), ""), (pytest.approx(0.75), ""), (1.0, "")]
 
 
+def test_what_was_told_is_not_taken_back_when_more_kernels_are_loaded(monkeypatch):
+    shares, running = iter((0.6, 0.2, 0.9)), iter((True, True, True, False))
+    monkeypatch.setattr(warm_up, "ready_share", lambda: next(shares))
+    monkeypatch.setattr(warm_up, "LOOKED_AT_EVERY", 0.0)
+    monkeypatch.setattr(warm_up.WarmUp, "running", property(lambda _: next(running)))
+    told = []
+    warming = object.__new__(warm_up.WarmUp)
+    warming._shares = dict.fromkeys(warm_up.HALVES, 0.0)
+    warming.follow(lambda share, _words: told.append(share / warm_up.TRANSLATED))
+    assert told == [pytest.approx(0.6), pytest.approx(0.6), pytest.approx(0.9)]
+
+
 def test_the_share_counts_kernels_with_a_signature_once_each(monkeypatch):
     done, waiting = SimpleNamespace(signatures=[()]), SimpleNamespace(signatures=[])
     modules = {

@@ -6,6 +6,7 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+import pytest
 from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QScrollArea
@@ -235,6 +236,28 @@ def test_it_opens_within_its_screen_and_is_usable_at_1280_by_720(qtbot, window, 
     form = window.inspector.current_form()
     assert form.minimumSizeHint().width() <= window.inspector.viewport().width()
     assert not bar.isVisible()
+
+
+@pytest.mark.parametrize(
+    "collection", ["captures", "characters", "performers", "clips", "constraints", "contacts", "props"]
+)
+def test_no_form_is_cut_however_long_the_names_are(window, collection):
+    long = "accad_female1_D4_RandomStuff_as_it_was_recorded_on_the_second_day"
+    document, project = window.bench.document, make_project()
+    for kind in ("captures", "characters", "motions", "performers"):
+        for key, each in getattr(project, kind).items():
+            project = project.with_entity(kind, key, replace(each, name=long))
+    project = project.with_entity("constraints", "reach", make_constraint(name=long))
+    document.new(project.with_entity("props", "box", Prop(name=long)))
+    window.resize(1280, 684)
+    if collection == "clips":
+        key = next(iter(project.performers.values())).clips[0].id
+    else:
+        key = next(iter(getattr(document.project, collection)))
+    document.selection.set((collection, key))
+    QTest.qWait(20)
+    form = window.inspector.current_form()
+    assert form.minimumSizeHint().width() <= window.inspector.viewport().width()
 
 
 def test_the_sheet_of_shortcuts_is_whole_and_says_what_always_is(qtbot, window):

@@ -18,7 +18,7 @@ from studio.engine.point_names import POINTS, point_words
 from studio.panels.constraint_editors.present import moment_now
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, Section, labelled, press_button
+from studio.panels.fields import Choice, Section, labelled, press_button, short
 
 FIXED, KEYED = "fixed", Keys.kind
 OWN = OwnPlace.kind
@@ -141,7 +141,7 @@ class TargetRows:
         for widget in (self._apart, self._apart_caption):
             widget.setVisible(shown)
         if shown and performer is not None:
-            self._apart.setText(f"{performer.name} has its own")
+            self._apart.setText(f"{short(performer.name, self._apart)} has its own")
             self._apart.setAccessibleName(f"{performer.name} has an offset of its own")
             self._apart.setChecked(document.active_performer_id in dict(target.own))
 
