@@ -157,7 +157,8 @@ def is_cold(last: str = COMPLETE) -> bool:
 def ready_share() -> float:
     """The part of all loaded kernels that has been compiled or fetched."""
     modules = [module for name, module in sys.modules.copy().items() if name.startswith(KERNELS)]
-    found = {id(item): item for module in modules for item in vars(module).values() if hasattr(item, "signatures")}
+    items = [item for module in modules for item in [*vars(module).values()]]  # copied: other threads import meanwhile
+    found = {id(item): item for item in items if hasattr(item, "signatures")}
     return sum(bool(item.signatures) for item in found.values()) / max(len(found), 1)
 
 

@@ -38,6 +38,22 @@ def test_what_was_told_is_not_taken_back_when_more_kernels_are_loaded(monkeypatc
     assert told == [pytest.approx(0.6), pytest.approx(0.6), pytest.approx(0.9)]
 
 
+def test_kernels_that_are_loaded_while_they_are_counted_do_not_end_the_telling(monkeypatch):
+    module = SimpleNamespace()
+
+    class Kernel:
+        @property
+        def signatures(self):
+            setattr(module, f"loaded_{len(vars(module))}", None)
+            return [()]
+
+    module.done = Kernel()
+    monkeypatch.setattr(warm_up.sys, "modules", {"studio.core.kernels.one": module})
+    share = warm_up.ready_share()
+    monkeypatch.undo()
+    assert share == 1.0
+
+
 def test_the_share_counts_kernels_with_a_signature_once_each(monkeypatch):
     done, waiting = SimpleNamespace(signatures=[()]), SimpleNamespace(signatures=[])
     modules = {
