@@ -98,7 +98,9 @@ def toggle(bench: Workbench) -> None:
     if bench.live.play.running:
         bench.live.play.end()
         return
-    bench.live.play.begin()
+    if not bench.live.play.begin():
+        bench.said.emit("The solver is still being prepared. Play live as soon as the bar below is gone.")
+        return
     active = bench.document.active_performer_id or ""
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
     offered = [f"{number} {name}" for number, name in enumerate(names[:9], 1)]

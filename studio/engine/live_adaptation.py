@@ -109,7 +109,7 @@ class LiveAdaptation(QObject):
         self._scheduler, self._beside = SolveScheduler(self, workers), SolveScheduler(self, workers=1)
         self._hear_workers()
         # Several changes of one event-loop turn (a group, a cascade) ask for one solve.
-        self.play = LivePlay(document, self._prepare, self)
+        self.play = LivePlay(document, self._prepare, self, lambda: warm_up is None or warm_up.ready)
         self.play.running_changed.connect(self._play_changed)
         self._turn = QTimer(self, singleShot=True, interval=0)
         self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))

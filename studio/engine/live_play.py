@@ -55,8 +55,16 @@ class LivePlay(QObject):
     _made = Signal()
     _broken = Signal(object)
 
-    def __init__(self, document: Document, prepare: Prepare, parent: QObject | None = None) -> None:
+    def __init__(
+        self,
+        document: Document,
+        prepare: Prepare,
+        parent: QObject | None = None,
+        ready: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """It begins once it is ``ready``: what a step calls has been compiled."""
         super().__init__(parent)
+        self._ready = ready
         self.moment: Moment | None = None
         self.recording = False
         self._document, self._prepare = document, prepare
@@ -78,8 +86,11 @@ class LivePlay(QObject):
         """Seconds of the stage; where it does not play, of the playhead."""
         return self._document.playhead.time if self.moment is None else self.moment.seconds
 
-    def begin(self) -> None:
-        """Everybody begins with what it plays at the playhead."""
+    def begin(self) -> bool:
+        """Everybody begins with what it plays at the playhead; False while the solver is being prepared."""
+        if not self._ready():
+            self.running_changed.emit(False)
+            return False
         from studio.live.stage import LiveStage  # here: it loads kernels
 
         if self._worker is None:
@@ -88,6 +99,7 @@ class LivePlay(QObject):
             self._worker = _Worker(stage, self._made.emit, self._broken.emit)
             self._worker.start()
             self.running_changed.emit(True)
+        return True
 
     def record(self) -> None:
         """Begin to record; while that is done, end it."""

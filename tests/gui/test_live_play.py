@@ -107,3 +107,14 @@ def test_typing_into_a_field_is_typing_while_the_stage_plays(playing, qtbot):
 def test_another_project_ends_it(playing):
     playing.bench.document.new(staged(clip_of("straight_punch")))
     assert not playing.bench.live.play.running
+
+
+def test_nothing_plays_live_before_the_solver_is_there_and_the_window_says_so(playing, monkeypatch):
+    play, said = playing.bench.live.play, []
+    play.end()
+    playing.bench.said.connect(said.append)
+    monkeypatch.setattr(play, "_ready", lambda: False)
+    playing.actions_by_id.by_id["play_live"].trigger()
+    assert not play.running
+    assert not playing.actions_by_id.by_id["play_live"].isChecked()
+    assert "still being prepared" in said[-1]
