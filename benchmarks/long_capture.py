@@ -110,7 +110,7 @@ def in_the_window(path: Path, folder: Path) -> str:
     import_views()
     show_views(window)
     first_run.run()
-    settle()
+    settle(window)
     run_window(2000)
     # The other bodies come while the first is there already: they are waited for at once.
     rows = [measured(*deed, LISTENED if place else 0) for place, deed in enumerate(deeds(window, path, folder))]

@@ -74,7 +74,7 @@ def open_window(project: Project, folder: Path) -> MainWindow:
     window.bench.document.new(project)
     import_views()
     show_views(window)
-    settle()
+    settle(window)
     assert window.bench.live.wait(300.0)
     return window
 
