@@ -3,7 +3,7 @@
 A frame is solved from its own pose alone (``core.solver.adapt.hold``), so it is what the whole clip has there, but for
 the easing of what jolts. Who is worked on is solved before the picture is drawn, on the window's own thread: it costs
 less than a message to another one, and the body follows the hand in the same picture. The others are solved beside the
-window while that picture is drawn, and are in the next.
+window while that picture is drawn, half of them with each, and are in the next.
 """
 
 import time
@@ -17,6 +17,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project import Performer, Project
 from studio.core.solver.performers.circles import solve_circle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
+from studio.core.solver.performers.stage import leaders_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.engine.solve_cache import SolveCache
 from studio.engine.wanted import Prepare, Wanted, player_of, wanted_of
@@ -184,7 +185,17 @@ class Frames:
             outcome = instant.solved(circle)
             solved |= bool(outcome.spent)
             self._put(outcome)
-        return (lambda: [instant.solved(circle) for circle in left]) if left else None
+        turn = self._turn_of(left, project)
+        return (lambda: [instant.solved(circle) for circle in turn]) if turn else None
+
+    def _turn_of(self, left: list[Circle], project: Project) -> list[Circle]:
+        """Half of those who are left, furthest behind first: more would hold up the picture.
+
+        Who follows somebody is not parted from whom it follows.
+        """
+        if any(leaders_of(project, key) for circle in left for key in circle):
+            return left
+        return sorted(left, key=lambda circle: self.asked_at(circle[0]))[: (len(left) + 1) // 2]
 
     def take(self, outcomes: Iterable[Outcome]) -> list[str]:
         """Take what was solved beside the window and is no older than what is there; tells whose frames are new."""
