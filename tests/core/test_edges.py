@@ -18,6 +18,7 @@ from tests.core.twins.rotation import from_vector, to_vector
 WOMAN = bundled_characters()["adult_woman"].morphology
 WALK, CONTACTS = walk(90)
 EDGES = ActivationCurve(0.4, 0.6, 0.9, 1.1)
+EARLIER = ActivationCurve(0.2, 0.55, 0.8, 1.15)
 LATER = ActivationCurve(0.5, 0.7, 1.0, 1.2)
 TRUNK, WHOLE = Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
 UPPER = WOMAN.layout.spine_count + 10
@@ -69,8 +70,11 @@ def test_what_is_wholly_active_holds_while_others_come_and_go(priority: int) -> 
 
 
 @pytest.mark.parametrize("limited", [True, False])
-def test_what_is_out_of_reach_stays_as_far_off_while_others_come_and_go_below_it(limited: bool) -> None:
+@pytest.mark.parametrize("acts", ["while it acts", "while what is above it comes and goes"])
+def test_what_is_out_of_reach_stays_as_far_off_whatever_acts_below(acts: str, limited: bool) -> None:
     """By the pose itself, of points that are wanted up to half a metre from where they were."""
+    times = np.arange(90) / RATE
+    first_acts, most = (ALWAYS, 3e-4) if acts == "while it acts" else (EARLIER, 4e-4)
 
     def solved(*constraints: Constraint) -> AdaptedMotion:
         return adapt(AdaptRequest(WALK, WOMAN, CONTACTS, constraints, limited=limited))
@@ -82,7 +86,7 @@ def test_what_is_out_of_reach_stays_as_far_off_while_others_come_and_go_below_it
             way = random.normal(size=3)
             place = place_of(BodyPoint(part, at_end=True), BEFORE)[45] + 0.5 * way / np.linalg.norm(way)
             wishes.append(target(part, place, (Chain(), TRUNK, WHOLE)[random.integers(3)], priority))
-            wishes[-1] = replace(wishes[-1], activation=(ALWAYS, ALWAYS, EDGES, LATER)[priority])
+            wishes[-1] = replace(wishes[-1], activation=(first_acts, ALWAYS, EDGES, LATER)[priority])
         above = solved(*wishes[:2])
         for count in (3, 4):
             for wish in wishes[:2]:
@@ -90,7 +94,8 @@ def test_what_is_out_of_reach_stays_as_far_off_while_others_come_and_go_below_it
                     np.linalg.norm(place_of(wish.point, each) - np.array(wish.target), axis=1)
                     for each in (above, solved(*wishes[:count]))
                 )
-                assert np.abs(second - first).max() < 3e-4, (seed, count, wish.name)
+                whole = wish.activation.at(times) >= 1.0
+                assert np.abs(second - first)[whole].max() < most, (seed, count, wish.name)
 
 
 def test_a_moment_more_of_an_edge_changes_little() -> None:

@@ -143,7 +143,7 @@ def loses(problem):
     lost = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        may = STRICT if row.pinned != FREE else row.blended + STRICT
+        may = STRICT + (row.blended if row.pinned == FREE else row.apart)
         lost = lost or (row.status == ACTIVE and miss_of(c, problem) > may)
     return lost
 
@@ -164,7 +164,8 @@ def note_misses(frame, problem, out_residuals):
 def pose_kept(frame, activations, problem):
     """Pose the body as state and limbs were kept, and give what was ``blended`` with little missing what it asks.
 
-    What both miss alike is pinned to where it misses as much: so what comes and goes below changes nothing of it.
+    What has a goal of its own is pinned to where it misses what is ``blended`` of both poses: so it stays as far off
+    whatever acts below it.
     """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     level = chain.mobilities.shape[0] - tasks.shape[0]
@@ -172,14 +173,12 @@ def pose_kept(frame, activations, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         on_edge = row.status == INACTIVE and 0.0 < activations[c, frame] < 1.0
-        turns = turns_segment(row)
-        if on_edge or (
-            row.status == ACTIVE and row.pinned == FREE and row.blended * (TURN_ARM if turns else 1.0) > MISSED
-        ):
+        both = row.apart < math.inf  # else it is eased, and there is no other pose
+        missed = max(row.blended, row.apart if both else 0.0) * (TURN_ARM if turns_segment(row) else 1.0)
+        if on_edge or (row.status == ACTIVE and row.pinned == FREE and missed > MISSED):
             row.status = ON_EDGE
         note_hung(row, HUNG, hung)
-        alike = has_own_goal(row) and row.apart * (TURN_ARM if turns else 1.0) < MISSED
-        if row.status > ACTIVE and not on_edge and alike:
+        if both and row.status != INACTIVE and not on_edge and has_own_goal(row):
             row.status, row.pinned = ACTIVE, PINNED
     for limb in range(4):
         hung[limb] = HUNG if hung[limb] else 0
@@ -192,8 +191,8 @@ def pose_kept(frame, activations, problem):
     mend_kept(level, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        missed = row.blended if row.pinned == FREE else row.apart
-        if row.status == ACTIVE and missed > KEPT and row.limbs[0] >= 0 and hung[row.limbs[0]]:
+        missed = row.pinned == FREE and row.blended > KEPT
+        if row.status == ACTIVE and missed and row.limbs[0] >= 0 and hung[row.limbs[0]]:
             row.status = ON_EDGE  # its place was where the blend has it, and not where it wants to be
     for limb in range(4):
         hung[limb] = 0
@@ -222,15 +221,15 @@ def note_held(row, problem):
     """What both poses have keeps what it asks, or as much of it as they brought."""
     search, pose = problem.search, problem.pose
     turn, vector, hung = search.turns[0], search.points[7], search.hung
-    alike = row.pinned != FREE and has_own_goal(row)
-    row.kept_miss, left = (row.apart, row.blended) if alike else (row.blended, 0.0)
+    pinned = row.pinned != FREE and has_own_goal(row)
+    row.kept_miss, left = (0.0, row.blended) if pinned else (row.blended, 0.0)
     part = min(max(1.1 * (1.0 - row.kept_miss * (TURN_ARM if turns_segment(row) else 1.0) / MISSED), 0.0), 1.0)
     if turns_segment(row):
         turn_error(row.turn, pose.rotations[row.segments[0]], turn, vector)
         part *= 1.0 - left / max(length_of(vector, 3), left, 1e-9)
         rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
         multiply(turn, pose.rotations[row.segments[0]], row.kept_turn)
-        if alike or (row.limbs[0] >= 0 and hung[row.limbs[0]]):
+        if pinned or (row.limbs[0] >= 0 and hung[row.limbs[0]]):
             copy_matrix(row.kept_turn, row.turn)
         return
     for end in range(2):
@@ -245,7 +244,7 @@ def note_held(row, problem):
             row.comforts[end], row.easings[end] = 1.0, 0.0
             if row.longest[end] > 0.0:  # a shoulder has no limb before it
                 note_stretch(row, end, row.limbs[end] >= 2 or search.ends[row.limbs[end]] >= 0, search.points, pose)
-    if alike:
+    if pinned:
         copy_point(row.kept_places[0], row.places[0])
         copy_point(row.kept_places[0], row.places[1])
 
