@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+import pyvista as pv
+
 from studio.core.body.canonical import BodyLayout
 from studio.core.body.character import Character
 from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
@@ -12,12 +14,15 @@ from studio.viewport.coarse import coarse_skin
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
-from studio.viewport.surfaces import actor_of, paint
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> Any:
     """An actor that draws ``mesh`` in one colour."""
-    return actor_of(mesh.polydata, colour, culling=True)  # half the work where a processor draws
+    actor = pv.Actor(mapper=pv.DataSetMapper(mesh.polydata))
+    actor.mapper.scalar_visibility = False
+    actor.prop.color = colour
+    actor.prop.culling = "back"  # half the work where a processor draws
+    return actor
 
 
 def place(actor: Any, placement: Placement) -> None:
@@ -52,7 +57,7 @@ class BodyVisual:
             skin = coarse_skin(self._character.skin)
             self._coarse = LiveMesh(len(skin.vertices), skin.triangles)
         self._is_coarse = coarse
-        self.skin_actors[0].GetMapper().SetInputData(self._drawn.polydata)
+        self.skin_actors[0].mapper.SetInputData(self._drawn.polydata)
 
     @property
     def _drawn(self) -> LiveMesh:
@@ -73,7 +78,7 @@ class BodyVisual:
         if character.colour != self._character.colour:
             plain = self.skin_actors if character.skin.appearance is None else []
             for actor in (*plain, *([self.bones_actor] if self.bones_actor is not None else [])):
-                paint(actor, character.colour)
+                actor.prop.color = character.colour
         self._character = character
 
     @property

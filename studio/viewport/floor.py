@@ -3,15 +3,12 @@
 from typing import Any
 
 import numpy as np
+import pyvista as pv
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonDataModel import vtkImageData
-from vtkmodules.vtkRenderingCore import vtkTexture
 
 from studio.core.body.morphology import Morphology
 from studio.core.grounds.ground import Ground
-from studio.viewport.live_mesh import flat_actor
-from studio.viewport.surfaces import ball, points_of, put_colours, put_coordinates, put_lines, surface
 
 FLOOR = np.array([0x20, 0x24, 0x2A], dtype=np.float64)
 LINE = np.array([0x3A, 0x42, 0x4B], dtype=np.float64)
@@ -43,17 +40,18 @@ def make_plane() -> Any:
             inner, outer = 1 + ring * count, 1 + (ring + 1) * count
             faces.append([3, inner + k, outer + k, outer + following])
             faces.append([3, inner + k, outer + following, inner + following])
-    plane = surface(points, faces)
-    share = np.clip((np.linalg.norm(np.array(points)[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
-    put_colours(plane, as_bytes(FLOOR * (1 - share) + HORIZON * share))
+    plane = pv.PolyData(np.array(points, dtype=np.float32), np.ravel(faces))
+    share = np.clip((np.linalg.norm(plane.points[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
+    plane.point_data["colour"] = as_bytes(FLOOR * (1 - share) + HORIZON * share)
     return plane
 
 
 def make_sky() -> Any:
     """A sphere of 150 m seen from within: the floor's far colour at the horizon, lighter above."""
-    sky = ball(150.0, 24, 24)
-    height = np.clip(points_of(sky)[:, 2:] / 150.0 / 0.35, 0, 1)
-    put_colours(sky, as_bytes(HORIZON * (1 - height) + ZENITH * height))
+    sky = pv.Sphere(radius=150.0, theta_resolution=24, phi_resolution=24)
+    height = np.clip(sky.points[:, 2] / 150.0 / 0.35, 0, 1)[:, None]
+    sky.point_data.clear()
+    sky.point_data["colour"] = as_bytes(HORIZON * (1 - height) + ZENITH * height)
     return sky
 
 
@@ -69,10 +67,12 @@ def make_lines() -> Any:
                 Y_AXIS if place == 0 and begin >= 0 else LINE,
             ]
     ends = np.array(pieces, dtype=np.float64).reshape(-1, 2)
-    lines = surface(np.column_stack([ends, np.full(len(ends), LINE_LIFT)]))
-    put_lines(lines, np.arange(len(ends)).reshape(-1, 2))
+    lines = pv.PolyData()
+    lines.points = np.column_stack([ends, np.full(len(ends), LINE_LIFT)]).astype(np.float32)
+    pairs = np.arange(len(ends)).reshape(-1, 2)
+    lines.lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
     fade = line_fade(ends)
-    put_colours(lines, as_bytes(FLOOR * (1 - fade) + np.repeat(tints, 2, axis=0) * fade))
+    lines.point_data["colour"] = as_bytes(FLOOR * (1 - fade) + np.repeat(tints, 2, axis=0) * fade)
     return lines
 
 
@@ -81,23 +81,24 @@ class SoftShadows:
 
     def __init__(self) -> None:
         self._dark = np.zeros((SHADOW_CELLS, SHADOW_CELLS), dtype=np.float32)
-        picture = vtkImageData()
-        picture.SetDimensions(SHADOW_CELLS, SHADOW_CELLS, 1)
+        picture = pv.ImageData(dimensions=(SHADOW_CELLS, SHADOW_CELLS, 1))
         self._bytes = np.tile(as_bytes(FLOOR), (SHADOW_CELLS**2, 1))
         self._picture = picture
         self._scalars = numpy_to_vtk(self._bytes, deep=False)
         picture.GetPointData().SetScalars(self._scalars)
-        self.texture = vtkTexture()
-        self.texture.SetInputData(picture)
+        self.texture = pv.Texture(picture)
         self.texture.InterpolateOn()
         self.texture.RepeatOff()
         self.texture.EdgeClampOn()
         self.centre = np.zeros(2)
-        corners = np.array([[0.0, 0.0, 0.5], [1.0, 0.0, 0.5], [1.0, 1.0, 0.5], [0.0, 1.0, 0.5]])
-        quad = surface(2 * SHADOW_REACH * (corners - 0.5), [[4, 0, 1, 2, 3]])
-        put_coordinates(quad, corners[:, :2])
-        self.actor = flat_actor(quad, "#ffffff", culling=True)
-        self.actor.SetTexture(self.texture)
+        reach = 2 * SHADOW_REACH
+        quad = pv.Plane(i_size=reach, j_size=reach, i_resolution=1, j_resolution=1)
+        self.actor = pv.Actor(mapper=pv.DataSetMapper(quad))
+        self.actor.mapper.scalar_visibility = False
+        self.actor.prop.lighting = False
+        self.actor.prop.culling = "back"
+        self.actor.prop.color = "white"
+        self.actor.texture = self.texture
 
     def cast(self, bodies: list[tuple[NDArray[np.float64], Morphology]], ground: Ground) -> None:
         """Darken the ground under each body: its stage points (N, 3) and its measures.

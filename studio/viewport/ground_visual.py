@@ -1,6 +1,7 @@
 """Ground that is not level: a shaded surface with the metre lines laid over it, built anew only when it changes."""
 
 import numpy as np
+import pyvista as pv
 from numpy.typing import NDArray
 
 from studio.core.grounds import Steps, SurfaceMesh
@@ -8,7 +9,6 @@ from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import heading
 from studio.viewport.floor import FLOOR, GRID_REACH, HORIZON, LINE, LINE_LIFT, as_bytes, line_fade, line_tints
 from studio.viewport.live_mesh import flat_actor
-from studio.viewport.surfaces import points_of, put_colours, put_coordinates, put_faces, put_lines, put_points, surface
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ class GroundVisual:
     """A surface and its lines. ``show`` brings both to a ground and says whether anything was built."""
 
     def __init__(self) -> None:
-        self._surface, self._lines = surface(), surface()
+        self._surface, self._lines = pv.PolyData(), pv.PolyData()
         self.surface, self.lines = flat_actor(self._surface), flat_actor(self._lines)
         self._shown: Ground | None = None
         for actor in (self.surface, self.lines):
@@ -46,18 +46,21 @@ class GroundVisual:
             actor.SetVisibility(not ground.is_level)
         if not ground.is_level:
             points, normals, faces = surface_of(ground)
-            put_points(self._surface, points)
-            put_faces(self._surface, faces)
-            put_colours(self._surface, shades(points, normals))
+            self._surface.points = np.array(points, dtype=np.float32)
+            self._surface.faces = faces.ravel()
+            self._surface.point_data["colour"] = shades(points, normals)
+            self._surface.point_data.active_scalars_name = "colour"
             ends, tints, pairs = lines_of(ground)
-            put_points(self._lines, ends)
-            put_lines(self._lines, pairs)
-            put_colours(self._lines, tints)
+            self._lines.points = ends.astype(np.float32)
+            self._lines.lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()
+            self._lines.point_data["colour"] = tints
+            self._lines.point_data.active_scalars_name = "colour"
         return True
 
     def place_shadow(self, centre: FloatArray, reach: float) -> None:
         """Lay the surface's texture over ``centre`` (2,), ``reach`` metres to each side, seen from above."""
-        put_coordinates(self._surface, (points_of(self._surface)[:, :2] - centre) / (2 * reach) + 0.5)
+        places = (np.asarray(self._surface.points)[:, :2] - centre) / (2 * reach) + 0.5
+        self._surface.active_texture_coordinates = places.astype(np.float64)
 
 
 def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:

@@ -1,25 +1,17 @@
 """A mesh whose points and normals are numpy arrays that VTK reads in place."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import pyvista as pv
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 
 from studio.document import colours
 from studio.viewport.paths import StagePath
-from studio.viewport.surfaces import (
-    Polydata,
-    actor_of,
-    bytes_of,
-    put_colours,
-    put_faces,
-    put_lines,
-    put_points,
-    surface,
-)
 
 FloatBuffer = NDArray[np.float32]
 
@@ -33,15 +25,15 @@ class LiveMesh:
         self._vtk_points = vtkPoints()
         self._vtk_points.SetData(numpy_to_vtk(self.points, deep=False))
         self._vtk_normals = numpy_to_vtk(self.normals, deep=False)
-        self._parts: list[Polydata] = []
+        self._parts: list[pv.PolyData] = []
         self.polydata = self.part(triangles)
 
-    def part(self, triangles: NDArray[np.integer[Any]]) -> Polydata:
+    def part(self, triangles: NDArray[np.integer[Any]]) -> pv.PolyData:
         """Another polydata over the same points, of these triangles alone."""
-        polydata = surface()
+        polydata = pv.PolyData()
         polydata.SetPoints(self._vtk_points)
         polydata.GetPointData().SetNormals(self._vtk_normals)
-        put_faces(polydata, np.column_stack([np.full(len(triangles), 3), triangles]))
+        polydata.faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
         self._parts.append(polydata)
         return polydata
 
@@ -58,9 +50,9 @@ class LiveLines:
     """Coloured paths, as many as each ``show_paths`` is given, in one polydata."""
 
     def __init__(self, width: float = 2.0) -> None:
-        self._polydata = surface()
+        self._polydata = pv.PolyData()
         self.actor = flat_actor(self._polydata)
-        self.actor.GetProperty().SetLineWidth(width)
+        self.actor.prop.line_width = width
 
     def show_paths(self, paths: Sequence[StagePath]) -> None:
         """Draw these paths and no others."""
@@ -71,19 +63,28 @@ class LiveLines:
         first = np.concatenate(
             [np.arange(end - len(path.points), end - 1) for path, end in zip(paths, ends, strict=True)]
         )
-        put_points(self._polydata, np.concatenate([path.points for path in paths]))
-        put_lines(self._polydata, np.column_stack([first, first + 1]))
-        put_colours(self._polydata, _faded(paths))
+        self._polydata.points = np.concatenate([path.points for path in paths]).astype(np.float32)
+        self._polydata.lines = np.column_stack([np.full(len(first), 2), first, first + 1]).ravel()
+        self._polydata.point_data["colour"] = _faded(paths)
+        self._polydata.point_data.active_scalars_name = "colour"
 
 
-def flat_actor(polydata: Polydata, colour: str | None = None, culling: bool = False) -> Any:
-    """An actor that draws a polydata in the colours of its points, or in one, untouched by light."""
-    actor = actor_of(polydata, colour, culling)
-    actor.GetProperty().LightingOff()
+def flat_actor(polydata: pv.PolyData) -> Any:
+    """An actor that draws a polydata in the colours of its points, untouched by light."""
+    mapper = pv.DataSetMapper(polydata)
+    mapper.SetColorModeToDirectScalars()
+    mapper.scalar_visibility = True
+    actor = pv.Actor(mapper=mapper)
+    actor.prop.lighting = False
     return actor
 
 
+@lru_cache
+def _bytes_of(hue: str) -> tuple[int, int, int]:
+    return pv.Color(hue).int_rgb
+
+
 def _faded(paths: Sequence[StagePath]) -> NDArray[np.uint8]:
-    full = np.repeat([bytes_of(path.colour) for path in paths], [len(path.points) for path in paths], axis=0)
-    strength, away = np.concatenate([path.strength for path in paths]), np.array(bytes_of(colours.BAR))
+    full = np.repeat([_bytes_of(path.colour) for path in paths], [len(path.points) for path in paths], axis=0)
+    strength, away = np.concatenate([path.strength for path in paths]), np.array(_bytes_of(colours.BAR))
     return np.round(away + np.clip(strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)

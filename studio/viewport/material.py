@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from vtkmodules.vtkRenderingCore import vtkLight
+import pyvista as pv
 
 _SHADED = """//VTK::Light::Impl
   float skyward = dot(normalVCVSOutput, skyVC);
@@ -13,15 +13,11 @@ _SHADED = """//VTK::Light::Impl
 """
 
 
-def light_like_a_studio(renderer: Any) -> None:
+def light_like_a_studio(plotter: pv.Plotter) -> None:
     """One lamp that goes with the camera, above and to the left of it."""
-    lamp = vtkLight()
-    lamp.SetLightTypeToCameraLight()
-    lamp.SetPosition(-0.45, 0.75, 1.0)
-    lamp.SetFocalPoint(0.0, 0.0, 0.0)
-    lamp.SetIntensity(0.95)
-    renderer.AutomaticLightCreationOff()
-    renderer.AddLight(lamp)
+    plotter.remove_all_lights()
+    lamp = pv.Light(light_type="camera light", position=(-0.45, 0.75, 1.0), focal_point=(0, 0, 0), intensity=0.95)
+    plotter.add_light(lamp)
 
 
 class SkyShading:

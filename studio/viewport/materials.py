@@ -3,12 +3,12 @@
 from typing import Any
 
 import numpy as np
+import pyvista as pv
 from numpy.typing import NDArray
 
 from studio.core.mesh.appearance import Appearance, Material
 from studio.io.textures import shown_picture
 from studio.viewport.live_mesh import LiveMesh
-from studio.viewport.surfaces import actor_of, put_coordinates, texture_of
 
 _HOLES = """//VTK::TCoord::Impl
   if (fragOutput0.a < 0.5) { discard; }
@@ -17,16 +17,19 @@ _HOLES = """//VTK::TCoord::Impl
 
 def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearance) -> list[Any]:
     """An actor for every material that some triangles of ``mesh`` have."""
-    pictures: dict[tuple[int, bool], Any] = {}
+    pictures: dict[tuple[int, bool], pv.Texture | None] = {}
     actors = []
     for index in np.unique(look.triangle_materials):
         material = look.materials[index]
         polydata = mesh.part(triangles[look.triangle_materials == index])
-        actor = actor_of(polydata, material.colour)  # clothes and hair of single sheets are seen from both sides
+        actor = pv.Actor(mapper=pv.DataSetMapper(polydata))
+        actor.mapper.scalar_visibility = False
+        actor.prop.color = material.colour
+        actor.prop.culling = "none"  # clothes and hair of single sheets are seen from both sides
         picture = _picture(material, pictures)
         if picture is not None:
-            put_coordinates(polydata, look.coordinates)
-            actor.SetTexture(picture)
+            polydata.active_texture_coordinates = look.coordinates.astype(np.float64)
+            actor.texture = picture
             if material.cut_out:
                 actor.ForceOpaqueOn()  # holes need no sorting
                 actor.GetShaderProperty().AddFragmentShaderReplacement("//VTK::TCoord::Impl", True, _HOLES, False)
@@ -34,7 +37,7 @@ def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearan
     return actors
 
 
-def _picture(material: Material, known: dict[tuple[int, bool], Any]) -> Any:
+def _picture(material: Material, known: dict[tuple[int, bool], pv.Texture | None]) -> pv.Texture | None:
     if material.texture is None:
         return None
     key = id(material.texture), material.cut_out
@@ -45,9 +48,9 @@ def _picture(material: Material, known: dict[tuple[int, bool], Any]) -> Any:
             known[key] = None
         else:
             channels = 4 if material.cut_out else 3
-            texture = texture_of(pixels[..., :channels])
-            texture.RepeatOn()
-            texture.InterpolateOn()
-            texture.MipmapOn()
+            texture = pv.Texture(np.ascontiguousarray(pixels[..., :channels]))
+            texture.repeat = True
+            texture.interpolate = True
+            texture.mipmap = True
             known[key] = texture
     return known[key]

@@ -4,10 +4,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import pyvista as pv
 
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.stage.prop import Prop, PropShape
-from studio.viewport.surfaces import ball, surface, upright_cylinder
 
 TOP, LEG = 0.08, 0.09
 """Of a table: the thickness of its top in parts of its height, of its legs in parts of its length and width."""
@@ -25,9 +25,9 @@ def unit_mesh(prop: Prop) -> Any:
 def _made(shape: PropShape) -> Any:
     match shape:
         case PropShape.BALL:
-            return ball(0.5, 36, 24)
+            return pv.Sphere(radius=0.5, theta_resolution=36, phi_resolution=24)
         case PropShape.STICK:
-            return upright_cylinder(0.5, 1.0, 24)
+            return pv.Cylinder(direction=(0.0, 0.0, 1.0), radius=0.5, height=1.0, resolution=24)
         case PropShape.TABLE:
             legs = [(x, y) for x in (-0.5, 0.5 - LEG) for y in (-0.5, 0.5 - LEG)]
             top = ((-0.5, -0.5, 0.5 - TOP), (0.5, 0.5, 0.5))
@@ -43,7 +43,7 @@ def fitted(mesh: TriangleMesh) -> Any:
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     size = np.where(high - low > 1e-9, high - low, 1.0)
     faces = np.column_stack([np.full(len(mesh.triangles), 3), mesh.triangles])
-    return surface((mesh.vertices - (low + high) / 2) / size, faces)
+    return pv.PolyData((mesh.vertices - (low + high) / 2) / size, faces.reshape(-1))
 
 
 def _boxes(corners: list[tuple[tuple[float, ...], tuple[float, ...]]]) -> Any:
@@ -51,7 +51,7 @@ def _boxes(corners: list[tuple[tuple[float, ...], tuple[float, ...]]]) -> Any:
     points = [np.array(low) + face * (np.array(high) - np.array(low)) for low, high in corners for face in _FACES]
     count = len(points)
     quads = np.column_stack([np.full(count, 4), np.arange(4 * count).reshape(-1, 4)])
-    return surface(np.concatenate(points), quads)
+    return pv.PolyData(np.concatenate(points), quads.reshape(-1))
 
 
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])

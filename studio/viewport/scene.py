@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pyvista as pv
 from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
 from studio.core.body.character import Character
 from studio.core.grounds.ground import Ground
@@ -24,7 +24,6 @@ from studio.viewport.live_mesh import LiveLines, flat_actor
 from studio.viewport.material import SkyShading, light_like_a_studio
 from studio.viewport.paths import StagePath
 from studio.viewport.prop_figures import unit_mesh
-from studio.viewport.surfaces import actor_of, matrix_of
 
 Pixels = NDArray[np.uint8]
 PROP_COLOUR = "#8a8f96"
@@ -34,21 +33,21 @@ class StageScene:
     """Everything VTK holds. ``sync`` brings it to a moment, ``render`` draws it, ``close`` frees it."""
 
     def __init__(self) -> None:
-        self._renderer: Any = vtkRenderer()
-        self._window: Any = vtkRenderWindow()
-        self._window.SetOffScreenRendering(True)
+        self.plotter = pv.Plotter(off_screen=True, lighting="none")
+        window: Any = self.plotter.render_window
+        self._window = window
         self._window.SetMultiSamples(0)
-        self._window.AddRenderer(self._renderer)
-        light_like_a_studio(self._renderer)
+        light_like_a_studio(self.plotter)
         self._shading = SkyShading()
         self._bodies: dict[str, BodyVisual] = {}
         self._props: dict[str, Any] = {}
         self._looks: dict[str, Any] = {}
         self._shadows = SoftShadows()
-        self._plane, self._grid = flat_actor(make_plane(), culling=True), flat_actor(make_lines())
+        self._plane, self._grid = flat_actor(make_plane()), flat_actor(make_lines())
+        self._plane.prop.culling = "back"
         self._sky = flat_actor(make_sky())
         self._ground = GroundVisual()
-        self._ground.surface.SetTexture(self._shadows.texture)
+        self._ground.surface.texture = self._shadows.texture
         self._lines = LiveLines()
         self._add(self._lines.actor)
         self._pixels = vtkUnsignedCharArray()
@@ -82,7 +81,7 @@ class StageScene:
 
         From an ``eye`` beside the camera the stage is seen through a window at the camera's target (off-axis).
         """
-        window, lens = self._window, self._renderer.GetActiveCamera()
+        window, lens = self._window, self.plotter.renderer.GetActiveCamera()
         if tuple(window.GetSize()) != size:
             window.SetSize(*size)
         tall = camera.distance * math.tan(VIEW_ANGLE / 2)  # half of the window at the target
@@ -107,9 +106,9 @@ class StageScene:
         self._shading.clear()
         self._bodies.clear()
         self._props.clear()
-        self._renderer.RemoveAllViewProps()
-        self._window.Finalize()
-        self._window = self._renderer = None
+        self._window = None
+        self.plotter.close()
+        self.plotter.deep_clean()
 
     def _add(self, actor: Any) -> None:
         """Draw an actor before the backdrop, which is then hidden behind it at no cost."""
@@ -121,10 +120,11 @@ class StageScene:
             self._ground.surface,
             self._sky,
         )
+        renderer = self.plotter.renderer
         for behind in backdrop:
-            self._renderer.RemoveActor(behind)
+            renderer.RemoveActor(behind)
         for drawn in (actor, *backdrop):
-            self._renderer.AddActor(drawn)
+            renderer.AddActor(drawn)
 
     def _add_shaded(self, actor: Any) -> None:
         self._shading.give(actor)
@@ -132,7 +132,7 @@ class StageScene:
 
     def _remove(self, actor: Any) -> None:
         self._shading.take(actor)
-        self._renderer.RemoveActor(actor)
+        self.plotter.renderer.RemoveActor(actor)
 
     def _drop_bodies(self, project: Project, posed: Mapping[str, Posed]) -> None:
         for performer_id, body in list(self._bodies.items()):
@@ -165,12 +165,13 @@ class StageScene:
         for prop_id, prop in project.props.items():
             actor, looks = self._props.get(prop_id), (prop.shape, prop.mesh)
             if actor is None:
-                actor = self._props[prop_id] = actor_of(unit_mesh(prop), PROP_COLOUR)
+                actor = self._props[prop_id] = pv.Actor(mapper=pv.DataSetMapper(unit_mesh(prop)))
+                actor.prop.color = PROP_COLOUR
                 self._add_shaded(actor)
             elif self._looks.get(prop_id) != looks:
-                actor.GetMapper().SetInputData(unit_mesh(prop))
+                actor.mapper.dataset = unit_mesh(prop)
             self._looks[prop_id] = looks
             matrix = np.eye(4)
             matrix[:3, :3] = props[prop_id].axes * np.array(prop.size)
             matrix[:3, 3] = props[prop_id].place
-            actor.SetUserMatrix(matrix_of(matrix))
+            actor.user_matrix = matrix

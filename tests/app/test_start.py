@@ -15,7 +15,7 @@ def test_the_window_opens_before_what_computes_and_draws_is_loaded():
 
 
 def test_the_3d_view_draws_before_what_only_others_need_is_loaded():
-    later = "pyvista", "matplotlib", "scipy.ndimage", "scipy.spatial", "pyqtgraph", "studio.core.solver.adapt"
+    later = "scipy.ndimage", "scipy.interpolate", "scipy.spatial", "pyqtgraph", "studio.core.solver.adapt"
     script = (
         "import sys; from studio.app import application; application.import_viewport();"
         f"print(*({{*{later}}} & sys.modules.keys()))"

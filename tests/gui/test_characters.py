@@ -19,7 +19,6 @@ from studio.engine.performance import Placement, Posed
 from studio.io.importing import load_character
 from studio.io.project_file import new_document_id, read_project, write_project
 from studio.viewport.bodies import BodyVisual
-from studio.viewport.surfaces import points_of
 from tests.io.character_files import PIXEL, Gltf, vrml
 
 PATIENCE = 30_000
@@ -144,9 +143,9 @@ def test_each_material_is_drawn_in_its_colour_and_texture(tmp_path):
     (tmp_path / "hero.glb").write_bytes(made.glb())
     character = load_character(tmp_path / "hero.glb").character
     textured, red = BodyVisual(character).skin_actors
-    assert textured.GetTexture() is not None
-    assert red.GetTexture() is None
-    assert red.GetProperty().GetColor() == (1.0, 0.0, 0.0)
+    assert textured.texture is not None
+    assert red.texture is None
+    assert red.prop.color.hex_rgb == "#ff0000"
     assert isinstance(character.skin.appearance.materials[1], Material)
 
 
@@ -168,7 +167,7 @@ def test_the_skin_that_is_drawn_bends_as_was_chosen(tmp_path):
     for blending in Blending:
         visual.take(replace(linear, blending=blending))
         visual.pose(posed, bones=False)
-        drawn.append(points_of(visual.skin_actors[0].GetMapper().GetInput()).copy())
+        drawn.append(np.array(visual.skin_actors[0].mapper.dataset.points))
     moved = np.linalg.norm(drawn[1] - drawn[0], axis=1)
     assert moved[segments[:, 0] == hand].max() > 0.01
     assert moved[segments[:, 0] != hand].max() < 1e-5
