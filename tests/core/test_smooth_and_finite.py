@@ -20,6 +20,7 @@ from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.plausible import PLACE, TURN
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -37,8 +38,8 @@ ALONE = {
 """Radians a second squared: the median and the worst peak of any joint of trunk and arms, one wish of a kind alone."""
 TOGETHER = (1300.0, 22_000.0)
 """The same for sets of one to five wishes."""
-LARGEST = 1e12
-"""Metres: six times the way to the sun."""
+LARGEST = PLACE.most
+"""Metres: the farthest that a place may be."""
 
 
 def _peak(seed: int, *kinds: str) -> float:
@@ -64,7 +65,7 @@ def test_sets_of_wishes_that_move_smoothly_move_no_joint_with_a_jerk() -> None:
     assert max(peaks) < worst
 
 
-sizes = st.sampled_from([0.0, 1e-300, 1e-12, 1e-9, 1e-3, 0.3, 1.0, 7.0, 1e3, 1e6, LARGEST])
+sizes = st.sampled_from([0.0, 1e-300, 1e-12, 1e-9, 1e-3, 0.3, 1.0, 7.0, 1e3, LARGEST])
 numbers = st.builds(lambda size, sign: sign * size, sizes, st.sampled_from([-1.0, 1.0]))
 places = st.one_of(
     st.tuples(numbers, numbers, numbers),
@@ -102,7 +103,7 @@ anything = st.one_of(
         shape=st.sampled_from(list(AreaShape)),
         centre=places,
         size=st.tuples(positive, positive, positive),
-        heading=numbers,
+        heading=numbers.filter(lambda turn: abs(turn) <= TURN.most),
         inside=st.booleans(),
     ),
 )
