@@ -71,5 +71,5 @@ def test_constraints_are_values() -> None:
 
 @pytest.mark.parametrize("number", [1e16, 1e160, np.inf, np.nan])
 def test_a_place_that_is_nowhere_is_refused(number: float) -> None:
-    with pytest.raises(ValueError, match="A place (is three finite numbers in metres|of .* cannot be true)"):
+    with pytest.raises(ValueError, match=r"A place (is three finite numbers in metres|of .* cannot be true)"):
         finite_vector((0.0, number, 0.0), "A place")
