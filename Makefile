@@ -5,7 +5,10 @@ STUDIO = .venv/bin/python main.py
 # Of all tests those that end within half a minute; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline tests/app
 
-.PHONY: run check test lint fast bench quality soak examples pictures format
+# The tests of what computes; the others, of files, window and command line, take about as long beside them.
+COMPUTING = tests/core tests/real tests/library tests/live tests/examples
+
+.PHONY: run check test computing others lint fast bench quality soak examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -14,7 +17,13 @@ check: .venv/.ready-to-test
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint fast
 
 test: lint
-	.venv/bin/python -m pytest
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target computing others
+
+computing: .venv/.ready-to-test
+	.venv/bin/python -m pytest $(COMPUTING)
+
+others: .venv/.ready-to-test
+	.venv/bin/python -m pytest tests $(addprefix --ignore=,$(COMPUTING))
 
 lint: .venv/.ready-to-test
 	.venv/bin/ruff format --check .
