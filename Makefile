@@ -2,8 +2,8 @@
 PYTHON ?= python3
 STUDIO = .venv/bin/python main.py
 
-# Of all tests those that end within half a minute; `make test` runs every one.
-FAST = tests/architecture tests/document tests/panels tests/timeline tests/app
+# The tests for `make check`, about a minute with lint and types beside them; `make test` runs every one.
+FAST = tests/architecture tests/document tests/panels tests/timeline
 
 # The tests of what computes; the others, of files, window and command line, take about as long beside them.
 COMPUTING = tests/core tests/real tests/library tests/live tests/examples
