@@ -18,8 +18,8 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.feet import FLAT, HEEL, TOE
 from studio.core.kernels.support.swing import FREED_AFTER, keep_above
 from studio.core.normalized.transition import pace_left, place_left
+from studio.core.solver.standing.blends import GOES_ALONG
 from studio.core.solver.standing.footprints import planes_under, soles_of, tilts_of
-from studio.core.solver.standing.led import LEADING
 
 FloatArray = NDArray[np.float64]
 
@@ -206,7 +206,7 @@ class Foothold:
 
     def _left(self, before: FloatArray, last: FloatArray) -> FloatArray:
         """What is left of a gap; what comes to stand does not go past where it stands."""
-        seconds, speed, size = LEADING, (last - before) / self._pace, float(np.linalg.norm(last))
+        seconds, speed, size = GOES_ALONG, (last - before) / self._pace, float(np.linalg.norm(last))
         if self.state:
             closing = -float(speed @ last) / max(size, 1e-9)
             seconds = min(COMING_DOWN, STRAIGHT * size / max(closing, 1e-9)) if closing > 0.0 else COMING_DOWN

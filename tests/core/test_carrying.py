@@ -24,7 +24,8 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.carrying import averaged, eased, find_carrying, leaning
+from studio.core.solver.standing.blends import averaged, eased
+from studio.core.solver.standing.carrying import find_carrying, leaning
 from studio.io.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.motions import RATE, about, random_rotations, walk

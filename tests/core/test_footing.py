@@ -13,14 +13,8 @@ from studio.core.kernels.limbs.legs import hip_heights, place_leg
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
 from studio.core.kernels.records import Legs, Pose
 from studio.core.normalized.realize import realize
-from studio.core.solver.standing.footing import (
-    find_footing,
-    followed,
-    foot_states,
-    freedom,
-    leg_stretches,
-    smooth_drops,
-)
+from studio.core.solver.standing.blends import freedom, smooth_drops
+from studio.core.solver.standing.footing import find_footing, followed, foot_states, leg_stretches
 from tests.builders import make_morphology
 from tests.core.motions import random_rotations, walk
 from tests.core.twins import legs as twin

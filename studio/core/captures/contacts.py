@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
+from studio.core.runs import runs_of
 from studio.core.stage.scope import EVERYONE, Scope
 from studio.core.windows import lowest, smoothed
 
@@ -357,8 +358,7 @@ def without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[S
 
 def spans_of(mask: NDArray[np.bool_]) -> list[Span]:
     """(first, last), both included, of each unbroken run of true."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [(first, past - 1) for first, past in runs_of(mask)]
 
 
 def _without_flicker(standing: NDArray[np.bool_], shortest: int) -> list[Span]:

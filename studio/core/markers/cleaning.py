@@ -14,6 +14,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.gaps import Gap, find_gaps, pattern_through, spline_through, stiffness
 from studio.core.markers.swaps import find_swaps, swapped
 from studio.core.markers.trial import MARKER, Trial, whole
+from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
 
@@ -134,7 +135,7 @@ class LowPass:
         least = 3 * (2 * _ORDER + 1)
         moved, skipped = 0.0, 0
         for place in _places(trial):
-            for first, end in _stretches(points[:, place]):
+            for first, end in runs_of(whole(points[:, place])):
                 if end - first <= least:
                     skipped += 1
                     continue
@@ -189,13 +190,6 @@ def _report(title: str, summary: str, details: list[str]) -> StepReport:
 
 def _places(trial: Trial) -> tuple[int, ...]:
     return tuple(place for place, kind in enumerate(trial.kinds) if kind == MARKER)
-
-
-def _stretches(track: FloatArray) -> list[tuple[int, int]]:
-    """(first, end) of what is seen without a gap."""
-    seen = whole(track)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
-    return [(int(first), int(end)) for first, end in edges.reshape(-1, 2)]
 
 
 def _count(number: int, word: str) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.markers.trial import whole
+from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
 
@@ -43,8 +44,7 @@ def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
         unseen = ~whole(points[:, place])
         if unseen.all():
             continue
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], unseen, [False]]).astype(np.int8)))
-        for first, end in edges.reshape(-1, 2).tolist():
+        for first, end in runs_of(unseen):
             yield Gap(place, first, end - 1)
 
 

@@ -24,7 +24,8 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.easing import Solve
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.stretch import Stretch
-from studio.core.solver.standing.footing import Footing, smooth_drops
+from studio.core.solver.standing.blends import smooth_drops
+from studio.core.solver.standing.footing import Footing
 
 FRAMES = 4
 HAND = BodyPoint(BodyPart.LEFT_HAND)

@@ -10,7 +10,7 @@ from studio.core.captures.contacts import ContactInterval, contact_mask
 from studio.core.grounds.ground import Ground
 from studio.core.single import PoseArray
 from studio.core.solver.asking.chains import HIP_LIMIT, point_masses
-from studio.core.solver.standing.footing import freedom
+from studio.core.solver.standing.blends import freedom
 
 FloatArray = NDArray[np.float64]
 

@@ -23,8 +23,8 @@ from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.clearance import actor_rooms, packed
+from studio.core.solver.standing.blends import SLOWLY_LET_GO, freedom, hann_window
 from studio.core.solver.standing.carrying import limb_freedom
-from studio.core.solver.standing.footing import SLOWLY_LET_GO, freedom, hann_window
 
 FloatArray = NDArray[np.float64]
 

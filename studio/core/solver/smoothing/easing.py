@@ -25,7 +25,7 @@ from studio.core.kernels.time.jolts import ADDED, WHOLE, note_eased_jolts
 from studio.core.quality.metrics import QUIET
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_leash import RootLeash
-from studio.core.solver.standing.footing import LOOK_AHEAD
+from studio.core.solver.standing.blends import LOOK_AHEAD
 
 if TYPE_CHECKING:
     from studio.core.solver.adapt import Standing

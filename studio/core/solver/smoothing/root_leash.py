@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import layout as at
 from studio.core.kernels.search.joints import ROOT
-from studio.core.solver.standing.footing import hann_window
+from studio.core.solver.standing.blends import hann_window
 
 FloatArray = NDArray[np.float64]
 

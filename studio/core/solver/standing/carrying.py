@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import convolve1d
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import AnyMorphology, Morphology
@@ -29,8 +28,10 @@ from studio.core.kernels.support.feet import SMALLEST, fill_gaps
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.rotations import normalized, shortest_arc
+from studio.core.runs import runs_of
 from studio.core.single import PoseArray
-from studio.core.solver.standing.footing import GOES_ALONG, foot_states, freedom, hann_window
+from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, eased, freedom, smoothstep
+from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.footprints import tilts_of
 
 FloatArray = NDArray[np.float64]
@@ -43,16 +44,10 @@ STIFF = 6.0
 """How much a metre by which a raised arm is shortened counts beside one that it swings."""
 SEAT_WEIGHT = 2.0
 """A seat carries as much as two hands, knees or feet."""
-BLEND = 0.2
-"""Seconds to each side over which the weight passes from who carries to who carries next."""
-EASE = 0.1
-"""Seconds to each side over which the root's moves are averaged."""
 MISSED = 5e-4
 """Metres by which a body may miss a place before that is put elsewhere."""
-LEANS, SPREAD = 0.4, 0.6
-"""Seconds to each side over which a body begins to lean with the ground, and parts of its leg's length round the root
-over which the ground's slope is taken for that.
-"""
+SPREAD = 0.6
+"""Parts of its leg's length round the root over which a body that leans with the ground takes its slope."""
 LEVEL_BELOW = 0.7
 """Sine of the angle above the ground up to which fingers, and away from it up to which a palm, are laid on it."""
 
@@ -72,9 +67,8 @@ class Hold:
 
     def moved(self, misses: FloatArray, body: AnyMorphology, ground: Ground) -> "Hold":
         """Each place moved along the ground by the greatest of the ``misses`` (F, 3) of its contact, itself if none."""
-        spans = np.flatnonzero(np.diff(np.concatenate([[False], self.standing, [False]]).astype(np.int8)))
         places, normals, lengths = self.places.copy(), self.normals.copy(), np.linalg.norm(misses, axis=1)
-        for first, past in spans.reshape(-1, 2):
+        for first, past in runs_of(self.standing):
             worst = first + int(lengths[first:past].argmax())
             if lengths[worst] > MISSED:
                 on_ground = places[first] - clearance(body, self.point) * normals[first] + misses[worst]
@@ -143,7 +137,7 @@ def find_carrying(
     pose, upright = (positions, rotations), positions
     if not ground.is_level:
         stands = np.any(list(standing.values()), axis=0)
-        leans = averaged(stands[:, None].astype(np.float64), LEANS, motion.frame_rate)
+        leans = averaged(stands[:, None].astype(np.float64), GOES_ALONG, motion.frame_rate)
         leant, turned, upright = leaning(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
@@ -155,7 +149,7 @@ def find_carrying(
         away = np.where(hold.standing[:, None], hold.places - tracks[hold.point], 0.0)
         fill_gaps(away, hold.standing)
         shift += share[:, None] * away
-    shift = averaged(shift, EASE, motion.frame_rate)
+    shift = averaged(shift, AVERAGED, motion.frame_rate)
     if ground.is_level:
         holds = tuple(
             _reached(hold, tracks[hold.point] + shift, body, ground, positions + shift[:, None]) for hold in holds
@@ -213,7 +207,7 @@ def leaning(
     ring = np.pi / 4.0 * np.arange(8)
     round_root = SPREAD * body.leg_length * np.column_stack([np.cos(ring), np.sin(ring)])
     heights = ground.height_at(positions[:, :1, :2] + round_root)
-    slopes = averaged(heights @ round_root / np.sum(round_root[:, 0] ** 2), BLEND, frame_rate)
+    slopes = averaged(heights @ round_root / np.sum(round_root[:, 0] ** 2), LET_GO, frame_rate)
     normals = np.column_stack([-slopes, np.ones(len(slopes))])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     turns = Rotation.from_rotvec(share * tilts_of(normals)).as_matrix()
@@ -275,7 +269,7 @@ def _shares(
     total = weights.sum(axis=0)
     frames, carried = np.arange(len(total)), np.flatnonzero(total > 0.0)
     shares = np.array([np.interp(frames, carried, row[carried] / total[carried]) for row in np.delete(weights, 1, 0)])
-    return np.asarray(averaged(shares.T, BLEND, frame_rate).T)
+    return np.asarray(averaged(shares.T, LET_GO, frame_rate).T)
 
 
 def swung(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> FloatArray:
@@ -291,47 +285,6 @@ def swung(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> Floa
     away = np.sqrt(np.maximum((lengths + shortened) ** 2 - heights**2, 0.0))
     aside = np.maximum(np.linalg.norm(arms[:, :2], axis=1), 1e-9)
     return np.asarray(shoulders + np.column_stack([arms[:, :2] * (away / aside)[:, None], heights]))
-
-
-def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
-    """``values`` (F, N) averaged over ``reach`` seconds to each side (Hann): smooth to the second derivative."""
-    half = max(1, round(reach * frame_rate))
-    return np.asarray(convolve1d(values, hann_window(half), axis=0, mode="nearest"))
-
-
-def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """Corrections (F, 3) where ``known`` (F,), eased from one to the next or, over ``GOES_ALONG`` seconds, to nothing.
-
-    They leave and meet what is known with the speed that it has there, so that a hand comes down and goes up smoothly.
-    """
-    count, fade = len(known), max(round(GOES_ALONG * frame_rate), 1)
-    filled = corrections.copy()
-    nearest = _frames_to_nearest(known)
-    fill_gaps(filled, known | (nearest >= fade))
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(np.int8))).reshape(-1, 2)
-    stops = np.append(ends[1:, 0], count)
-    for (first, past), before, after in zip(ends, np.append(0, ends[:-1, 1]), stops, strict=True):
-        if past - first < 2:
-            continue
-        for edge, step, room in ((past - 1, 1, after - past), (first, -1, first - before)):
-            steps = np.arange(1, min(room, fade) + 1)
-            shares = steps / (min(room, fade) + 1)
-            speed = corrections[edge] - corrections[edge - step]
-            filled[edge + step * steps] += (steps * (1.0 - smoothstep(shares)))[:, None] * speed
-    return filled
-
-
-def _frames_to_nearest(known: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """(F,) how many frames away the nearest one is that is ``known`` (F,)."""
-    frames, stands = np.arange(len(known)), np.flatnonzero(known)
-    after = np.searchsorted(stands, frames)
-    behind, ahead = stands[np.maximum(after - 1, 0)], stands[np.minimum(after, len(stands) - 1)]
-    return np.asarray(np.minimum(np.abs(frames - behind), np.abs(ahead - frames)))
-
-
-def smoothstep(t: FloatArray) -> FloatArray:
-    """(6) of METHOD."""
-    return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
 
 
 def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
@@ -355,8 +308,7 @@ def laid_hands(hold: Hold, body: AnyMorphology, hands: FloatArray, frame_rate: f
     side = hold.point.side
     fingers = normalized(body.rows[0, at.M_HAND + 3 * side : at.M_HAND + 3 * side + 3])
     palm = np.array([1.0 - 2.0 * side, 0.0, 0.0])
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], hold.standing, [False]]).astype(np.int8)))
-    for first, past in edges.reshape(-1, 2):
+    for first, past in runs_of(hold.standing):
         usual = Rotation.from_matrix(hands[first:past]).mean().as_matrix()
         laid = _laid(usual, fingers, palm, hold.normals[first])
         corrections[first:past] = Rotation.from_matrix(laid @ np.swapaxes(hands[first:past], 1, 2)).as_rotvec()

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,36 +11,29 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.layout import LIMB_SLACK
-from studio.core.kernels.limbs.legs import hip_heights, lower_smoothly
+from studio.core.kernels.limbs.legs import hip_heights
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
 from studio.core.kernels.limits.root_reach import LEASH
 from studio.core.kernels.support import feet as kernel
 from studio.core.kernels.support.footing import FootPlan, plan_foot
 from studio.core.kernels.support.heels import roll_feet
-from studio.core.kernels.support.swing import FREED_AFTER, keep_above
+from studio.core.kernels.support.swing import keep_above
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray
+from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, freedom, hann_window, smooth_drops
 from studio.core.solver.standing.footprints import drape, find_footprints
 from studio.core.solver.standing.swing import Sole, led_clear
 from studio.core.windows import smoothed
 
 FloatArray = NDArray[np.float64]
 
-LET_GO, SLOWLY_LET_GO = 0.2, 0.3
-"""Seconds in which a foot or knee comes to rest on the ground, or starts from it; and a hand or the seat."""
-LOOK_AHEAD = 0.15
-"""Seconds over which the root comes down before it must, and stays down after."""
 FOLDED, FOLD_ROOM, FOLD_CORNER = 0.3, 0.12, 0.03
 """Part of its length by which a folded leg's ankle hangs below the hip, and parts by which it may come nearer; less
 the farther it is from below the hip, nothing at a leg's length. The corner where the motion's own leg folds that much
 is rounded.
 """
-GOES_ALONG = 0.4
-"""Seconds after which what has left the ground goes along with the body, so that its limb is the motion's own."""
-PASSED_ON, FOLLOWED = 0.1, 0.02
-"""Seconds to either side over which the weight passes from foot to foot, and, standard deviation, over which the body
-follows where they stand.
-"""
+FOLLOWED = 0.02
+"""Seconds, standard deviation, over which the body follows where its feet stand."""
 CLIMB_SMOOTHING = 0.09
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
@@ -261,7 +253,7 @@ def _roll_foot(
 def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> FloatArray:
     """(F, 3) metres by which a body goes along with feet that stand ``off`` (2, F, 3) where the motion has them.
 
-    Each of those that stand takes its share, passed on over ``PASSED_ON`` seconds to either side: so who stands on one
+    Each of those that stand takes its share, passed on over ``AVERAGED`` seconds to either side: so who stands on one
     leg keeps it as it is, and only two that want different things have to bend.
     """
     stands = states != 0
@@ -272,9 +264,7 @@ def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> F
         kernel.fill_gaps(off[side], stands[side])
     frames, carried = np.arange(stands.shape[1]), np.flatnonzero(stands.any(axis=0))
     share = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
-    share = np.convolve(
-        np.pad(share, half := max(1, round(PASSED_ON * frame_rate)), "edge"), hann_window(half), "valid"
-    )
+    share = np.convolve(np.pad(share, half := max(1, round(AVERAGED * frame_rate)), "edge"), hann_window(half), "valid")
     way = off[1] + share[:, None] * (off[0] - off[1])
     return smoothed(way, FOLLOWED * frame_rate)
 
@@ -321,29 +311,3 @@ def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[
 def run_out(free: FloatArray) -> FloatArray:
     """(F,) how far a leash has run out that leaves hold smoothly, parts of a limb's length; all the way where free."""
     return np.asarray(np.divide(LEASH * free, 1.0 - free, out=np.full(free.shape, np.inf), where=free < 1.0))
-
-
-def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = FREED_AFTER) -> FloatArray:
-    """(F,) 0 while a foot stands, eased to 1 within ``after`` seconds of the nearest frame that does."""
-    free = np.empty(len(planted))
-    kernel.free_feet(planted, after * frame_rate, free)
-    return free
-
-
-def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
-    """At least ``drops`` (F,) everywhere, and smooth: their moving maximum, averaged over the same support.
-
-    The paper's plain minimum of three heights jolts the root (accelerations 3 to 27 times the source's).
-    """
-    if not (drops > 0.0).any():
-        return np.zeros(len(drops))
-    peaks, smooth = np.empty_like(drops), np.empty_like(drops)
-    lower_smoothly(drops, hann_window(max(1, round(LOOK_AHEAD * frame_rate))), peaks, smooth)
-    return smooth
-
-
-@cache
-def hann_window(half: int) -> FloatArray:
-    """(2 * half + 1,) weights of an average that is smooth to its second derivative; they add up to 1."""
-    window = np.hanning(2 * half + 3)[1:-1]
-    return np.asarray(window / window.sum())

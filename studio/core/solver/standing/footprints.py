@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import at_frames
+from studio.core.captures.contacts import spans_of
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.feet import FLAT, HEEL
+from studio.core.solver.standing.blends import smoothstep
 
 FloatArray = NDArray[np.float64]
 
@@ -173,11 +175,11 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
     One an episode of contact; where the heel leaves and comes down again while the toe stands, one each.
     """
     found: list[tuple[int, int, int, int]] = []
-    for begin, end in _runs(states != 0):
-        heels = [(begin + a, begin + b) for a, b in _runs((states[begin : end + 1] & HEEL) != 0)]
+    for begin, end in spans_of(states != 0):
+        heels = [(begin + a, begin + b) for a, b in spans_of((states[begin : end + 1] & HEEL) != 0)]
         leader = len(found)
         for place, (first, last) in enumerate(heels or [(begin, end)]):
-            flat = [(first + a, first + b) for a, b in _runs(states[first : last + 1] == FLAT)]
+            flat = [(first + a, first + b) for a, b in spans_of(states[first : last + 1] == FLAT)]
             longest = max(flat or [(first, last)], key=lambda run: run[1] - run[0])
             found.append(
                 (
@@ -188,12 +190,6 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
                 )
             )
     return found
-
-
-def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, last), both included, of each unbroken run of true."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _heel_play(
@@ -279,14 +275,10 @@ def _eased(prints: Footprints, values: FloatArray, count: int, frame_rate: float
     gap = np.maximum(prints.first[following] - prints.last[before], 1)
     share = np.clip((frames - prints.last[before]) / gap, 0.0, 1.0)
     change = values[following] - values[before]
-    eased = values[before] + _smoothstep(share)[:, None] * change
+    eased = values[before] + smoothstep(share)[:, None] * change
     if frame_rate < math.inf:
         most = np.where(change[:, 2] > 0.0, RISE_EARLY, SINK_LATE)
         haste = np.clip(1.0 - CLIMB_TIME * frame_rate / gap, 0.0, most)
         rising = np.where(change[:, 2] > 0.0, share, share - haste) / (1.0 - haste)
-        eased[:, 2] = values[before][:, 2] + _smoothstep(np.clip(rising, 0.0, 1.0)) * change[:, 2]
+        eased[:, 2] = values[before][:, 2] + smoothstep(np.clip(rising, 0.0, 1.0)) * change[:, 2]
     return np.asarray(eased)
-
-
-def _smoothstep(t: FloatArray) -> FloatArray:
-    return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))

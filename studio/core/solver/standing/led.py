@@ -16,6 +16,7 @@ from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.support.feet import HEEL
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.smoothing.stretch import legs_of
+from studio.core.solver.standing.blends import GOES_ALONG
 from studio.core.solver.standing.swing import HURRIED
 
 if TYPE_CHECKING:
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-LEADING, HALTING = 0.4, 0.25
-"""Seconds in which a place and a speed that are different die away."""
+HALTING = 0.25
+"""Seconds in which a speed that is different dies away; a place takes ``GOES_ALONG``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,7 @@ class _Change:
     def rate(self) -> float:
         return self.standing.motion.frame_rate
 
-    def left(self, gaps: FloatArray, seconds: float = LEADING) -> FloatArray:
+    def left(self, gaps: FloatArray, seconds: float = GOES_ALONG) -> FloatArray:
         """(F, N) what is left of ``gaps`` (2, N), the last two that were seen."""
         speed, halting = (gaps[1] - gaps[0]) * self.rate, min(HALTING, seconds)
         place, pace = place_left(self.times, seconds), pace_left(self.times, halting)
@@ -102,7 +103,7 @@ class _Change:
         gaps = seen.ankles[side] + seen.feet[side] @ pivot - own.ankles[side] - own.feet[side] @ pivot
         turns, bends = _gaps(own.feet[side], seen.feet[side]), _gaps(own.toes[side], seen.toes[side])
         lifted, seconds = _flight(footing.states[side, first - 1 :] != 0, self.rate)
-        off, of_foot, of_toes = (self.left(each, LEADING if lifted else seconds) for each in (gaps, turns, bends))
+        off, of_foot, of_toes = (self.left(each, GOES_ALONG if lifted else seconds) for each in (gaps, turns, bends))
         if lifted:
             kept = place_left(self.times - lifted / self.rate, seconds)
             off[:, :2] = kept[:, None] * gaps[1, :2]
@@ -121,7 +122,7 @@ class _Change:
         """Root by ``goes`` (F, 3), trunk, head and arms joint by joint, in place; legs are put later."""
         layout, own, seen = self.standing.morphology.layout, self.own.rotations, self.seen.rotations
         parents, proximal = layout.parent_segments(), layout.proximal_points()
-        near = slice(self.first, self.first + int(np.searchsorted(self.times, LEADING, "right")) + 1)
+        near = slice(self.first, self.first + int(np.searchsorted(self.times, GOES_ALONG, "right")) + 1)
         led = _Led(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
         count = len(led.places)
         led.places[:, 0] += goes[:count]
@@ -167,7 +168,7 @@ def _flight(stands: NDArray[np.bool_], rate: float) -> tuple[int, float]:
     if not stands[0] and ends[0] / rate < HURRIED:
         at = 2
     lifted = ends[at - 1] if at else 0
-    return lifted, min(LEADING, max(ends[at] - 1 - lifted, 2) / rate)
+    return lifted, min(GOES_ALONG, max(ends[at] - 1 - lifted, 2) / rate)
 
 
 def _local(turns: FloatArray, carrier: int, segment: int) -> FloatArray:

@@ -8,8 +8,8 @@ from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.limbs.limb import STRETCHED
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.carrying import smoothstep, swung
-from studio.core.solver.standing.footing import GOES_ALONG, SLOWLY_LET_GO, freedom, smooth_drops
+from studio.core.solver.standing.blends import GOES_ALONG, SLOWLY_LET_GO, freedom, lacking, smooth_drops, smoothstep
+from studio.core.solver.standing.carrying import swung
 from studio.core.solver.standing.settling import Arms
 
 FloatArray = NDArray[np.float64]
@@ -128,12 +128,6 @@ def _raise_hand(
 def _above(ground: Ground, places: FloatArray) -> FloatArray:
     """(...) metres of ``places`` (..., 3) above the ground."""
     return np.asarray(places[..., 2] - ground.height_at(places))
-
-
-def lacking(heights: FloatArray, room: float) -> FloatArray:
-    """(F,) by how much to raise what is at ``heights`` (F,) so that it keeps above 0: METHOD (7)."""
-    share = np.clip(heights / room, -1.0, 1.0)
-    return np.asarray(room * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-heights - room, 0.0))
 
 
 def _raise_elbow(

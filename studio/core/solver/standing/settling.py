@@ -17,21 +17,21 @@ from studio.core.kernels.support.feet import HEEL, TOE
 from studio.core.kernels.support.swing import keep_above
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.carrying import (
-    EASE,
-    Carrying,
-    Hold,
+from studio.core.runs import runs_of
+from studio.core.solver.standing.blends import (
+    AVERAGED,
+    LET_GO,
+    SLOWLY_LET_GO,
     averaged,
     eased,
-    laid_hands,
-    lengths_of,
-    reach_of,
+    freedom,
+    lacking,
     smoothstep,
-    track_of,
 )
-from studio.core.solver.standing.footing import LET_GO, SLOWLY_LET_GO, Footing, freedom, run_out
+from studio.core.solver.standing.carrying import Carrying, Hold, laid_hands, lengths_of, reach_of, track_of
+from studio.core.solver.standing.footing import Footing, run_out
 from studio.core.solver.standing.footprints import tilts_of
-from studio.core.solver.standing.swing import CLEAR
+from studio.core.solver.standing.swing import PLAY
 
 FloatArray = NDArray[np.float64]
 
@@ -215,7 +215,7 @@ def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: floa
     known = records.Links(*(np.ascontiguousarray(each) for each in (links.starts, links.ends, links.least, links.most)))
     for _ in range(ROUNDS):
         settle_frames(roots, known, seats, centres, SOFT, moves)
-        centres = averaged(moves, EASE, frame_rate)
+        centres = averaged(moves, AVERAGED, frame_rate)
     settle_frames(roots, known, seats, centres, FIRM, moves)
     return moves
 
@@ -291,8 +291,7 @@ def _let_go_of_knees(
     leg = motion.channels, body.rows, side, comforts
     angles = np.zeros((motion.frame_count, 3))
     knee_swivels(*leg, ankles, hips, pelvises, angles[:, 0])
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], hold.standing, [False]]).astype(np.int8)))
-    for first, past in edges.reshape(-1, 2):
+    for first, past in runs_of(hold.standing):
         whole = np.unwrap(angles[first:past, 0])
         angles[first:past, 0] = whole - 2.0 * np.pi * np.round(np.median(whole) / (2.0 * np.pi))
     free = eased(np.where(hold.standing[:, None], angles, 0.0), hold.standing, motion.frame_rate)[:, 0]
@@ -311,8 +310,8 @@ def _kept_above(
     frame_rate: float,
 ) -> FloatArray:
     """(F, 3) ``ankles`` of who kneels, raised off the plane of the ground below them; ``toes`` bend up, in place."""
-    under = np.column_stack([ankles[:, :2], averaged(ground.height_at(ankles)[:, None], EASE, frame_rate)])
-    tilts = averaged(tilts_of(ground.normal_at(ankles)), EASE, frame_rate)
+    under = np.column_stack([ankles[:, :2], averaged(ground.height_at(ankles)[:, None], AVERAGED, frame_rate)])
+    tilts = averaged(tilts_of(ground.normal_at(ankles)), AVERAGED, frame_rate)
     turns = Rotation.from_rotvec(tilts).as_matrix()
     back = np.swapaxes(turns, 1, 2)
     places, bent = np.einsum("fij,fj->fi", back, ankles - under), back @ toes
@@ -335,10 +334,8 @@ def _off_its_instep(
     tip = joint + np.einsum("fij,fj->fi", toes, np.column_stack([length, 0.0 * length, -height - down]))
     normals = ground.normal_at(joint)
     above = (tip[:, 2] - ground.height_at(tip)) * normals[:, 2]
-    share = np.clip(above / CLEAR, -1.0, 1.0)
-    lack = CLEAR * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-above - CLEAR, 0.0)
     upside = smoothstep(np.clip(-8.0 * np.einsum("fk,fk->f", feet[..., 2], normals), 0.0, 1.0))
-    return np.asarray((upside * lack)[:, None] * normals)
+    return np.asarray((upside * lacking(above, PLAY))[:, None] * normals)
 
 
 def _eased_off(comforts: FloatArray, share: FloatArray) -> FloatArray:
@@ -386,7 +383,6 @@ def _arms(
         free = freedom(hold.standing, motion.frame_rate) * freedom(~placed, motion.frame_rate)
         stretch = reach_of(motion, body, side) / lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
         comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - SWINGING_ARM, 0.0), 0.0)
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], placed, [False]]).astype(np.int8)))
-        for first, past in edges.reshape(-1, 2):
+        for first, past in runs_of(placed):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
     return Arms(wrists, hands, bends, comforts, standing, bones)

@@ -13,14 +13,15 @@ from scipy.ndimage import binary_dilation
 from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
+from studio.core.runs import runs_of
 from studio.core.solver.standing.footprints import EDGE
 
 FloatArray = NDArray[np.float64]
 
-BRUSH = 0.005
-"""Metres by which a sole may be inside a riser, or past an edge, without touching it."""
-CLEAR, TOLERANCE = 0.005, 0.001
-"""Metres above the ground below which a foot comes no nearer to it than it did on the level floor; and by how much."""
+PLAY, TOLERANCE = 0.005, 0.001
+"""Metres of play between a sole and what it may not touch: by which it may be inside a riser, or past an edge, and
+above the ground below which it comes no nearer than it did on the level floor; and by how much it may.
+"""
 WAYS = np.array([[0.01 * ahead, 0.0, np.radians(15.0) * pitch] for ahead in range(-15, 16) for pitch in range(-3, 4)])
 """Ways out: metres ahead along the flight, metres up (found for each), radians of pitch."""
 WORTH = np.array([1.0, 1.0, 0.08])
@@ -72,9 +73,9 @@ class Sole:
 
 
 def worn_height(ground: Ground, places: FloatArray) -> FloatArray:
-    """(...) the ground's height at ``places`` (..., 2 or 3) with ``BRUSH`` metres of each edge worn away."""
+    """(...) the ground's height at ``places`` (..., 2 or 3) with ``PLAY`` metres of each edge worn away."""
     angles = np.pi / 4.0 * np.arange(8)
-    ring = np.concatenate([np.zeros((1, 2)), BRUSH * np.column_stack([np.cos(angles), np.sin(angles)])])
+    ring = np.concatenate([np.zeros((1, 2)), PLAY * np.column_stack([np.cos(angles), np.sin(angles)])])
     return np.asarray(ground.height_at(places[..., None, :2] + ring).min(axis=-1))
 
 
@@ -84,7 +85,7 @@ def led_clear(level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground
     flying = np.flatnonzero(states == 0)
     lacks = np.zeros(len(states))
     lacks[flying] = flight.lack(flying, np.zeros((len(flying), 3)))
-    spans = [span for span in _runs(states == 0) if lacks[slice(*span)].max() > TOLERANCE]
+    spans = [span for span in runs_of(states == 0) if lacks[slice(*span)].max() > TOLERANCE]
     if not spans:
         return sole
     ways = np.zeros((len(states), 3))
@@ -116,14 +117,14 @@ class _Flight:
     @classmethod
     def of(cls, level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground) -> "_Flight":
         ahead, heading = np.zeros((len(states), 2)), sole.feet[:, :2, 0]
-        for first, past in _runs(states == 0):
+        for first, past in runs_of(states == 0):
             way = sole.ankles[min(past, len(states) - 1), :2] - sole.ankles[max(first - 1, 0), :2]
             length = np.linalg.norm(way)
             ahead[first:past] = way / length if length > SHORTEST_FLIGHT else 0.0
         heading = heading / np.maximum(np.linalg.norm(heading, axis=1, keepdims=True), 1e-9)
         arms = sole.points - sole.ankles[:, None]
         arms = np.stack([np.einsum("fpk,fk->fp", arms[..., :2], heading), arms[..., 2]], axis=-1)
-        return cls(sole, ground, states, ahead, heading, arms, np.minimum(level.points[..., 2] - ground.height, CLEAR))
+        return cls(sole, ground, states, ahead, heading, arms, np.minimum(level.points[..., 2] - ground.height, PLAY))
 
     def lack(self, frames: NDArray[np.int64], path: FloatArray) -> FloatArray:
         """(N, ...) metres by which soles at ``frames`` (N,), moved by ``path`` (N or 1, ..., 3), are still too low."""
@@ -142,12 +143,6 @@ class _Flight:
         turns = Rotation.from_rotvec(path[:, 2:] * axes).as_matrix()
         ankles = self.sole.ankles + np.column_stack([path[:, :1] * self.ahead, path[:, 1]])
         return Sole(ankles, turns @ self.sole.feet, turns @ self.sole.toes, self.sole.points)
-
-
-def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, past) of each unbroken run of true."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 def steps_to_ground(first: int, past: int, count: int) -> NDArray[np.int64]:

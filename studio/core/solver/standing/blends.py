@@ -1,0 +1,100 @@
+"""How what stands passes into what does not: shares and moves that ease, or are averaged, over seconds (METHOD 4)."""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import convolve1d
+
+from studio.core.kernels.limbs.legs import lower_smoothly
+from studio.core.kernels.support.feet import fill_gaps, free_feet
+from studio.core.kernels.support.swing import FREED_AFTER
+from studio.core.runs import runs_of
+
+FloatArray = NDArray[np.float64]
+
+LET_GO, SLOWLY_LET_GO = 0.2, 0.3
+"""Seconds in which a foot or knee comes to rest on the ground, or starts from it, and to each side over which the
+weight passes from who carries to who carries next; and a hand or the seat.
+"""
+GOES_ALONG = 0.4
+"""Seconds in which what is displaced comes back to the motion's own: what has left the ground, a body that leans with
+it, and one that is led on into another clip.
+"""
+LOOK_AHEAD = FREED_AFTER
+"""Seconds over which the root comes down before it must, and stays down after."""
+AVERAGED = 0.1
+"""Seconds to each side over which the root's moves are averaged, and which foot it goes along with."""
+
+
+def smoothstep(t: FloatArray) -> FloatArray:
+    """(6) of METHOD."""
+    return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
+
+
+@cache
+def hann_window(half: int) -> FloatArray:
+    """(2 * half + 1,) weights of an average that is smooth to its second derivative; they add up to 1."""
+    window = np.hanning(2 * half + 3)[1:-1]
+    return np.asarray(window / window.sum())
+
+
+def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
+    """``values`` (F, N) averaged over ``reach`` seconds to each side (Hann): smooth to the second derivative."""
+    half = max(1, round(reach * frame_rate))
+    return np.asarray(convolve1d(values, hann_window(half), axis=0, mode="nearest"))
+
+
+def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = FREED_AFTER) -> FloatArray:
+    """(F,) 0 while a foot stands, eased to 1 within ``after`` seconds of the nearest frame that does."""
+    free = np.empty(len(planted))
+    free_feet(planted, after * frame_rate, free)
+    return free
+
+
+def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
+    """Corrections (F, 3) where ``known`` (F,), eased from one to the next or, over ``GOES_ALONG`` seconds, to nothing.
+
+    They leave and meet what is known with the speed that it has there, so that a hand comes down and goes up smoothly.
+    """
+    count, fade = len(known), max(round(GOES_ALONG * frame_rate), 1)
+    filled = corrections.copy()
+    nearest = _frames_to_nearest(known)
+    fill_gaps(filled, known | (nearest >= fade))
+    runs = runs_of(known)
+    befores, afters = [0, *(past for _, past in runs[:-1])], [*(first for first, _ in runs[1:]), count]
+    for (first, past), before, after in zip(runs, befores, afters, strict=True):
+        if past - first < 2:
+            continue
+        for edge, step, room in ((past - 1, 1, after - past), (first, -1, first - before)):
+            steps = np.arange(1, min(room, fade) + 1)
+            shares = steps / (min(room, fade) + 1)
+            speed = corrections[edge] - corrections[edge - step]
+            filled[edge + step * steps] += (steps * (1.0 - smoothstep(shares)))[:, None] * speed
+    return filled
+
+
+def _frames_to_nearest(known: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """(F,) how many frames away the nearest one is that is ``known`` (F,)."""
+    frames, stands = np.arange(len(known)), np.flatnonzero(known)
+    after = np.searchsorted(stands, frames)
+    behind, ahead = stands[np.maximum(after - 1, 0)], stands[np.minimum(after, len(stands) - 1)]
+    return np.asarray(np.minimum(np.abs(frames - behind), np.abs(ahead - frames)))
+
+
+def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
+    """At least ``drops`` (F,) everywhere, and smooth: their moving maximum, averaged over the same support.
+
+    The paper's plain minimum of three heights jolts the root (accelerations 3 to 27 times the source's).
+    """
+    if not (drops > 0.0).any():
+        return np.zeros(len(drops))
+    peaks, smooth = np.empty_like(drops), np.empty_like(drops)
+    lower_smoothly(drops, hann_window(max(1, round(LOOK_AHEAD * frame_rate))), peaks, smooth)
+    return smooth
+
+
+def lacking(heights: FloatArray, room: float) -> FloatArray:
+    """(F,) by how much to raise what is at ``heights`` (F,) so that it keeps above 0: METHOD (7)."""
+    share = np.clip(heights / room, -1.0, 1.0)
+    return np.asarray(room * (1.0 - share) ** 3 * (3.0 + share) / 16.0 + np.maximum(-heights - room, 0.0))
