@@ -181,9 +181,11 @@ class Project:
         return {}
 
     @property
-    def motions_played(self) -> dict[str, str]:
-        """By performer the motion that it plays first."""
-        return {key: each.clips[0].motion_id for key, each in self.performers.items() if each.clips}
+    def motions_played(self) -> dict[str, frozenset[str]]:
+        """By performer the motions of its row."""
+        return {
+            key: frozenset(clip.motion_id for clip in each.clips) for key, each in self.performers.items() if each.clips
+        }
 
     @cached_property
     def clips(self) -> Mapping[str, Clip]:

@@ -138,12 +138,17 @@ class EditedProject(QObject):
 
     @property
     def active_performer_id(self) -> str | None:
-        """The selected performer, else the first visible one that plays a selected clip, else the first visible one."""
+        """The selected performer, else the first visible one that plays a selected clip.
+
+        Else, of those visible, the one that was selected last, so that it takes the prop that is clicked next; else the
+        first.
+        """
         performers, clips = self._project.performers, {*self.selection.of("clips")}
         selected = [key for key in self.selection.of("performers") if key in performers]
         visible = [key for key, performer in performers.items() if performer.visible]
         playing = [key for key in visible if clips and any(clip.id in clips for clip in performers[key].all_clips)]
-        return next(iter((*reversed(selected), *playing, *visible)), None)
+        latest = [key for key in visible if key == self.selection.latest("performers")]
+        return next(iter((*reversed(selected), *playing, *latest, *visible)), None)
 
     @property
     def active_clip(self) -> Clip | None:

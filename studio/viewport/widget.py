@@ -397,8 +397,8 @@ class Viewport(Canvas):
             self.gesture.finish()  # what was dragged may be gone
             self.gesture = None
         before, self._played = self._played, self._document.project.motions_played
-        if any(before.get(key, motion) != motion for key, motion in self._played.items()):
-            self._framed = False  # what plays now may be elsewhere
+        if any(motions.isdisjoint(before.get(key, motions)) for key, motions in self._played.items()):
+            self._framed = False  # all that plays now is new, and may be elsewhere
         if not self._live.interactive:
             self._tell_problem()  # what was told before this edit is not known any more
         self.show_again()

@@ -229,6 +229,16 @@ def test_the_active_performer_is_the_selected_one_else_the_first_visible(qapp: A
     assert document.active_motion_id == "motion"
 
 
+def test_who_was_selected_last_stays_active_while_a_prop_is_selected_until_all_is_let_go(qapp: Any) -> None:
+    document = Document(PROJECT)
+    prop_id = document.add("props", Prop("Box"), "Add box")
+    document.selection.set(("performers", "performer 2"))
+    document.selection.set(("props", prop_id))
+    assert document.active_performer_id == "performer 2"
+    document.selection.clear()
+    assert document.active_performer_id == "performer 0"
+
+
 def test_a_dropped_document_with_a_history_is_collected(qapp: Any) -> None:
     document = Document(PROJECT)
     document.remove("constraints", "constraint 0", "Remove")

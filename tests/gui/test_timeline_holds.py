@@ -1,5 +1,7 @@
 """When a prop is held, on the timeline and from the menu: picked up, put down, dragged."""
 
+from dataclasses import replace
+
 import pytest
 from PySide6.QtCore import QPoint, QPointF
 
@@ -88,3 +90,23 @@ def test_who_picks_up_what_another_one_holds_takes_it_out_of_its_hands(window):
     of_first = [each for each in document.project.constraints.values() if each.scope.performer_id == one]
     assert len(of_first) == 4
     assert all(each.activation.full_end == pytest.approx(0.4, abs=0.02) for each in of_first)
+
+
+def test_hands_stay_on_a_prop_in_every_clip_that_is_played_after_it_is_picked_up(window):
+    document = window.bench.document
+    performer_id, performer = next(iter(document.project.performers.items()))
+    [clip] = performer.clips
+    rate = document.project.frame_rate_of(clip)
+    later = document.add("motions", document.project.motions[clip.motion_id], "Import")
+    row = clip, replace(clip, motion_id=later, start=clip.start + clip.length(rate), id="later")
+    document.replace("performers", performer_id, replace(performer, clips=row), "Add clip")
+    prop_id = document.add("props", Prop("Box"), "Add box")
+    document.selection.set(("performers", performer_id))
+    document.selection.set(("props", prop_id))
+    for seconds, motions in ((0.2, {clip.motion_id, later}), (row[1].start + 0.2, {later})):
+        document.playhead.set_time(seconds)
+        window.actions_by_id.by_id["pick_up_prop"].trigger()
+        asked = [each for each in document.project.constraints.values() if each.scope.performer_id == performer_id]
+        assert {each.motion_id for each in asked} == motions
+        assert all(each.activation.full == pytest.approx(0.2, abs=0.02) for each in asked if len(motions) == 1)
+        document.undo_stack.undo()

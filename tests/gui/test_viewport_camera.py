@@ -32,6 +32,22 @@ def test_another_motion_is_framed_and_the_camera_of_the_user_is_left_alone_by_ot
     assert ((pixels > 0) & (pixels < (900, 600))).all()
 
 
+def test_the_camera_stays_when_another_clip_comes_to_be_the_first_of_the_row(studio):
+    viewport, document, _ = studio
+    motion_id = document.add("motions", Motion("Again", "capture"), "Import")
+    performer = document.project.performers["performer 0"]
+    first = performer.clips[0]
+    row = first, replace(first, motion_id=motion_id, start=first.start + 1.0, id="second")
+    document.replace("performers", "performer 0", replace(performer, clips=row), "Add")
+    settle(viewport)
+    away = replace(viewport.camera, target=(4.0, 0.0, 0.9))
+    viewport.set_camera(away)
+    later = replace(first, start=first.start + 2.0)
+    document.replace("performers", "performer 0", replace(performer, clips=(row[1], later)), "Move")
+    settle(viewport)
+    assert viewport.camera == away
+
+
 def test_the_camera_follows_the_selected_character_and_stays_when_told_to(studio):
     viewport, document, _ = studio
     document.selection.set(("performers", "performer 1"))

@@ -16,7 +16,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name
-from studio.core.stage.clip import Clip
+from studio.core.project import Performer, Project
 from studio.core.stage.holding import REACHING, grips
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
@@ -105,10 +105,8 @@ def is_held(bench: Workbench) -> bool:
 
 
 def hold(bench: Workbench) -> None:
-    """The active body carries the selected prop, a hand on either side of it, as long as it plays its clip."""
-    document, _, _, clip = _holding(bench)
-    rate = document.project.frame_rate_of(clip)
-    _hold(bench, None, (clip.first / rate, clip.last / rate))
+    """The active body carries the selected prop, a hand on either side of it, in all that it plays."""
+    _hold(bench, None)
 
 
 def pick_up(bench: Workbench) -> None:
@@ -116,7 +114,7 @@ def pick_up(bench: Workbench) -> None:
 
     Who holds it then lets go of it: it is handed over.
     """
-    document, prop_id, performer_id, clip = _holding(bench)
+    document, prop_id, performer_id = _holding(bench)
     prop, now = document.project.props[prop_id], document.playhead.time
     hold = prop.held_at(now) or prop.held
     if isinstance(hold, InHand) and hold.performer_id == performer_id:
@@ -124,8 +122,7 @@ def pick_up(bench: Workbench) -> None:
         held = prop.with_span(hold, now, end)
         document.replace("props", prop_id, held, f"Pick up {prop.name}")
         return
-    rate = document.project.frame_rate_of(clip)
-    _hold(bench, now, (motion_time(clip, rate, now), clip.last / rate))
+    _hold(bench, now)
 
 
 def put_down(bench: Workbench) -> None:
@@ -159,18 +156,18 @@ def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
     return follows and constraint.scope.performer_id == performer_id
 
 
-def _holding(bench: Workbench) -> tuple[Document, str, str, Clip]:
-    """The selected prop, and the active performer with its clip."""
+def _holding(bench: Workbench) -> tuple[Document, str, str]:
+    """The selected prop, and the active performer, who plays something."""
     document, prop_id = bench.document, selected_prop(bench)
-    performer_id, clip = document.active_performer_id, document.active_clip
-    if prop_id is None or performer_id is None or clip is None:
+    performer_id = document.active_performer_id
+    if prop_id is None or performer_id is None or document.active_clip is None:
         raise StudioError("Select a prop, while a body that is shown plays something.")
-    return document, prop_id, performer_id, clip
+    return document, prop_id, performer_id
 
 
-def _hold(bench: Workbench, begin: float | None, seconds: tuple[float, float]) -> None:
-    """Both hands hold the prop from ``begin`` on, and are on it during ``seconds`` of the motion."""
-    document, prop_id, performer_id, clip = _holding(bench)
+def _hold(bench: Workbench, begin: float | None) -> None:
+    """Both hands hold the prop from ``begin`` on."""
+    document, prop_id, performer_id = _holding(bench)
     prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
     text, hold = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}", Carried(performer_id)
     with document.group(text):
@@ -181,9 +178,31 @@ def _hold(bench: Workbench, begin: float | None, seconds: tuple[float, float]) -
                 _leave(document, prop_id, giver.performer_id, begin, text)
         elif not isinstance(prop.held, Carried) or prop.holders != {performer_id}:
             document.replace("props", prop_id, prop.with_holds([hold]), text)
-        others = document.project.constraints_of(clip.motion_id)
-        for key, each in others.items():
-            if _grips(each, prop_id, performer_id) and (begin is None or each.activation.end > seconds[0]):
-                document.remove("constraints", key, text)
-        last = max((each.priority for each in document.project.constraints_of(clip.motion_id).values()), default=-1) + 1
-        document.add_all("constraints", grips(clip.motion_id, performer_id, prop_id, prop.name, seconds, last), text)
+        for motion_id, seconds in _stretches(document.project, performer, begin).items():
+            others = document.project.constraints_of(motion_id)
+            for key, each in others.items():
+                if _grips(each, prop_id, performer_id) and (begin is None or each.activation.end > seconds[0]):
+                    document.remove("constraints", key, text)
+            others = document.project.constraints_of(motion_id)
+            last = max((each.priority for each in others.values()), default=-1) + 1
+            document.add_all("constraints", grips(motion_id, performer_id, prop_id, prop.name, seconds, last), text)
+
+
+def _stretches(project: Project, performer: Performer, begin: float | None) -> dict[str, tuple[float, float]]:
+    """Seconds, from and to, of each motion that a performer plays after ``begin``.
+
+    Without a motion of which it has played the same before: there its hands would be asked for, too.
+    """
+    stretches: dict[str, tuple[float, float]] = {}
+    for clip in performer.clips:
+        rate = project.frame_rate_of(clip)
+        if begin is None or clip.start + clip.length(rate) > begin:
+            first = clip.first / rate if begin is None else motion_time(clip, rate, begin)
+            known = stretches.get(clip.motion_id, (first, first))
+            stretches[clip.motion_id] = min(first, known[0]), max(clip.last / rate, known[1])
+    for clip in performer.clips:
+        rate = project.frame_rate_of(clip)
+        over = begin is not None and clip.start + clip.length(rate) <= begin
+        if over and clip.motion_id in stretches and clip.last / rate > stretches[clip.motion_id][0]:
+            del stretches[clip.motion_id]
+    return stretches
