@@ -115,7 +115,7 @@ def record(bench: Workbench) -> None:
 
 
 def put_take(bench: Workbench, take: Take) -> None:
-    """What was recorded becomes the rows of who played it, and the range that plays: one undo step."""
+    """What was recorded becomes the rows of who played it, and the range that plays, from its beginning: one undo step."""
     document = bench.document
     project = document.project
     made = edits_of(take, project, bench.live.motion, iter(new_id, ""))
@@ -128,6 +128,7 @@ def put_take(bench: Workbench, take: Take) -> None:
                 document.put_all(collection, {key: entity}, "Record a take")
     rate = document.playhead.frame_rate
     document.playhead.set_range(round(take.begin * rate), round(take.end * rate))
+    document.playhead.set_time(take.begin)
     clips = sum(len(each.clips) for each in rows)
     bench.said.emit(
         f"Recorded {take.end - take.begin:.1f} s: {clips} clips of {len(rows)} performers are their rows now."

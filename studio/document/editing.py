@@ -242,7 +242,9 @@ class EditedProject(QObject):
         gone = {edit.item for edit in edits if edit.new is None}
         self.selection.set(*(item for item in self.selection.items if item not in gone and self._may_be_seen(item)))
         after = stage_span(self._project)
-        if after != before and (whole or before is None or after is None or after.frame_rate != before.frame_rate):
+        new = before is None or after is None or after.frame_rate != before.frame_rate
+        left = after is not None and (playhead.last < after.first or playhead.first > after.last)
+        if after != before and (whole or new or left):
             self._fit_playhead()
         for collection, ids in groupby(dict.fromkeys(edit.item for edit in edits), key=itemgetter(0)):
             changed = [entity_id for _, entity_id in ids]

@@ -239,6 +239,21 @@ def test_who_was_selected_last_stays_active_while_a_prop_is_selected_until_all_i
     assert document.active_performer_id == "performer 0"
 
 
+def test_a_range_that_the_stage_has_left_is_the_whole_stage_again(qapp: Any) -> None:
+    document = Document(PROJECT)
+    [first, *_] = document.project.performers
+    performer = document.project.performers[first]
+    whole = document.playhead.first, document.playhead.last
+    late = replace(performer.clips[0], start=60.0)
+    document.replace("performers", first, replace(performer, clips=(late,)), "Move")
+    begin = round(60.0 * document.playhead.frame_rate)
+    document.playhead.set_range(begin, begin + 10)
+    document.playhead.set_frame(begin + 5)
+    document.undo_stack.undo()
+    assert (document.playhead.first, document.playhead.last) == whole
+    assert document.playhead.frame == whole[0]
+
+
 def test_a_dropped_document_with_a_history_is_collected(qapp: Any) -> None:
     document = Document(PROJECT)
     document.remove("constraints", "constraint 0", "Remove")

@@ -86,6 +86,7 @@ def test_a_target_that_is_moved_while_it_plays_is_followed_and_kept_in_the_take(
     press(playing, Qt.Key.Key_R)
     assert not play.recording
     assert document.undo_stack.undoText() == "Record a take"
+    assert document.playhead.frame == document.playhead.first
     own = [each for key, each in document.project.constraints.items() if isinstance(each.target, KeyedPlace)]
     assert own
     press(playing, Qt.Key.Key_Escape)
