@@ -115,7 +115,7 @@ def record(bench: Workbench) -> None:
 
 
 def put_take(bench: Workbench, take: Take) -> None:
-    """What was recorded becomes the rows of who played it, and the range that plays, from its beginning: one undo step."""
+    """What was recorded becomes the rows of who played it, and what plays: one undo step."""
     document = bench.document
     project = document.project
     made = edits_of(take, project, bench.live.motion, iter(new_id, ""))

@@ -24,6 +24,9 @@ from studio.panels.fields import labelled
 WIDTH, MOST_ROWS, ROW = 480, 12, 28
 SCROLL_BAR = 12
 ACTION = Qt.ItemDataRole.UserRole
+STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+KEYS = {*STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Escape}
+"""Those that the palette hears itself; the others are typed."""
 
 
 def plain_text(action: QAction) -> str:
@@ -117,14 +120,16 @@ class CommandPalette(QFrame):
         """Arrow keys walk, Return runs, Esc closes."""
         if event.type() == QEvent.Type.FocusOut:
             self.hide()
-        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
-            return self._key(event.key())
-        return False
+        if not isinstance(event, QKeyEvent):
+            return False
+        if event.type() == QEvent.Type.ShortcutOverride and event.key() in KEYS:
+            event.accept()  # arrows are shortcuts of the timeline everywhere else
+            return True
+        return event.type() == QEvent.Type.KeyPress and self._key(event.key())
 
     def _key(self, key: int) -> bool:
-        steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
-        if key in steps:
-            self._walk(steps[Qt.Key(key)])
+        if key in STEPS:
+            self._walk(STEPS[Qt.Key(key)])
         elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             self._run(self.list.currentItem())
         elif key == Qt.Key.Key_Escape:

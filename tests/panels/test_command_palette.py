@@ -1,6 +1,9 @@
-from PySide6.QtGui import QAction
+from PySide6.QtCore import QEvent, Qt
+from PySide6.QtGui import QAction, QKeyEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMainWindow
 
-from studio.panels.command_palette import ranked
+from studio.panels.command_palette import CommandPalette, ranked
 
 
 def found(words, *texts):
@@ -18,3 +21,18 @@ def test_letters_in_their_order_are_enough(qapp):
 
 def test_nothing_typed_finds_everything_in_the_order_of_the_table(qapp):
     assert found("", "B", "A") == ["B", "A"]
+
+
+def test_arrow_keys_walk_the_list_before_they_are_shortcuts_of_the_window(qtbot):
+    window, ran = QMainWindow(), []
+    qtbot.addWidget(window)
+    offered = [QAction(text, window, triggered=lambda _=False, text=text: ran.append(text)) for text in ("Box", "Ball")]
+    palette = CommandPalette(window, offered)
+    palette.open()
+    asked = QKeyEvent(QEvent.Type.ShortcutOverride, Qt.Key.Key_Down, Qt.KeyboardModifier.NoModifier)
+    asked.ignore()
+    QApplication.sendEvent(palette.field, asked)
+    assert asked.isAccepted()
+    QTest.keyClick(palette.field, Qt.Key.Key_Down)
+    QTest.keyClick(palette.field, Qt.Key.Key_Return)
+    assert ran == ["Ball"]
