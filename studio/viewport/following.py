@@ -35,8 +35,12 @@ def gone_on(camera: OrbitCamera, way: FloatArray) -> OrbitCamera:
 
 
 def way_place(pose: Posed) -> FloatArray:
-    """(2,) where the smoothed way of a performer's root is on the stage."""
-    motion, reach = pose.over_time, round(SECONDS * pose.motion.frame_rate)
-    here = pose.frame - motion.first_frame
-    rows = np.clip(np.arange(here - reach, here + reach + 1), 0, motion.frame_count - 1)
-    return np.asarray(pose.placement.to_stage(motion.positions[rows, 0]).mean(axis=0)[:2])
+    """(2,) where the smoothed way of a performer's root is on the stage.
+
+    Who is driven live is elsewhere than its clips, which are known over time: smoothing is theirs, the place its own.
+    """
+    roots, reach = pose.over_time.positions[:, 0], round(SECONDS * pose.motion.frame_rate)
+    here = pose.frame - pose.over_time.first_frame
+    here, *rows = np.clip([here, *range(here - reach, here + reach + 1)], 0, len(roots) - 1)
+    root = pose.motion.positions[pose.row, 0] + roots[rows].mean(axis=0) - roots[here]
+    return np.asarray(pose.placement.to_stage(root)[:2])

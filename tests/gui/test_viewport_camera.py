@@ -9,6 +9,7 @@ from PySide6.QtTest import QTest
 
 from studio.core.project import Motion
 from studio.core.stage.prop import Prop
+from studio.viewport.following import Follower
 from tests.builders import make_project
 from tests.gui.viewport_use import LEFT, MIDDLE, NONE, drag, settle
 
@@ -66,6 +67,17 @@ def test_the_camera_follows_the_selected_character_and_stays_when_told_to(studio
     document.playhead.set_frame(0)
     settle(viewport)
     assert viewport.camera.target[0] == pytest.approx(begin.target[0] + gone[0])
+
+
+def test_the_camera_follows_who_is_driven_live_and_not_its_clips(studio):
+    viewport, _, _ = studio
+    pose = viewport.posed["performer 1"]
+    away = replace(pose.motion, positions=pose.motion.positions + np.array([2.0, -1.0, 0.0]))
+    driven = replace(pose, motion=away, around=pose.over_time)
+    follower = Follower()
+    begin = follower.moved(viewport.camera, "performer 1", pose)
+    gone = np.subtract(follower.moved(begin, "performer 1", driven).target, begin.target)
+    assert gone == pytest.approx(pose.placement.rotation @ (2.0, -1.0, 0.0))
 
 
 @pytest.mark.parametrize(
