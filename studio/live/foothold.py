@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.morphology import Morphology, sole_rows
 from studio.core.captures.contacts import HEIGHT_MARGIN, STILL_SPEED
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.feet import FLAT, HEEL, TOE
+from studio.core.kernels.support.sole import FLAT, HEEL, TOE
 from studio.core.kernels.support.swing import FREED_AFTER, keep_above
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.standing.blends import GOES_ALONG
@@ -82,7 +82,7 @@ class Foothold:
     climb: Follower
     """The height of the ground under it, smoothed."""
     state: int = 0
-    """What stands, in bits as ``kernels.support.feet`` has them."""
+    """What stands, in bits as ``kernels.support.sole`` has them."""
     weight: float = 0.0
     """How far it stands: eased to 1 after it begins to, and back."""
     _printed: _Print | None = None

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from studio.core.captures.contacts import FOOT_POINTS, GREATEST_DRIFT, ContactInterval
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.limbs.limb import COMFORT
-from studio.core.kernels.support.feet import FLAT, HEEL, TOE
+from studio.core.kernels.support.sole import FLAT, HEEL, TOE
 from studio.core.normalized.realize import realize
 from studio.core.solver.adapt import Standing
 from studio.core.solver.asking.self_contact import self_contact_of
@@ -40,7 +40,7 @@ class Planted:
 
     @property
     def states(self) -> tuple[int, ...]:
-        """What stands of each foot, in bits as ``kernels.support.feet`` has them."""
+        """What stands of each foot, in bits as ``kernels.support.sole`` has them."""
         return tuple(foot.state for foot in self._feet)
 
     def stand(self, request: AdaptRequest, seconds: float) -> Standing:

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from studio.core.kernels.support import feet, heels
+from studio.core.kernels.support import heels
+from studio.core.kernels.support.sole import FLAT, HEEL, TOE
 from studio.core.rotations import to_matrix
 from tests.core.motions import about
 
 SOLE = np.array([[0.13, 0.0, -0.05, 0.08, 0.05, 0.06]])
 """Ankle to toe joint, ankle above the sole, heel behind the ankle, length of the toe."""
-STATES = np.repeat([feet.FLAT, feet.TOE, 0, feet.FLAT], [30, 30, 30, 30])
-RISE = np.where(STATES == feet.TOE, 0.04 * np.clip((np.arange(120) - 30) / 20, 0.0, 1.0), 0.0)
+STATES = np.repeat([FLAT, TOE, 0, FLAT], [30, 30, 30, 30])
+RISE = np.where(STATES == TOE, 0.04 * np.clip((np.arange(120) - 30) / 20, 0.0, 1.0), 0.0)
 
 
 def _level() -> np.ndarray:
@@ -31,7 +32,7 @@ def test_an_ankle_is_as_high_as_the_motion_has_it_soon_after_its_heel_left_the_g
 
 def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
     """Who kneels or lies rolls over nothing."""
-    states = np.where(STATES == feet.FLAT, 0, STATES)
+    states = np.where(STATES == FLAT, 0, STATES)
     rotations = _level()
     heels.lift_heels(SOLE, states, SOLE[0, 3] + RISE, 10.0, rotations)
     assert np.array_equal(rotations, _level())
@@ -52,7 +53,7 @@ def test_a_foot_rolls_on_where_its_leg_is_too_short_and_its_ball_stays(miss: flo
 
 @pytest.mark.parametrize("miss", [0.0, 0.005, 0.02])
 def test_a_foot_that_lands_rolls_back_over_its_heel_where_its_leg_is_too_short(miss: float) -> None:
-    states = np.repeat([0, feet.HEEL, feet.FLAT, 0], 30)
+    states = np.repeat([0, HEEL, FLAT, 0], 30)
     rotations, ankles = _level(), np.tile([0.0, 0.0, SOLE[0, 3]], (120, 1))
     hips = np.tile([-0.4, 0.0, 0.8], (120, 1))
     reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
@@ -67,7 +68,7 @@ def test_a_foot_that_lands_rolls_back_over_its_heel_where_its_leg_is_too_short(m
 def test_a_ball_that_has_risen_stands_on_the_tip_of_its_toes() -> None:
     pitches = np.empty(120)
     heels.find_tiptoe(SOLE, STATES, RISE, 10.0, pitches)
-    assert not pitches[STATES != feet.TOE].any()
+    assert not pitches[STATES != TOE].any()
     assert 0.3 < pitches[59] < heels.TIPPED
     heels.find_tiptoe(SOLE, STATES, 0.2 * RISE, 10.0, pitches)
     assert not pitches.any()

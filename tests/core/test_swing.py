@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from studio.core.grounds import Bumps, Slope, Steps
+from studio.core.kernels.algebra.eases import lack
 from studio.core.kernels.support import swing as kernel
 from studio.core.rotations import to_matrix
 from studio.core.solver.standing.swing import Sole, led_clear, worn_height
@@ -68,14 +69,14 @@ def test_what_stands_or_is_clear_stays_as_it_is(seed: int, stands: np.ndarray) -
 
 @given(st.floats(-0.05, 0.05), st.floats(1e-4, 0.03))
 def test_what_is_lacking_lifts_above_the_floor_and_grows_smoothly(height: float, room: float) -> None:
-    lack, step = kernel.lack, 1e-6
+    step = 1e-6
     assert height + lack(height, room) >= 0.0
     assert 0.0 <= lack(height, room) - max(-height, 0.0) <= 3.0 / 16.0 * room + 1e-15
     assert abs(lack(height + step, room) - lack(height, room)) <= step * (1.0 + 1e-6)
 
 
 def test_without_room_it_is_no_more_than_needed() -> None:
-    assert [kernel.lack(height, 0.0) for height in (-0.02, 0.0, 0.01)] == [0.02, 0.0, 0.0]
+    assert [lack(height, 0.0) for height in (-0.02, 0.0, 0.01)] == [0.02, 0.0, 0.0]
 
 
 def _bent_up(angle: float) -> np.ndarray:

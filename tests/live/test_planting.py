@@ -17,7 +17,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import Slope
 from studio.core.grounds.steps import Steps
-from studio.core.kernels.support.feet import HEEL, TOE
+from studio.core.kernels.support.sole import HEEL, TOE
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import contact_tracks, limb_accelerations, swing_depths

@@ -12,7 +12,7 @@ from scipy.ndimage import uniform_filter1d
 
 from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.feet import FLAT
+from studio.core.kernels.support.sole import FLAT
 from studio.core.quality.metrics import QUIET, angular_acceleration
 from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion

@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from studio.core.kernels import layout as at
+from studio.core.kernels.algebra.eases import smoothstep
 from studio.core.kernels.algebra.turns import aimed, product, put_beside, turn_in, turn_of, twisted
 from studio.core.kernels.body.realize import put_foot, put_hip
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.limbs.limb import middle_of, place_limb, soft_reach
 from studio.core.kernels.records import Limb
-from studio.core.kernels.support.feet import smoothstep
 
 KNEE_GUARD = 0.0004
 """Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""

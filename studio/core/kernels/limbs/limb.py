@@ -5,7 +5,8 @@ import math
 from studio.core.kernels.algebra.turns import put_beside, put_turn, sine_and_cosine
 from studio.core.kernels.compiling import kernel, small_kernel
 
-COMFORT, OWN_COMFORT = 0.97, 0.985
+COMFORT = 0.97
+OWN_COMFORT = 0.5 * (1.0 + COMFORT)
 """Part of its length up to which a limb stretches freely (METHOD (11)): where trunk or root help, or a leg is in the
 air; and where nothing helps, or the leg stands.
 """

@@ -13,7 +13,6 @@ from studio.core.kernels.limbs.limb import soft_reach
 from studio.core.kernels.limbs.reach import aim_at, bend_range, reach_to, span_range, swivel_to, swivel_way
 from studio.core.kernels.limbs.stiffness import stiff_span, turn_back
 from studio.core.kernels.limits.joint_limits import (
-    bend_of,
     braked_swivel,
     is_well_within,
     keep_joint,
@@ -23,6 +22,7 @@ from studio.core.kernels.limits.joint_limits import (
     put_end,
     soft,
 )
+from studio.core.kernels.limits.swing_twist import bend_of
 from studio.core.kernels.limits.within_limits import NEARLY, step_within
 from studio.core.kernels.tasks.goals import AREA, POSITION, end_place, turns_segment
 from studio.core.kernels.tasks.task import ACTIVE, STRICT
@@ -31,9 +31,8 @@ CLOSE_ENOUGH = 0.25 * STRICT
 """Metres (or radians) of error that are left as they are."""
 STEPS_WITHIN, LATE_WITHIN = 6, 3
 """Steps that a limb takes along its limits towards what it misses, at most, and those that it may add where little is
-missed: whole up to ``NEARLY``, none from ``FAR_WITHIN`` metres on.
+missed: whole up to ``NEARLY``, none from twice that on.
 """
-FAR_WITHIN = 0.008
 STILL_WITHIN = 1e-4
 """Radians of such a step after which no other follows."""
 HUNG = 1
@@ -304,7 +303,7 @@ def go_along_limits(limb, problem):
     )
     for attempt in range(STEPS_WITHIN + (LATE_WITHIN if row.helped else 0)):
         left = distance(goal, point) if attempt >= STEPS_WITHIN else 0.0
-        part = min((FAR_WITHIN - left) / (FAR_WITHIN - NEARLY), 1.0)
+        part = min((2.0 * NEARLY - left) / NEARLY, 1.0)
         if part <= 0.0:
             return
         x, y, z = wish[0], wish[1], wish[2]

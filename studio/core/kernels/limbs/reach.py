@@ -6,6 +6,7 @@ root to the point depends on the bend alone, the direction on the aim alone. Bot
 
 import math
 
+from studio.core.kernels.algebra.eases import smoothstep
 from studio.core.kernels.algebra.turns import (
     NO_TURN,
     about,
@@ -18,14 +19,14 @@ from studio.core.kernels.algebra.turns import (
 )
 from studio.core.kernels.body.parts import distal_range, turn_part
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.support.feet import smoothstep
 
 SWIVEL_LEVER = 2.0 * 0.08 * 0.08
 """Square metres of lever (point times target, from the axis) above which a swivel is not faded."""
 SWIVEL_ANGLE = 0.5 * math.pi
 """Radians of swivel up to which it is not faded: at half a turn nobody can say which way round is the nearer."""
-STRETCHED = math.cos(0.85 * math.pi)
-"""Cosine of the angle beyond which a limb that is bent backwards counts as stretched too far."""
+BACKWARDS = 0.85 * math.pi
+COS_BACKWARDS = math.cos(BACKWARDS)
+"""Radians beyond which a limb that is bent backwards counts as stretched too far."""
 
 
 @small_kernel
@@ -107,7 +108,7 @@ def bend_of(distance, rotation, root, middle, point):
     cosine, sine = per * cosine, per * sine
     wanted = min(max(0.5 * per * (c0 - distance * distance), -1.0), 1.0)
     side = math.sqrt(1.0 - wanted * wanted)
-    if sine < 0.0 and cosine > STRETCHED:
+    if sine < 0.0 and cosine > COS_BACKWARDS:
         side = -side
     return about(hinge, cosine * wanted + sine * side, sine * wanted - cosine * side)
 

@@ -31,7 +31,8 @@ SWIVEL_COST = 0.08
 """Metres of wrist that are worth one radian of swivel."""
 MOST_SWIVEL = 1.2
 """Radians to which a swivel tends."""
-NEARNESS, FLESH = 0.02, 0.04
+NEARNESS = 0.02
+FLESH = 2.0 * NEARNESS
 """Metres of room, and of depth, to which what the actor itself has is kept at most."""
 DEEP = 0.06
 """Metres in the body at which an arm comes out the actor's way alone."""

@@ -7,12 +7,14 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limits.clearance import TOUCH, copy_arm, move_arm, place_capsules, probe_at, sweep_arm
 from studio.core.kernels.limits.clearing import make_clearing
 from studio.core.kernels.records import Pose
+from studio.core.kernels.tasks.task import STRICT
 
 PALM = 3
 """The probe in the palm."""
 ROUNDS = 6
 """Times that hands go what is left of their way: an arm near its full length goes but a part of it."""
-CLOSE_ENOUGH = 1e-5
+CLOSE_ENOUGH = 0.05 * STRICT
+"""Metres that hands may be off that meet."""
 TURNS = 3
 """Sweeps over an arm's probes from where the last one has brought it: more bring it no farther out."""
 

@@ -23,6 +23,16 @@ from studio.core.kernels.algebra.turns import inverse, product, turn_by, turn_in
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.body.parts import turn_part
 from studio.core.kernels.compiling import kernel
+from studio.core.kernels.limits.swing_twist import (
+    bend_of,
+    into,
+    part_of_range,
+    part_of_swing,
+    swing_and_twist,
+    swing_slope,
+    turned_about,
+    twist_slope,
+)
 
 _REAL = np.float64
 LIMITED = np.dtype(
@@ -67,53 +77,12 @@ FADE = 0.7
 
 
 @kernel
-def into(parent, axes, x, y, z):
-    """A direction of the world in the ``axes`` (3, 3) of a joint that ``parent`` (3, 3) carries."""
-    px = parent[0, 0] * x + parent[1, 0] * y + parent[2, 0] * z
-    py = parent[0, 1] * x + parent[1, 1] * y + parent[2, 1] * z
-    pz = parent[0, 2] * x + parent[1, 2] * y + parent[2, 2] * z
-    return (
-        axes[0, 0] * px + axes[1, 0] * py + axes[2, 0] * pz,
-        axes[0, 1] * px + axes[1, 1] * py + axes[2, 1] * pz,
-        axes[0, 2] * px + axes[1, 2] * py + axes[2, 2] * pz,
-    )
-
-
-@kernel
-def swing_and_twist(x, z):
-    """Swing (a rotation vector about x and y) and twist about z of a rotation with columns ``x`` and ``z`` (25)."""
-    twist = math.atan2(x[1] - (z[1] * x[2] - z[2] * x[1]), x[0] + z[2] * x[0] - z[0] * x[2])
-    across = math.sqrt(z[0] * z[0] + z[1] * z[1])
-    k = math.atan2(across, z[2]) / across if across > 1e-9 else 1.0
-    return -k * z[1], k * z[0], twist
-
-
-@kernel
 def swing_of(row, joint, parent, child):
     """``swing_and_twist`` of a segment's rotation ``child`` in its joint."""
     axes = row.axes[joint]
     x = into(parent, axes, child[0, 0], child[1, 0], child[2, 0])
     z = into(parent, axes, child[0, 2], child[1, 2], child[2, 2])
     return swing_and_twist(x, z)
-
-
-@kernel
-def part_of_swing(radii, x, y):
-    """Which part of its limit a swing is: 1 on a curve of four quarters of ellipses (26)."""
-    along, across = x / radii[0 if x >= 0.0 else 1], y / radii[2 if y >= 0.0 else 3]
-    return math.sqrt(along * along + across * across)
-
-
-@kernel
-def half_turns_off(angle):
-    """An angle as one between -pi and pi."""
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
-
-
-@kernel
-def part_of_range(middle, half, angle):
-    """Which part of the way from the middle of its range to its end a turn is, with its sign."""
-    return half_turns_off(angle - middle) / half
 
 
 @kernel
@@ -140,19 +109,6 @@ def surely(angle, edge):
     """1 where an angle beyond a limit at ``edge`` is far from half a turn, fading to 0 there."""
     share = min(max(math.pi - angle, 0.0) / max(min(FADE, math.pi - edge), 1e-6), 1.0)
     return share * share * (3.0 - 2.0 * share)
-
-
-@kernel
-def bend_of(upper, lower):
-    """(bend, slant, turn) of elbow or knee: R_upper^T R_lower = Rx(bend) Ry(slant) Rz(turn)."""
-    xx = yx = zx = zy = zz = 0.0
-    for axis in range(3):
-        xx += upper[axis, 0] * lower[axis, 0]
-        yx += upper[axis, 0] * lower[axis, 1]
-        zx += upper[axis, 0] * lower[axis, 2]
-        zy += upper[axis, 1] * lower[axis, 2]
-        zz += upper[axis, 2] * lower[axis, 2]
-    return math.atan2(-zy, zz), math.asin(min(max(zx, -1.0), 1.0)), math.atan2(-yx, xx)
 
 
 @kernel
@@ -316,37 +272,6 @@ def left_of(part, own):
     """What brakes leave of a turn that goes towards a limit: 1 up to ``SWIVELLED``, 0 from ``SWIVELLED_TO`` on."""
     free, most = max(SWIVELLED, own), max(SWIVELLED_TO, own)
     return min(max((most - part) / max(most - free, 1e-3), 0.0), 1.0)
-
-
-@kernel
-def swing_slope(radii, z, sx, sy, part):
-    """How fast ``part_of_swing`` grows while the bone ``z`` turns about each axis, (3,)."""
-    across = max(math.sqrt(z[0] * z[0] + z[1] * z[1]), 1e-6)
-    size = math.sqrt(sx * sx + sy * sy)
-    px, py = sx / radii[0 if sx >= 0.0 else 1] ** 2, sy / radii[2 if sy >= 0.0 else 3] ** 2
-    scale = 1.0 / (max(part, 1e-6) * across)
-    out = scale * (py * z[0] - px * z[1]) / across
-    about = -scale * (px * z[0] + py * z[1]) * size / (across * across)
-    return -out * z[1] - about * z[0] * z[2], out * z[0] - about * z[1] * z[2], about * across * across
-
-
-@kernel
-def twist_slope(z):
-    """How fast the twist grows while the bone ``z`` turns about each axis, (3,)."""
-    scale = 1.0 / max(1.0 + z[2], 1e-3)
-    return scale * z[0], scale * z[1], 1.0
-
-
-@kernel
-def turned_about(a, angle, v):
-    """``v`` (3,) turned about the unit axis ``a`` (Rodrigues)."""
-    c, s = math.cos(angle), math.sin(angle)
-    along = (1.0 - c) * (a[0] * v[0] + a[1] * v[1] + a[2] * v[2])
-    return (
-        c * v[0] + s * (a[1] * v[2] - a[2] * v[1]) + along * a[0],
-        c * v[1] + s * (a[2] * v[0] - a[0] * v[2]) + along * a[1],
-        c * v[2] + s * (a[0] * v[1] - a[1] * v[0]) + along * a[2],
-    )
 
 
 @kernel

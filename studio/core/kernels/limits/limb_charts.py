@@ -10,7 +10,7 @@ import math
 from studio.core.kernels.algebra.rotation import matrix_to_rotation_vector
 from studio.core.kernels.algebra.turns import inverse, product, put_turn, turn_by, turn_in
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.limits.joint_limits import half_turns_off, part_of_swing, swing_and_twist
+from studio.core.kernels.limits.swing_twist import half_turns_off, part_of_swing, swing_and_twist
 from studio.core.kernels.time.jolts import between
 
 

@@ -10,7 +10,7 @@ SWEEPS = 6
 """Times both legs may pull the root back into their reach."""
 LEASH = 0.3
 """Part of its length by which a limb's leash has run out when its contact is half free."""
-BRAKING = 0.03
+BRAKING = 0.1 * LEASH
 """Part of a leg's length over which the root is braked before the leg's leash ends."""
 
 

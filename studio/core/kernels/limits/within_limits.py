@@ -10,20 +10,21 @@ import math
 from studio.core.kernels.algebra.turns import about, inverse, product, turn_by, turn_in
 from studio.core.kernels.body.parts import turn_part
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.reach import bend_range
-from studio.core.kernels.limits.joint_limits import (
+from studio.core.kernels.limbs.reach import BACKWARDS, bend_range
+from studio.core.kernels.limits.swing_twist import (
     part_of_range,
     part_of_swing,
     swing_and_twist,
     swing_slope,
     twist_slope,
 )
+from studio.core.kernels.tasks.task import STRICT
 
 DAMPING, FAR_DAMPING, LEAST_DAMPING = 4.0, 0.01, 1e-4
 """What a radian squared of turning costs: of what is missed across the limb, squared (Yamashita and Fukushima
 2001), and of the length of the limb, squared, where more than ``NEARLY`` is missed, and at least.
 """
-NEARLY = 0.004
+NEARLY = 20.0 * STRICT
 """Metres of residual up to which a target is nearly met: late steps are taken whole, and half of ``FAR_DAMPING``
 counts.
 """
@@ -99,8 +100,8 @@ def bend_room(root, middle, hinge, point, spans):
     c0, c1, angle = bend_range(root, middle, hinge, point)
     if c1 < 1e-9:
         return 0.0, 0.0
-    side = -1.0 if -0.85 * math.pi < angle < 0.0 else 1.0
-    angle = abs(angle) if angle > -0.85 * math.pi else angle + 2.0 * math.pi
+    side = -1.0 if -BACKWARDS < angle < 0.0 else 1.0
+    angle = abs(angle) if angle > -BACKWARDS else angle + 2.0 * math.pi
     least = math.acos(min(max((c0 - spans[0] * spans[0]) / (2.0 * c1), -1.0), 1.0))
     most = math.acos(min(max((c0 - spans[1] * spans[1]) / (2.0 * c1), -1.0), 1.0))
     if side > 0.0:

@@ -7,8 +7,10 @@ import numpy as np
 from studio.core.kernels.algebra.turns import inverse, product, put_turn, turn_in
 from studio.core.kernels.compiling import allocating_kernel
 from studio.core.kernels.records import Array
-from studio.core.kernels.support.feet import keep_pitch_on_ground, level_soles, level_toes, plant_ankles, tip_rise
+from studio.core.kernels.support.feet import keep_pitch_on_ground, level_soles, level_toes
 from studio.core.kernels.support.heels import find_tiptoe, lift_heels
+from studio.core.kernels.support.planting import plant_ankles
+from studio.core.kernels.support.sole import tip_rise
 
 
 class FootPlan(NamedTuple):

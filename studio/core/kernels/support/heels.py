@@ -4,22 +4,18 @@ import math
 
 import numpy as np
 
+from studio.core.kernels.algebra.eases import lack, smoothstep
 from studio.core.kernels.algebra.turns import put_turn, turn_by, turn_in
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.support.feet import (
-    HEEL,
-    TOE,
-    corrected,
-    ease_gaps,
-    fill_gaps,
-    free_feet,
-    smoothstep,
-    to_pivots,
-)
-from studio.core.kernels.support.swing import lack
+from studio.core.kernels.support.feet import corrected
+from studio.core.kernels.support.gaps import ease_gaps, fill_gaps, free_feet
+from studio.core.kernels.support.sole import HEEL, TOE, to_pivots
 
 FOLLOWED = 0.6
-"""Parts of the time in which a foot is let go after which a heel has the height that the motion gives it."""
+ROLLED = 0.5 * FOLLOWED
+"""Parts of the time in which a foot is let go after which a heel has the height that the motion gives it, and after
+which it rolls as far as its leg asks.
+"""
 UPRIGHT = -0.6, -0.9
 """Vertical part of a foot's forward axis from which, and up to which, its heel's height counts less and less."""
 ROLL_ROOM = 0.01
@@ -28,8 +24,6 @@ STEEPEST_FOOT = math.radians(70.0)
 """How far down a foot that rolls on may point, and never quite: beyond it stands on its tip."""
 STEEPEST_HEEL = math.radians(40.0)
 """How far up one that rolls back over its heel may point, and never quite."""
-ROLLED = 0.3
-"""Parts of the time in which a foot is let go after which it rolls as far as its leg asks."""
 SHALLOWEST = 0.4
 """Parts of the way from the ankle to what it rolls over that a leg is taken to gain a radian at least."""
 TIPPED = 1.0
@@ -59,7 +53,7 @@ def lift_heels(soles, states, heights, reach, rotations):
     """Foot rotations (F, 3, 3), in place: where the toe alone stands the ankle is as high as the motion has it.
 
     ``heights`` (F,) of the ankle above the floor, as retargeted; ``soles`` (F or 1, 5 or more), ``states`` (F,) as in
-    ``kernels.support.feet``. Eased in after the heel has left the ground, and from one contact to the next.
+    ``kernels.support.sole``. Eased in after the heel has left the ground, and from one contact to the next.
     """
     count = states.shape[0]
     corrections, free, left_over = np.zeros((count, 3)), np.empty(count), np.zeros(count)

@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
+from studio.core.kernels.algebra.eases import lack, smoothstep
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.support.feet import TOE, lying_aside, smoothstep
+from studio.core.kernels.support.sole import TOE, lying_aside, upright_part
 
 ROOM = 0.2
 """Part of the ankle's height within which of the floor a foot in the air begins to be raised; 3/16 of it is kept."""
@@ -38,7 +39,7 @@ def raise_foot(soles, states, ground, rooms, ankles, feet, toes):
     """``keep_above`` with the parts ``rooms`` (2, F) of their room that toes and foot are given."""
     for frame in range(states.shape[0]):
         foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
-        upright = smoothstep(min(max(1.0 + 2.0 * foot[2, 2], 0.0), 1.0))
+        upright = upright_part(foot)
         if upright == 0.0 or states[frame] & TOE:
             continue
         room = ROOM * max(sole[3], 0.0)
@@ -65,20 +66,6 @@ def find_rooms(states, bits, frame_rate, out_rooms):
     for frame in range(count - 1, -1, -1):
         gap = 0.0 if states[frame] & bits else gap + 1.0
         out_rooms[frame] = smoothstep(min(min(gap, out_rooms[frame]) / reach, 1.0))
-
-
-@kernel
-def lack(height, room):
-    """By how much to raise what is at ``height`` so that it keeps above 0: twice continuously differentiable.
-
-    METHOD (7).
-    """
-    if height >= room:
-        return 0.0
-    if height <= -room:
-        return -height
-    share = height / room
-    return room * (1.0 - share) ** 3 * (3.0 + share) / 16.0
 
 
 @kernel

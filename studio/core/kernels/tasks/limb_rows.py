@@ -13,11 +13,11 @@ from studio.core.kernels.search.joints import add_point_row, add_turn_row
 from studio.core.kernels.search.priorities import LONGEST_ERROR
 from studio.core.kernels.tasks.goals import POSITION, end_place
 from studio.core.kernels.tasks.second_order import BOUND, HOLD, begin_row, note_pull
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task import ACTIVE, STRICT
 
-HARDLY_MISSED = 5e-4
+HARDLY_MISSED = 2.5 * STRICT
 """Metres of miss up to which a limb is held to what it wants, and beyond which its root is held where it is."""
-MISSED = 2e-3
+MISSED = 10.0 * STRICT
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
 SWIVELS = 0.01
 """Metres that a radian of swivel has to bring a limb's second wish for it to be held by that."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import convolve1d
 
 from studio.core.kernels.limbs.legs import lower_smoothly
-from studio.core.kernels.support.feet import fill_gaps, free_feet
+from studio.core.kernels.support.gaps import fill_gaps, free_feet
 from studio.core.kernels.support.swing import FREED_AFTER
 from studio.core.runs import runs_of
 

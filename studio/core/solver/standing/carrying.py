@@ -24,7 +24,8 @@ from studio.core.captures.contacts import (
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.limb import OWN_COMFORT
-from studio.core.kernels.support.feet import SMALLEST, fill_gaps
+from studio.core.kernels.support.gaps import fill_gaps
+from studio.core.kernels.support.planting import SMALLEST
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.rotations import normalized, shortest_arc

@@ -14,9 +14,10 @@ from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.limbs.legs import hip_heights
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
 from studio.core.kernels.limits.root_reach import LEASH
-from studio.core.kernels.support import feet as kernel
 from studio.core.kernels.support.footing import FootPlan, plan_foot
+from studio.core.kernels.support.gaps import fill_gaps
 from studio.core.kernels.support.heels import roll_feet
+from studio.core.kernels.support.sole import FLAT, HEEL, TOE
 from studio.core.kernels.support.swing import keep_above
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray
@@ -70,7 +71,7 @@ def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArra
     for contact in contacts:
         point = contact.point
         if isinstance(point, ContactPoint) and point.is_foot:
-            bit, bits = (kernel.HEEL, heels) if point.is_heel else (kernel.TOE, toes)
+            bit, bits = (HEEL, heels) if point.is_heel else (TOE, toes)
             bits[point.side, contact.first : contact.last + 1] = bit
     return np.asarray(toes | heels)
 
@@ -145,8 +146,8 @@ def _draped_footing(
         _drops(motion, morphology, rotations, places, comforts, stands)
         for places, stands in (
             (relative, states),
-            (relative, np.full_like(states, kernel.FLAT)),
-            (on_level, np.full_like(states, kernel.FLAT)),
+            (relative, np.full_like(states, FLAT)),
+            (on_level, np.full_like(states, FLAT)),
         )
     )
     # A foot in the air that reaches far down, as on the way down a flight of steps, brings the root down early.
@@ -261,7 +262,7 @@ def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> F
         return np.zeros(off.shape[1:])
     off = np.where(stands[..., None], off, 0.0)
     for side in range(2):
-        kernel.fill_gaps(off[side], stands[side])
+        fill_gaps(off[side], stands[side])
     frames, carried = np.arange(stands.shape[1]), np.flatnonzero(stands.any(axis=0))
     share = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
     share = np.convolve(np.pad(share, half := max(1, round(AVERAGED * frame_rate)), "edge"), hann_window(half), "valid")
@@ -287,7 +288,7 @@ def _drape_foot(
     prints = find_footprints(states, plan.ankles, plan.feet, soles, ground)
     if prints.hanging.any():
         for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
-            states[first : last + 1][states[first : last + 1] == kernel.HEEL] = kernel.FLAT
+            states[first : last + 1][states[first : last + 1] == HEEL] = FLAT
         _plan_foot(side, morphology, states, ground, frame_rate, positions, rotations, plan)
         prints = find_footprints(states, plan.ankles, plan.feet, soles, ground)
     draped = drape(prints, *plan, ground, frame_rate)

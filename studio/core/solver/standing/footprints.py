@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.morphology import at_frames
 from studio.core.captures.contacts import spans_of
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.feet import FLAT, HEEL
+from studio.core.kernels.support.sole import FLAT, HEEL
 from studio.core.solver.standing.blends import smoothstep
 
 FloatArray = NDArray[np.float64]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.support.feet import HEEL
+from studio.core.kernels.support.sole import HEEL
 from studio.core.normalized.transition import pace_left, place_left
 from studio.core.solver.smoothing.stretch import legs_of
 from studio.core.solver.standing.blends import GOES_ALONG

@@ -13,7 +13,7 @@ from studio.core.kernels import layout as at
 from studio.core.kernels import records
 from studio.core.kernels.limbs.legs import face_knees, knee_swivels
 from studio.core.kernels.support.carrying import move_bodies, settle_frames
-from studio.core.kernels.support.feet import HEEL, TOE
+from studio.core.kernels.support.sole import HEEL, TOE
 from studio.core.kernels.support.swing import keep_above
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, sole_rows
 from studio.core.captures.contacts import ContactInterval
-from studio.core.kernels.support.feet import FLAT, fill_gaps
+from studio.core.kernels.support.gaps import fill_gaps
+from studio.core.kernels.support.sole import FLAT
 from studio.core.solver.standing.blends import freedom
 from studio.core.solver.standing.footing import foot_states
 from studio.core.windows import smoothed
