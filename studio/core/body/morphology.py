@@ -226,6 +226,16 @@ def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
     return np.ascontiguousarray(np.column_stack([rows[:, foot : foot + 3], heights, toes]))
 
 
+def arm_rows(body: AnyMorphology, side: int) -> FloatArray:
+    """(F or 1, 2) metres of an upper arm and a forearm."""
+    return body.rows[:, at.M_ARM + 2 * side : at.M_ARM + 2 * side + 2]
+
+
+def leg_rows(body: AnyMorphology, side: int) -> FloatArray:
+    """(F or 1, 2) metres of a thigh and a shank."""
+    return body.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
+
+
 def at_frames(rows: FloatArray, frames: Any) -> FloatArray:
     """The ``rows`` (F or 1, N) of some frames, (len(frames) or 1, N): one row holds for all."""
     return rows if len(rows) == 1 else rows[frames]

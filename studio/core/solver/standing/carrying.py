@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.morphology import AnyMorphology, Morphology
+from studio.core.body.morphology import AnyMorphology, Morphology, arm_rows, leg_rows
 from studio.core.captures.contacts import (
     BODY_POINTS,
     ContactInterval,
@@ -168,7 +168,7 @@ def arm_bones(
     pose, layout = (positions, body.layout) if actor is None else (realize(motion, actor)[0], actor.layout)
     wrists = [layout.wrist(side) for side in range(2)]
     ways = np.array([np.diff(pose[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
-    lengths = np.array([lengths_of(body, at.M_ARM + 2 * side)[..., None] for side in range(2)])
+    lengths = np.array([arm_rows(body, side)[..., None] for side in range(2)])
     return np.asarray(normalized(ways) * lengths)
 
 
@@ -223,7 +223,7 @@ def _hold(
     point: ContactPoint, spans: list[tuple[int, int]], body: AnyMorphology, ground: Ground, track: FloatArray
 ) -> Hold:
     """One anchor a contact: the median place of the joint (while small, if the body grows), raised from the ground."""
-    legs = np.broadcast_to(lengths_of(body, at.M_LEG).sum(axis=1), len(track))
+    legs = np.broadcast_to(leg_rows(body, 0).sum(axis=1), len(track))
     standing, places, normals = np.zeros(len(track), dtype=np.bool_), track.copy(), np.zeros_like(track)
     for first, last in spans:
         span = slice(first, last + 1)
@@ -291,12 +291,7 @@ def swung(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> Floa
 def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
     """(F,) metres to which a standing arm stretches freely: as far as the motion's own does, or nearly straight."""
     own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], OWN_COMFORT, 1.0 - 1e-9)
-    return np.asarray(own * lengths_of(body, at.M_ARM + 2 * side).sum(axis=1))
-
-
-def lengths_of(body: AnyMorphology, column: int) -> FloatArray:
-    """(F or 1, 2) lengths of the two segments of a limb."""
-    return body.rows[:, column : column + 2]
+    return np.asarray(own * arm_rows(body, side).sum(axis=1))
 
 
 def laid_hands(hold: Hold, body: AnyMorphology, hands: FloatArray, frame_rate: float) -> FloatArray:

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.morphology import AnyMorphology, sole_rows
+from studio.core.body.morphology import AnyMorphology, leg_rows, sole_rows
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.limbs.legs import hip_heights
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
@@ -100,41 +99,40 @@ def find_footing(
     ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
     plans = [FootPlan(ankles[side], feet[side], toes[side]) for side in range(2)]
     comforts, runs = leg_stretches(motion, states)
-    for side, plan in enumerate(plans):
-        _plan_foot(side, morphology, states[side], ground, motion.frame_rate, *pose, plan)
+    standing = [
+        _Foot(side, morphology, ground, motion.frame_rate, states[side], sole_rows(morphology, side))
+        for side in range(2)
+    ]
+    for foot, plan in zip(standing, plans, strict=True):
+        foot.plan(*pose, plan)
     if ground.is_level:
         off = ankles - positions[:, [morphology.layout.ankle(side) for side in range(2)]].transpose(1, 0, 2)
         goes = followed(off, states, motion.frame_rate) * (1.0 if carried is None else carried[:, None])
         positions += goes[:, None]
         for side, planted in enumerate(states != 0):
             ankles[side] += freedom(planted, motion.frame_rate, GOES_ALONG)[:, None] * (goes - off[side])
-        for side, plan in enumerate(plans):
-            _roll_foot(side, morphology, states[side], comforts[side], ground, motion.frame_rate, positions, plan)
+        for foot, comfort, plan in zip(standing, comforts, plans, strict=True):
+            foot.roll(comfort, positions, plan)
         drops = np.zeros(count)
         if carried is None and np.count_nonzero(states):
             drops = _drops(motion, morphology, rotations, ankles - positions[:, 0], comforts, states)
             drops = smooth_drops(drops, motion.frame_rate)
         return Footing(states, comforts, runs, ankles, feet, toes, drops)
-    return _draped_footing(motion, morphology, ground, positions, rotations, pose, (states, plans), carried)
+    draped = [foot.drape(*pose, plan) for foot, plan in zip(standing, plans, strict=True)]
+    return _draped_footing(motion, morphology, positions, rotations, states, draped, carried)
 
 
 def _draped_footing(
     motion: NormalizedMotion,
     morphology: AnyMorphology,
-    ground: Ground,
     positions: FloatArray,
     rotations: FloatArray,
-    pose: tuple[FloatArray, FloatArray],
-    planned: tuple[NDArray[np.int64], Sequence[FootPlan]],
+    states: NDArray[np.int64],
+    draped: "Sequence[_DrapedFoot]",
     carried: FloatArray | None,
 ) -> Footing:
-    """``find_footing`` on ground that is not level, from states and feet as they are ``planned`` on a level floor."""
-    states, plans = planned
+    """``find_footing`` on ground that is not level, of feet that are ``draped`` on it."""
     feet_share = np.ones(motion.frame_count) if carried is None else carried
-    draped = [
-        _drape_foot(plan, side, morphology, states[side], ground, motion.frame_rate, *pose)
-        for side, plan in enumerate(plans)
-    ]
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
     climb = feet_share * smoothed(climb, CLIMB_SMOOTHING * motion.frame_rate)
@@ -172,7 +170,7 @@ def _keep_below_hips(
     """
     for side in range(2):
         hips = positions[:, morphology.layout.hip(side)]
-        bones = morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
+        bones = leg_rows(morphology, side)
         legs = bones.sum(axis=1)
         folded = np.maximum(FOLDED * legs, np.abs(bones[:, 0] - bones[:, 1]) + 0.5 * FOLDED * legs)
         own = positions[:, morphology.layout.ankle(side), 2] - hips[:, 2]
@@ -214,41 +212,52 @@ def _stacked(plans: Sequence[FootPlan]) -> tuple[FloatArray, FloatArray, FloatAr
     return ankles, feet, toes
 
 
-def _plan_foot(
-    side: int,
-    morphology: AnyMorphology,
-    states: NDArray[np.int64],
-    ground: Ground,
-    frame_rate: float,
-    positions: FloatArray,
-    rotations: FloatArray,
-    plan: FootPlan,
-) -> None:
-    """What one foot does on the level floor at the ground's own height, before it rolls; ``states`` (F,)."""
-    layout = morphology.layout
-    ankle, foot = layout.ankle(side), layout.spine_count + 12 + 4 * side
-    plan.ankles[:], plan.feet[:], plan.toes[:] = positions[:, ankle], rotations[:, foot], rotations[:, foot + 1]
-    soles, balls = sole_rows(morphology, side), np.ascontiguousarray(positions[:, ankle + 1, 2])
-    plan_foot(states, soles, ground.height, ground.is_level, LET_GO * frame_rate, balls, plan)
-    if not ground.is_level:
-        keep_above(soles, states, ground.height, frame_rate, *plan)
+@dataclass(frozen=True, eq=False)
+class _Foot:
+    """One foot of a body over its ground: ``states`` (F,) of its heel and toe, ``soles`` (F or 1, 6) its measures."""
 
+    side: int
+    body: AnyMorphology
+    ground: Ground
+    frame_rate: float
+    states: NDArray[np.int64]
+    soles: FloatArray
 
-def _roll_foot(
-    side: int,
-    morphology: AnyMorphology,
-    states: NDArray[np.int64],
-    comforts: FloatArray,
-    ground: Ground,
-    frame_rate: float,
-    positions: FloatArray,
-    out: FootPlan,
-) -> None:
-    """Roll a foot planned on the level floor to where its leg reaches it, in place, and keep it above the floor."""
-    soles, legs = sole_rows(morphology, side), morphology.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
-    hips, reaches = positions[:, morphology.layout.hip(side)], comforts * legs.sum(axis=1)
-    roll_feet(soles, states, hips, reaches, LET_GO * frame_rate, out.ankles, out.feet)
-    keep_above(soles, states, ground.height, frame_rate, *out)
+    def plan(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> None:
+        """What it does on the level floor at the ground's own height, before it rolls; ``plan`` is written."""
+        ankle, foot = self.body.layout.ankle(self.side), self.body.layout.spine_count + 12 + 4 * self.side
+        plan.ankles[:], plan.feet[:], plan.toes[:] = positions[:, ankle], rotations[:, foot], rotations[:, foot + 1]
+        balls, reach = np.ascontiguousarray(positions[:, ankle + 1, 2]), LET_GO * self.frame_rate
+        plan_foot(self.states, self.soles, self.ground.height, self.ground.is_level, reach, balls, plan)
+        if not self.ground.is_level:
+            self._keep_above(plan)
+
+    def roll(self, comforts: FloatArray, positions: FloatArray, plan: FootPlan) -> None:
+        """Roll it on the level floor to where its leg reaches it, and keep it above the floor; ``plan`` is written."""
+        bones = leg_rows(self.body, self.side)
+        hips, reaches = positions[:, self.body.layout.hip(self.side)], comforts * bones.sum(axis=1)
+        roll_feet(self.soles, self.states, hips, reaches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
+        self._keep_above(plan)
+
+    def _keep_above(self, plan: FootPlan) -> None:
+        keep_above(self.soles, self.states, self.ground.height, self.frame_rate, *plan)
+
+    def drape(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> _DrapedFoot:
+        """Set it, planned level, on ground that is not.
+
+        A heel that would stand over nothing does not: that foot comes down flat; ``states`` tell so after.
+        """
+        states = self.states
+        prints = find_footprints(states, plan.ankles, plan.feet, self.soles, self.ground)
+        if prints.hanging.any():
+            for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
+                states[first : last + 1][states[first : last + 1] == HEEL] = FLAT
+            self.plan(positions, rotations, plan)
+            prints = find_footprints(states, plan.ankles, plan.feet, self.soles, self.ground)
+        draped = drape(prints, *plan, self.ground, self.frame_rate)
+        level, foot = Sole.of(*plan, self.soles), Sole.of(draped.ankles, draped.feet, draped.toes, self.soles)
+        led = led_clear(level, foot, states, self.ground, self.frame_rate)
+        return _DrapedFoot(FootPlan(led.ankles, led.feet, led.toes), plan.ankles, draped.heights)
 
 
 def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> FloatArray:
@@ -268,33 +277,6 @@ def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> F
     share = np.convolve(np.pad(share, half := max(1, round(AVERAGED * frame_rate)), "edge"), hann_window(half), "valid")
     way = off[1] + share[:, None] * (off[0] - off[1])
     return smoothed(way, FOLLOWED * frame_rate)
-
-
-def _drape_foot(
-    plan: FootPlan,
-    side: int,
-    morphology: AnyMorphology,
-    states: NDArray[np.int64],
-    ground: Ground,
-    frame_rate: float,
-    positions: FloatArray,
-    rotations: FloatArray,
-) -> _DrapedFoot:
-    """A foot planned level, set on ground that is not.
-
-    A heel that would stand over nothing does not: that foot comes down flat; ``states`` (F,) tell so after.
-    """
-    soles = sole_rows(morphology, side)
-    prints = find_footprints(states, plan.ankles, plan.feet, soles, ground)
-    if prints.hanging.any():
-        for first, last in zip(prints.first[prints.hanging], prints.last[prints.hanging], strict=True):
-            states[first : last + 1][states[first : last + 1] == HEEL] = FLAT
-        _plan_foot(side, morphology, states, ground, frame_rate, positions, rotations, plan)
-        prints = find_footprints(states, plan.ankles, plan.feet, soles, ground)
-    draped = drape(prints, *plan, ground, frame_rate)
-    level, foot = Sole.of(*plan, soles), Sole.of(draped.ankles, draped.feet, draped.toes, soles)
-    led = led_clear(level, foot, states, ground, frame_rate)
-    return _DrapedFoot(FootPlan(led.ankles, led.feet, led.toes), plan.ankles, draped.heights)
 
 
 def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:

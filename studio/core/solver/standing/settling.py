@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.morphology import AnyMorphology, sole_rows
+from studio.core.body.morphology import AnyMorphology, arm_rows, leg_rows, sole_rows
 from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
@@ -28,7 +28,7 @@ from studio.core.solver.standing.blends import (
     lacking,
     smoothstep,
 )
-from studio.core.solver.standing.carrying import Carrying, Hold, laid_hands, lengths_of, reach_of, track_of
+from studio.core.solver.standing.carrying import Carrying, Hold, laid_hands, reach_of, track_of
 from studio.core.solver.standing.footing import Footing, run_out
 from studio.core.solver.standing.footprints import tilts_of
 from studio.core.solver.standing.swing import PLAY
@@ -139,7 +139,7 @@ def _settled(
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
     links = _Links([], [], [], [])
     for side, leash in enumerate(footing.leashes):
-        hip, legs = positions[:, layout.hip(side)], lengths_of(body, at.M_LEG + 2 * side)
+        hip, legs = positions[:, layout.hip(side)], leg_rows(body, side)
         links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), leash * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:
             knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
@@ -148,7 +148,7 @@ def _settled(
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point in holds:
             free, shoulder = freedom(holds[point].standing, rate), positions[:, layout.wrist(side) - 2]
-            arms = lengths_of(body, at.M_ARM + 2 * side)
+            arms = arm_rows(body, side)
             reach = reach_of(motion, body, side) + run_out(free) * arms.sum(axis=1)
             wrists = holds[point].displaced(track_of(point, body, positions), rate)
             links.add(shoulder - roots, wrists, _shortest(arms), reach)
@@ -176,7 +176,7 @@ def within_reach(
         if point is ContactPoint.SEAT:
             miss = track_of(point, body, positions) - hold.places
         elif point.member == "hand":
-            arms = lengths_of(body, at.M_ARM + 2 * point.side)
+            arms = arm_rows(body, point.side)
             shoulders = positions[:, body.layout.wrist(point.side) - 2]
             miss = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
         else:
@@ -190,7 +190,7 @@ def _knees_miss(hold: Hold, footing: Footing, body: AnyMorphology, positions: Fl
     are long.
     """
     side = hold.point.side
-    legs = lengths_of(body, at.M_LEG + 2 * side)
+    legs = leg_rows(body, side)
     miss = _too_far(hold.places, positions[:, body.layout.hip(side)], legs[:, 0], legs[:, 0])
     to_toe = body.rows[:, at.M_FOOT + 3 * side :][:, :3]
     feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
@@ -249,7 +249,7 @@ def _kneeling(
         side = hold.point.side
         firm = (1.0 - freedom(hold.standing, frame_rate, LET_GO))[:, None]
         knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
-        shank = lengths_of(body, at.M_LEG + 2 * side)[:, 1:]
+        shank = leg_rows(body, side)[:, 1:]
         to_toe = np.einsum(
             "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.M_FOOT + 3 * side :][:, :3], knees.shape)
         )
@@ -381,7 +381,7 @@ def _arms(
         hands[side] = laid_hands(hold, body, hands[side], motion.frame_rate)
         placed = hold.standing | (wrists[side] != own).any(axis=1)
         free = freedom(hold.standing, motion.frame_rate) * freedom(~placed, motion.frame_rate)
-        stretch = reach_of(motion, body, side) / lengths_of(body, at.M_ARM + 2 * side).sum(axis=1)
+        stretch = reach_of(motion, body, side) / arm_rows(body, side).sum(axis=1)
         comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - SWINGING_ARM, 0.0), 0.0)
         for first, past in runs_of(placed):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
