@@ -38,6 +38,11 @@ class Driven:
         if source is not None:
             self._sources[performer_id] = source
 
+    @property
+    def shown(self) -> Mapping[str, AdaptedMotion]:
+        """What everybody does now who is driven, and of whom something has come."""
+        return self._shown
+
     def get(self, performer_id: str) -> AdaptedMotion | None:
         """What a performer does now by what drives it; None where nothing does, or nothing has come."""
         return self._shown.get(performer_id)

@@ -131,6 +131,7 @@ class Frames:
         self._whole_at: dict[str, float] = {}
         """When that was asked which the newest whole motion answers."""
         self._slow: set[Circle] = set()
+        self._driven: set[str] = set()
 
     def get(self, performer_id: str) -> Frame | None:
         """The frame of one performer."""
@@ -164,22 +165,31 @@ class Frames:
         first: Sequence[Circle],
         others: Sequence[Circle],
         results: Mapping[str, AdaptedMotion],
+        driven: Mapping[str, AdaptedMotion],
     ) -> Callable[[], Sequence[Outcome]] | None:
         """Solve what performers do at ``seconds`` of the stage, leaders before those who follow them.
 
-        ``others`` who have no room in ``BUDGET`` are left to what is given back: any thread may call it, and ``take``
-        hears what comes of it.
+        Those ``driven`` by a live input are not solved here; who follows them is, in every picture. ``others`` who
+        have no room in ``BUDGET`` are left to what is given back: any thread may call it, and ``take`` hears what comes
+        of it.
         """
-        known = dict(results), dict(self._answered), dict(self._frames)
+        if not self._driven <= driven.keys():
+            self._frames.clear()  # who followed somebody that was driven follows its clips again
+        self._driven = {*driven}
+        frames = {key: frame for key, frame in self._frames.items() if key not in driven}
+        known = {**results, **driven}, dict(self._answered), frames
         instant = Instant(project, seconds, asked_at, *known, self._prepare, self._solve)
-        begun, solved, left = time.thread_time(), False, list[Circle]()
-        for circle in (*first, *others):
+        begun, solved, left, moving = time.thread_time(), False, list[Circle](), {*driven}
+        for whole in (*first, *others):
+            circle = tuple(key for key in whole if key not in driven)
             if not all(key in results and self._is_prepared(project, key) for key in circle):
                 continue  # nothing of it is seen yet
-            if not solved and not left and self._is_seen(circle, project, seconds):
+            follows = bool(moving) and any(leaders_of(project, key) & moving for key in circle)
+            if not (solved or left or follows) and self._is_seen(circle, project, seconds):
                 continue  # nor has anybody moved whom it may follow
-            has_room = circle in first or time.thread_time() - begun < BUDGET
-            if left or circle in self._slow or not has_room:
+            moving |= {*circle} if follows else set()
+            has_room = whole in first or time.thread_time() - begun < BUDGET
+            if not follows and (left or circle in self._slow or not has_room):
                 left.append(circle)
                 continue
             outcome = instant.solved(circle)

@@ -166,7 +166,8 @@ class LiveAdaptation(QObject):
         if self.play.running:
             self.play.drawn()
             return
-        left = self._frames.bring(project, seconds, self._changed_at, *self._by_need(project), self._results)
+        circles, known = self._by_need(project), (self._results, self.driven.shown)
+        left = self._frames.bring(project, seconds, self._changed_at, *circles, *known)
         if left is not None:
             self._beside.request(_FRAMES, self._document.revision, left)
 

@@ -17,7 +17,7 @@ from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.core.stage.scope import Scope
 from studio.document.document import Document
-from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.live_adaptation import LiveAdaptation, normalised
 from tests.builders import make_constraint, make_project
 from tests.core.motions import ALWAYS
 
@@ -68,6 +68,13 @@ def on_stage(document: Document, live: LiveAdaptation, performer_id: str, point:
     result = live.result(performer_id)
     assert result is not None
     return Placement.of(document.project.performers[performer_id]).to_stage(place_of(point, result))
+
+
+def seen(document: Document, live: LiveAdaptation, performer_id: str) -> np.ndarray:
+    """Where the wrist of a performer is seen, on the stage."""
+    shown = live.shown(performer_id)
+    assert shown is not None
+    return Placement.of(document.project.performers[performer_id]).to_stage(place_of(RIGHT, shown))[0]
 
 
 def test_who_follows_whom_is_told_from_the_constraints_of_the_motion_that_is_played() -> None:
@@ -147,3 +154,23 @@ def test_a_wrist_follows_a_joint_of_its_capture(live_of: Any) -> None:
     assert live.wait(100.0)
     wrist = place_of(RIGHT, source)
     assert place_of(RIGHT, live.result("p0")) == pytest.approx(wrist, abs=5e-4)
+
+
+def test_who_follows_a_performer_that_is_driven_live_follows_what_it_does_now_and_its_clips_again_afterwards(
+    live_of: Any,
+) -> None:
+    document, live = live_of(stage(3, p0="p1", p2="p0"))
+    source = stage(1).captures["capture"]
+    motion, _ = normalised(source)
+    before = {key: live.shown(key) for key in ("p0", "p2")}
+    for frame in (3, 12):
+        pose = replace(motion, channels=np.stack([motion.channels[frame]] * 2))
+        live.driven.drive("p1", lambda pose=pose: pose)
+        live.bring(0.0)
+        there = {key: seen(document, live, key) for key in ("p0", "p1", "p2")}
+        for follower in ("p0", "p2"):
+            assert there[follower] == pytest.approx(there["p1"], abs=1e-3)
+        assert np.linalg.norm(there["p1"] - on_stage(document, live, "p1")[0]) > 0.01
+    live.driven.drive("p1", None)
+    live.bring(0.0)
+    assert {key: live.shown(key) for key in before} == before
