@@ -1,12 +1,13 @@
 """Spoilt files, and a monkey: ``make soak``, or ``python -m tests.soak [--count N] [--kind KIND...] [--keep FOLDER]``.
 
 Every kind of file that the studio reads, each in a process of its own with limits of memory and time. Whatever is
-neither read nor refused in a sentence (another exception, a process that dies, more than five seconds) is kept in a
-folder, with the seed that makes it again; the exit code is then 1.
+neither read nor refused in a sentence (another exception, a process that dies, more than five seconds of the processor
+or a minute by the clock) is kept in a folder, with the seed that makes it again; the exit code is then 1.
 """
 
 import argparse
 import contextlib
+import math
 import multiprocessing
 import os
 import resource
@@ -24,8 +25,9 @@ from random import Random
 from studio.cli.process import prepare_process
 
 COUNT, COUNTS = 100_000, {".fbx": 5_000}  # FBX takes a process for each
-SECONDS, START = 5.0, 600.0
-"""For a file; and more for the first, for which kernels may have to be compiled."""
+SECONDS, STILL, START = 5.0, 60.0, 600.0
+"""Of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for which
+kernels may have to be compiled."""
 TELLS = 30.0
 """Seconds between two lines that say how far a kind of file is."""
 MEMORY = 500 << 20
@@ -78,33 +80,39 @@ def watch(suffix: str, count: int, keep: Path) -> str:
         process = context.Process(target=spoil, args=(suffix, seed, count, now, keep), daemon=True)
         process.start()
         reason = _until_it_ends_or_hangs(process, now, suffix, count)
+        seed = max(now.value, seed) + 1
         if now.value >= count:
             break
         lost += 1
-        seed = max(now.value, seed) + 1
         (keep / f"{now.value}{suffix}.txt").write_text(reason)
     wrong = len(list(keep.glob(f"*{suffix}.txt")))
-    return (
-        f"{suffix:14} {min(seed if lost else count, count):>9,} files, {wrong} wrong, {time.monotonic() - start:.0f} s"
-    )
+    return f"{suffix:14} {min(seed, count):>9,} files, {wrong} wrong, {time.monotonic() - start:.0f} s"
 
 
 def _until_it_ends_or_hangs(
     process: "multiprocessing.process.BaseProcess", now: "Synchronized[int]", suffix: str, count: int
 ) -> str:
-    seen, since, told = now.value, time.monotonic() + START, time.monotonic()
+    seen, since, told, worked = now.value, time.monotonic() + START, time.monotonic(), math.inf
     while process.is_alive():
         process.join(0.5)
         if time.monotonic() - told > TELLS:
             told = time.monotonic()
             print(f"{suffix:14} {now.value:>9,} of {count:,}", file=sys.stderr, flush=True)
         if now.value != seen:
-            seen, since = now.value, time.monotonic()
-        elif time.monotonic() - since > SECONDS:
+            seen, since, worked = now.value, time.monotonic(), processor_seconds(process)
+        elif time.monotonic() - since > STILL or processor_seconds(process) - worked > SECONDS:
             process.kill()
             process.join()
             return f"seed {seen}: more than {SECONDS:g} seconds"
     return f"seed {now.value}: the process died with {process.exitcode}"
+
+
+def processor_seconds(process: "multiprocessing.process.BaseProcess") -> float:
+    """What a process has had of the processor; nothing once it has ended."""
+    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+        user, system = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+        return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+    return 0.0
 
 
 def let_a_monkey_in(events: int, keep: Path) -> str:
