@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
-from studio.core.quality.metrics import acceleration_ratio, knee_speeds, worst_of
+from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
 from studio.core.solver.adapt import Standing, hold, standing_of
 from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -28,8 +27,6 @@ REACHED_MM, REACHED_DEG = 0.2, 0.1
 FULLY = 1.0 - 1e-9
 OTHERS = {NOBODY: None, CONTACTS: "contacts", LIMITS: "joint limits", REACH: "reach", EASED: "easing"}
 """Who else than another constraint keeps one from being met."""
-QUIET = 1.0
-"""Radians a second: a source peak below it counts as this."""
 
 
 def character_report(
@@ -145,39 +142,15 @@ def fully_asked(request: AdaptRequest) -> NDArray[np.bool_]:
     return np.array([each.activation.at(times) >= FULLY for each in request.constraints]).reshape(-1, len(times))
 
 
-def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Worst peak speed of any joint's turning, beside the same joint's peak in the source; 1 for a single frame."""
-    first = adapted.first_frame
-    if adapted.frame_count < 2:
-        return 1.0
-    ours, theirs = peak_turnings(adapted), source_turnings(source, first, first + adapted.frame_count - 1)
-    return float((np.maximum(ours, QUIET) / np.maximum(theirs, QUIET)).max())
-
-
 def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:
     """The worse knee's peak of its ``speeds`` (2, F) from the frame ``first`` on, beside the same knee's peak in the
     source; a popping knee shows here.
     """
     ours, theirs = speeds.max(axis=1), source_knee_speeds(source)[:, first : first + speeds.shape[1]].max(axis=1)
-    return float((np.maximum(ours, QUIET) / np.maximum(theirs, QUIET)).max())
+    return float((np.maximum(ours, SLOW) / np.maximum(theirs, SLOW)).max())
 
 
 @lru_cache(maxsize=4)
 def source_knee_speeds(source: AdaptedMotion) -> FloatArray:
     """``knee_speeds`` of the source: the same for all characters."""
     return knee_speeds(source)
-
-
-def peak_turnings(motion: AdaptedMotion) -> FloatArray:
-    """(P,) greatest angular speed in rad/s of each ``BodyPart``'s world rotations."""
-    rotations = motion.rotations[:, [motion.morphology.layout.segment(part) for part in BodyPart]]
-    turns = np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:]
-    axes = [turns[..., row, column] - turns[..., column, row] for row, column in ((2, 1), (0, 2), (1, 0))]
-    angles = np.arctan2(np.linalg.norm(axes, axis=0), np.trace(turns, axis1=-2, axis2=-1) - 1.0)
-    return np.asarray(angles.max(axis=0) * motion.frame_rate)
-
-
-@lru_cache(maxsize=4)
-def source_turnings(source: AdaptedMotion, first: int, last: int) -> FloatArray:
-    """``peak_turnings`` of frames of the source: the same for all characters."""
-    return peak_turnings(source.frames(first, last))

@@ -128,7 +128,7 @@ class Asked:
 
     def _slide(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
         """(F,) millimetres that the point of a body that slides most has slid since its contact began."""
-        from studio.core.quality.metrics import contact_tracks  # as above
+        from studio.core.quality.contact_tracks import contact_tracks  # as above
 
         performer = self.project.performers[performer_id]
         ground = self.project.ground.seen_from(performer.position, performer.heading)

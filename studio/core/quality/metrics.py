@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import at_frames, sole_rows
-from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
+from studio.core.kernels.time.jolts import note_peaks
+from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.carrying import clearance, track_of
 from studio.core.solver.standing.footing import foot_states
-from studio.core.solver.standing.footprints import planes_under, soles_of
 from studio.core.solver.standing.support import mass_path
 from studio.core.solver.standing.swing import Sole, worn_height
 
@@ -22,12 +23,12 @@ FloatArray = NDArray[np.float64]
 
 QUIET = 20.0
 """Radians a second squared: a source peak below it counts as this, or a still source would divide by nothing."""
-
-
-ROLLING = 0.1
-"""Parts of its ball's way that the tip of a standing toe goes at most where the foot rolls over it."""
-STEEP = 0.5
-"""Cosine of the angle from level beyond which a foot stands on its toes alone, wherever its heel would be."""
+SLOW = 1.0
+"""Radians a second: the same of how fast a joint turns."""
+LIMB_BONES = [
+    place for place, part in enumerate(BodyPart) if part.value.endswith(("upper_arm", "forearm", "thigh", "shank"))
+]
+"""Which of ``BodyPart`` are the long bones of arms and legs."""
 
 
 @dataclass(frozen=True)
@@ -55,92 +56,9 @@ def worst_of(slides: FloatArray, heights: FloatArray) -> ContactQuality:
     return ContactQuality(float(np.nanmax(slides)), max(rise, 0.0), max(depth, 0.0))
 
 
-def contact_tracks(
-    adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground
-) -> tuple[FloatArray, FloatArray]:
-    """Slides and heights above the ground (9, F) in metres, NaN where a point does not stand.
-
-    A row each of ``ContactPoint``; a slide is how far a heel, or what of a toe stands, has moved since its contact
-    began.
-    """
-    slides, heights = np.full((2, len(ContactPoint), adapted.frame_count), np.nan)
-    for contact in contacts:
-        if not isinstance(contact.point, ContactPoint):
-            continue
-        first = max(contact.first - adapted.first_frame, 0)
-        stop = min(contact.last + 1 - adapted.first_frame, adapted.frame_count)
-        if stop > first:
-            row, span = tuple(ContactPoint).index(contact.point), slice(first, stop)
-            slides[row, span], heights[row, span] = _standing(adapted, contact.point, span, ground)
-    return slides, heights
-
-
 def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
     """(F, 3) metres, in the motion's space: where the body's centre of mass is (de Leva 1996; METHOD 7)."""
     return mass_path(adapted.positions[:], adapted.morphology)
-
-
-def _standing(
-    adapted: AdaptedMotion, point: ContactPoint, span: slice, ground: Ground
-) -> tuple[FloatArray, FloatArray]:
-    """How far (F,) what stands has moved along the ground in one contact, and its heights (F,) above it."""
-    if point.is_foot:
-        return _standing_foot(adapted, point, span, ground)
-    body = adapted.body
-    joint = track_of(point, body, adapted.positions[span])
-    under = joint[len(joint) // 2, :2]
-    normal = ground.normal_at(under)
-    heights = (joint - [*under, ground.height_at(under)]) @ normal - clearance(body, point)
-    return _slide(joint, normal), heights
-
-
-def _slide(joint: FloatArray, normal: FloatArray) -> FloatArray:
-    """(F,) distances of a track (F, 3) from its begin, along the plane of ``normal``."""
-    way = joint - joint[0]
-    return np.asarray(np.linalg.norm(way - (way @ normal)[:, None] * normal, axis=1))
-
-
-def _stood_on(ball: FloatArray, tip: FloatArray, normal: FloatArray) -> FloatArray:
-    """(F, 3) how a toe goes along the plane of ``normal``: as its ball, or as the tip over which it rolls."""
-    steps = np.diff([ball, tip], axis=1)
-    steps -= (steps @ normal)[..., None] * normal
-    sizes = np.linalg.norm(steps, axis=2)
-    rolls = sizes[1] < ROLLING * sizes[0]
-    return np.concatenate([ball[:1], ball[0] + np.cumsum(np.where(rolls[:, None], steps[1], steps[0]), axis=0)])
-
-
-def _standing_foot(
-    adapted: AdaptedMotion, point: ContactPoint, span: slice, ground: Ground
-) -> tuple[FloatArray, FloatArray]:
-    """The same of a heel, or the lower one of ball and tip of the toes.
-
-    Where the foot lies over an edge the ground is the plane of what it stands on.
-    """
-    layout, side = adapted.morphology.layout, point.side
-    frames = adapted.first_frame + np.arange(span.start, span.stop)
-    measures = at_frames(sole_rows(adapted.body, side), frames)
-    foot = adapted.rotations[span, layout.spine_count + 12 + 4 * side]
-    ankle, toe = adapted.positions[span, layout.ankle(side)], adapted.positions[span, layout.toe(side)]
-    middle = np.array([len(foot) // 2])
-    soles = soles_of(ankle[middle], foot[middle], at_frames(measures, middle))
-    planes = planes_under(ground, soles)
-    steep = not point.is_heel and foot[middle[0], 2, 2] < STEEP
-    normal = ground.normal_at(toe[middle[0]]) if steep else planes.normals[0]
-    if point.is_heel:
-        below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])
-        sole = ankle + np.einsum("fij,fj->fi", foot, np.broadcast_to(below, ankle.shape))
-    else:
-        sole = toe - (measures[:, 3] + measures[:, 2])[:, None] * normal
-    if planes.overhangs.any():
-        heights = (sole - [*soles[0, 1], planes.heights[0]]) @ normal
-    else:
-        heights = (sole[:, 2] - ground.height_at(sole)) * normal[2]
-    if point.is_heel:
-        return _slide(sole, normal), heights
-    turns = adapted.rotations[span, layout.spine_count + 12 + 4 * side :][:, :2]
-    tip = Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points[:, -1]
-    tips = (tip[:, 2] - worn_height(ground, tip)) * normal[2]
-    return _slide(_stood_on(toe, tip, normal), normal), np.minimum(heights, tips)
 
 
 def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FloatArray:
@@ -187,18 +105,34 @@ def acceleration_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     """
     if adapted.frame_count < 3:
         return 1.0
-    ours, first = limb_accelerations(adapted), adapted.first_frame
-    theirs = source_accelerations(source)[first : first + len(ours)]
-    return float((ours.max(axis=0) / np.maximum(theirs.max(axis=0), QUIET)).max())
+    ours, theirs = (peaks[LIMB_BONES, 1] for peaks in _both_peaks(adapted, source))
+    return float((ours / np.maximum(theirs, QUIET)).max())
 
 
-def limb_accelerations(motion: AdaptedMotion) -> FloatArray:
-    """(F - 2, 8) rad/s^2: how sharply upper and lower arms and legs turn in the world."""
-    segments = [motion.morphology.layout.spine_count + bone for bone in (3, 4, 7, 8, 10, 11, 14, 15)]
-    return angular_acceleration(motion.rotations[:, segments], motion.frame_rate)
+def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
+    """Worst peak speed of any segment's turning, beside the same segment's peak in the source; 1 for a single frame."""
+    if adapted.frame_count < 2:
+        return 1.0
+    ours, theirs = (np.maximum(peaks[:, 0], SLOW) for peaks in _both_peaks(adapted, source))
+    return float((ours / theirs).max())
+
+
+def _both_peaks(adapted: AdaptedMotion, source: AdaptedMotion) -> tuple[FloatArray, FloatArray]:
+    """``turning_peaks`` of a motion, and of the same frames of its source."""
+    first = adapted.first_frame
+    return turning_peaks(adapted), _source_peaks(source, first, first + adapted.frame_count - 1)
+
+
+def turning_peaks(motion: AdaptedMotion) -> FloatArray:
+    """(P, 2) rad/s and rad/s^2: how fast, and how sharply, each ``BodyPart`` turns in the world at most."""
+    layout = motion.morphology.layout
+    rotations = np.ascontiguousarray(motion.rotations[:])
+    peaks = np.empty((layout.segment_count, 2))
+    note_peaks(np.full(len(peaks), -1), rotations, motion.frame_rate, peaks)
+    return peaks[[layout.segment(part) for part in BodyPart]]
 
 
 @lru_cache(maxsize=4)
-def source_accelerations(source: AdaptedMotion) -> FloatArray:
-    """``limb_accelerations`` of a source: the same for all characters."""
-    return limb_accelerations(source)
+def _source_peaks(source: AdaptedMotion, first: int, last: int) -> FloatArray:
+    """``turning_peaks`` of frames of a source: the same for all characters."""
+    return turning_peaks(source.frames(first, last))

@@ -102,9 +102,9 @@ class Standing:
     def peaks(self) -> FloatArray:
         """(S,) radians a second squared: the greatest angular acceleration of each segment in its carrier."""
         carriers = np.array(self.morphology.layout.parent_segments())
-        peaks = np.empty(len(carriers))
+        peaks = np.empty((len(carriers), 2))
         note_peaks(carriers, self.rotations[:], self.motion.frame_rate, peaks)
-        return peaks
+        return peaks[:, 1]
 
     @cached_property
     def root_peak(self) -> float:

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.quality.metrics import centre_of_mass, contact_tracks, knee_speeds
+from studio.core.quality.contact_tracks import contact_tracks
+from studio.core.quality.metrics import centre_of_mass, knee_speeds
 from studio.core.solver.adapt import Bound, Standing
 from studio.core.solver.asking.measured import misses
 from studio.core.solver.asking.tracks import Tracks

@@ -81,20 +81,21 @@ def note_searched(middle, joints, states, per_second, out_jolts):
 
 @kernel
 def note_peaks(carriers, rotations, rate, out_peaks):
-    """Note the greatest change of pace of every segment (S,) of poses (F, S, 3, 3), in radians a second squared.
+    """Note the greatest pace, and change of pace, of every segment of poses (F, S, 3, 3), ``out_peaks`` (S, 2).
 
-    Of what has no carrier (-1) it is that in the world.
+    In radians a second, and a second squared; of what has no carrier (-1) it is that in the world.
     """
     for segment in range(carriers.shape[0]):
-        carrier, most = carriers[segment], 0.0
+        carrier, fastest, most = carriers[segment], 0.0, 0.0
         now = carried(0, carrier, segment, rotations)
         pace = (0.0, 0.0, 0.0)
         for frame in range(1, rotations.shape[0]):
             before, now = now, carried(frame, carrier, segment, rotations)
             last, pace = pace, small_vector(product(inverse(before), now))
+            fastest = max(fastest, pace[0] ** 2 + pace[1] ** 2 + pace[2] ** 2)
             if frame > 1:
                 most = max(most, (pace[0] - last[0]) ** 2 + (pace[1] - last[1]) ** 2 + (pace[2] - last[2]) ** 2)
-        out_peaks[segment] = rate * rate * math.sqrt(most)
+        out_peaks[segment, 0], out_peaks[segment, 1] = rate * math.sqrt(fastest), rate * rate * math.sqrt(most)
 
 
 @small_kernel

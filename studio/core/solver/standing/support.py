@@ -53,7 +53,7 @@ def outlines(
     found = np.full((len(positions), DIRECTIONS), -np.inf)
     for point, stands in zip(ContactPoint, standing, strict=True):
         if stands.any():
-            for centres, radius in _circles(point, positions[stands], rotations[stands], body):
+            for centres, radius in _circles(point, positions, rotations, stands, body):
                 reach = centres @ _NORMALS.T + max(radius - margin, 0.0)
                 found[stands] = np.maximum(found[stands], reach)
     return np.where(np.isfinite(found), found, np.nan)
@@ -111,15 +111,15 @@ def corners(areas: FloatArray) -> FloatArray:
 
 def nearest_within(areas: FloatArray, points: FloatArray) -> FloatArray:
     """(F, 2) the places of outlines (F, N) that are nearest to ``points`` (F, 2)."""
-    ends = corners(areas)
+    outside = _beyond(areas, points) > 0.0
+    found, ends, own = points.copy(), corners(areas[outside]), points[outside][:, None]
     begins = np.roll(ends, 1, axis=1)
-    edges, away = ends - begins, points[:, None] - begins
+    edges, away = ends - begins, own - begins
     along = np.sum(away * edges, axis=2) / np.maximum(np.sum(edges * edges, axis=2), 1e-12)
     places = begins + np.clip(along, 0.0, 1.0)[..., None] * edges
-    distances = np.linalg.norm(points[:, None] - places, axis=2)
-    nearest = np.argmin(np.nan_to_num(distances, nan=np.inf), axis=1)
-    outside = _beyond(areas, points) > 0.0
-    return np.where(outside[:, None], places[np.arange(len(points)), nearest], points)
+    nearest = np.argmin(np.linalg.norm(own - places, axis=2), axis=1)
+    found[outside] = places[np.arange(len(places)), nearest]
+    return found
 
 
 def support_margins(areas: FloatArray, points: FloatArray) -> FloatArray:
@@ -135,24 +135,26 @@ def _beyond(areas: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def _circles(
-    point: ContactPoint, positions: FloatArray, rotations: FloatArray, body: Morphology
+    point: ContactPoint, positions: FloatArray, rotations: FloatArray, stands: NDArray[np.bool_], body: Morphology
 ) -> list[tuple[FloatArray, float]]:
-    """What of a body lies on the ground at a contact point, as circles: centres (F, 2) and a radius."""
+    """What lies on the ground at a contact point where it ``stands`` (F,), as circles: centres (n, 2) and a radius."""
     if point.is_foot:
-        rear, ball, tip = _sole(positions, rotations, body, point.side)
+        rear, ball, tip = _sole(positions, rotations, stands, body, point.side)
         return [rear] if point.is_heel else [ball, tip]
     radius = body.leg_length * RADII[point.member]
     joints = touching_points(point, body.layout)
     if point.member == "hand":
         joints = [joints[0], joints[0] + 1]
-    return [(positions[:, joint, :2], radius) for joint in joints]
+    return [(positions[stands, joint, :2], radius) for joint in joints]
 
 
-def _sole(positions: FloatArray, rotations: FloatArray, body: Morphology, side: int) -> list[tuple[FloatArray, float]]:
-    """Circles in which a sole lies, at heel, ball and tip."""
+def _sole(
+    positions: FloatArray, rotations: FloatArray, stands: NDArray[np.bool_], body: Morphology, side: int
+) -> list[tuple[FloatArray, float]]:
+    """Circles in which a sole lies where it ``stands`` (F,), at heel, ball and tip."""
     layout = body.layout
-    ankle, ball, tip = (positions[:, layout.ankle(side) + step] for step in range(3))
-    foot = rotations[:, layout.spine_count + 12 + 4 * side]
+    ankle, ball, tip = (positions[stands, layout.ankle(side) + step] for step in range(3))
+    foot = rotations[stands, layout.spine_count + 12 + 4 * side]
     rear = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
     line = ball[:, :2] - rear[:, :2]
     ahead = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)

@@ -1,0 +1,131 @@
+"""What stands, in every frame: how far it has slid since its contact began, and how high above the ground it is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.morphology import at_frames, sole_rows
+from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.grounds.ground import Ground
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.carrying import clearance, track_of
+from studio.core.solver.standing.footprints import planes_under, soles_of
+from studio.core.solver.standing.swing import Sole, worn_height
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+ROLLING = 0.1
+"""Parts of its ball's way that the tip of a standing toe goes at most where the foot rolls over it."""
+STEEP = 0.5
+"""Cosine of the angle from level beyond which a foot stands on its toes alone, wherever its heel would be."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Stances:
+    """The K contacts of a point, one after the other: the ``frames`` (n,) in which it stands, which contact each is
+    ``of`` (n,), and the rows among these where contacts begin and are halfway, (K,).
+    """
+
+    frames: IntArray
+    of: IntArray
+    begins: IntArray
+    middles: IntArray
+
+    @classmethod
+    def between(cls, first: IntArray, stop: IntArray) -> "_Stances":
+        lengths = stop - first
+        begins = np.cumsum(lengths) - lengths
+        of = np.repeat(np.arange(len(first)), lengths)
+        return cls(np.arange(len(of)) + (first - begins)[of], of, begins, begins + lengths // 2)
+
+
+def contact_tracks(
+    adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """Slides and heights above the ground (9, F) in metres, NaN where a point does not stand.
+
+    A row each of ``ContactPoint``; a slide is how far a heel, or what of a toe stands, has moved since its contact
+    began. ``contacts`` count frames in the whole motion.
+    """
+    slides, heights = np.full((2, len(ContactPoint), adapted.frame_count), np.nan)
+    for row, point in enumerate(ContactPoint):
+        spans = [(each.first, each.last + 1) for each in contacts if each.point is point]
+        first, stop = np.clip(np.reshape(spans, (-1, 2)).T - adapted.first_frame, 0, adapted.frame_count).astype(int)
+        if (stop > first).any():
+            stances = _Stances.between(first[stop > first], stop[stop > first])
+            standing = _standing_foot if point.is_foot else _standing_joint
+            slides[row, stances.frames], heights[row, stances.frames] = standing(adapted, point, stances, ground)
+    return slides, heights
+
+
+def _standing_joint(
+    adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """How far (n,) a hand, a knee or the seat has moved along the ground in its contact, and its heights above it."""
+    body = adapted.body
+    joint = track_of(point, body, adapted.positions[stances.frames])
+    under = joint[stances.middles]
+    normals = ground.normal_at(under)[stances.of]
+    under[:, 2] = ground.height_at(under)
+    heights = np.einsum("nk,nk->n", joint - under[stances.of], normals) - clearance(body, point)
+    return _slide(joint, normals, stances), heights
+
+
+def _slide(track: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
+    """(n,) distances of a track (n, 3) from where its contact begins, along planes of ``normals`` (n, 3)."""
+    way = track - track[stances.begins][stances.of]
+    return np.asarray(np.linalg.norm(_along(way, normals), axis=1))
+
+
+def _along(ways: FloatArray, normals: FloatArray) -> FloatArray:
+    """What of ``ways`` (n, 3) is along planes of ``normals`` (n, 3)."""
+    return np.asarray(ways - np.einsum("nk,nk->n", ways, normals)[:, None] * normals)
+
+
+def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
+    """(n, 3) how toes go along planes of ``normals`` (n, 3): as their balls, or as the tips over which they roll."""
+    of_ball, of_tip = (_along(np.diff(each, axis=0, prepend=each[:1]), normals) for each in (ball, tip))
+    rolls = np.linalg.norm(of_tip, axis=1) < ROLLING * np.linalg.norm(of_ball, axis=1)
+    return np.cumsum(np.where(rolls[:, None], of_tip, of_ball), axis=0)
+
+
+def _standing_foot(
+    adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
+) -> tuple[FloatArray, FloatArray]:
+    """The same of a heel, or the lower one of ball and tip of the toes.
+
+    Where the foot lies over an edge the ground is the plane of what it stands on.
+    """
+    layout, side, frames, of, middles = (
+        adapted.morphology.layout,
+        point.side,
+        stances.frames,
+        stances.of,
+        stances.middles,
+    )
+    measures = at_frames(sole_rows(adapted.body, side), adapted.first_frame + frames)
+    ankle, toe = adapted.positions[frames, layout.ankle(side)], adapted.positions[frames, layout.toe(side)]
+    segment = layout.spine_count + 12 + 4 * side
+    foot = adapted.rotations[frames, segment]
+    soles = soles_of(ankle[middles], foot[middles], at_frames(measures, middles))
+    planes = planes_under(ground, soles)
+    steep = (foot[middles, 2, 2] < STEEP) & (not point.is_heel)
+    normals = np.where(steep[:, None], ground.normal_at(toe[middles]), planes.normals)[of]
+    if point.is_heel:
+        below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])
+        sole = ankle + np.einsum("fij,fj->fi", foot, np.broadcast_to(below, ankle.shape))
+    else:
+        sole = toe - (measures[:, 3] + measures[:, 2])[:, None] * normals
+    heights = (sole[:, 2] - ground.height_at(sole)) * normals[:, 2]
+    over = np.asarray(planes.overhangs.any(axis=1))
+    if over.any():
+        edges = np.column_stack([soles[:, 1], planes.heights])[of]
+        heights = np.where(over[of], np.einsum("nk,nk->n", sole - edges, normals), heights)
+    if point.is_heel:
+        return _slide(sole, normals, stances), heights
+    tip = Sole.of(ankle, foot, adapted.rotations[frames, segment + 1], measures).points[:, -1]
+    tips = (tip[:, 2] - worn_height(ground, tip)) * normals[:, 2]
+    return _slide(_stood_on(toe, tip, normals, stances), normals, stances), np.minimum(heights, tips)
