@@ -25,7 +25,7 @@ from studio.core.kernels.time.jolts import ADDED, WHOLE, note_eased_jolts
 from studio.core.quality.metrics import QUIET
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_leash import RootLeash
-from studio.core.solver.standing.blends import LOOK_AHEAD
+from studio.core.solver.standing.blends import LOOK_AHEAD, hann_window
 
 if TYPE_CHECKING:
     from studio.core.solver.adapt import Standing
@@ -200,6 +200,7 @@ class Easing:
         """
         self._levels, self._pose, self._solved, self._rooms = levels, pose, solved, rooms
         self._charts, self._leash = charts, leash
+        self._stretches = [stretches_of(room > 0.0) for room in rooms]
         frames, joints, _ = levels[0].solve.states.shape
         values = charts.unturned
         self._eased: Pose = np.zeros((frames, joints, 3)), values
@@ -272,9 +273,10 @@ class Easing:
 
     def _spread(self, number: int, share: FloatArray, seconds: float) -> FloatArray:
         """``_around`` within each stretch that has room: which there are below must not join others."""
-        spread, edges = np.zeros(len(share)), np.diff(self._rooms[number] > 0.0, prepend=False, append=False)
-        for begin, end in np.flatnonzero(edges).reshape(-1, 2).tolist():
-            spread[begin:end] = _around(share[begin:end], self._levels[number].solve.rate, seconds)
+        spread = np.zeros(len(share))
+        if (share > 0.0).any():
+            for stretch in self._stretches[number]:
+                spread[stretch] = _around(share[stretch], self._levels[number].solve.rate, seconds)
         return spread
 
     def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
@@ -331,5 +333,10 @@ def _blend(first: FloatArray, second: FloatArray, share: FloatArray) -> FloatArr
 
 def _mean(values: FloatArray, width: int) -> FloatArray:
     """Means of ``values`` (F, ...) over ``width`` frames on either side, by Hann's window."""
-    window = np.hanning(2 * width + 3)[1:-1]
-    return np.asarray(convolve1d(values, window / window.sum(), axis=0, mode="nearest"))
+    return np.asarray(convolve1d(values, hann_window(width), axis=0, mode="nearest"))
+
+
+def stretches_of(mask: NDArray[np.bool_]) -> list[slice]:
+    """The stretches of frames where ``mask`` (F,) is true."""
+    edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+    return [slice(begin, end) for begin, end in edges.tolist()]

@@ -28,7 +28,7 @@ from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freed
 from studio.core.solver.asking.self_contact import arms_asked
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
 from studio.core.solver.performers.following import own_track
-from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Solve
+from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Solve, stretches_of
 from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.smoothing.root_leash import RootLeash
 from studio.core.solver.smoothing.wished import brought
@@ -164,9 +164,9 @@ class Stretch:
 
     def _runs(self, window: slice) -> list[tuple[int, int]]:
         """First and past the last row of each run of frames that have to do with each other and touch ``window``."""
-        edges = np.flatnonzero(np.diff(self._rooms[-1] > 0.0, prepend=False, append=False)).reshape(-1, 2)
         first, last = window.start - self.window.start, window.stop - self.window.start
-        return [(begin, end) for begin, end in edges.tolist() if begin < last and end > first]
+        runs = stretches_of(self._rooms[-1] > 0.0)
+        return [(run.start, run.stop) for run in runs if run.start < last and run.stop > first]
 
     def with_runs(self, window: slice) -> slice:
         """``window`` and all frames that have to do with how any of it is eased, as far as they are solved here."""
