@@ -7,10 +7,14 @@ import pytest
 
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
+from studio.core.grounds.slope import Slope
+from studio.core.grounds.steps import Steps
 from studio.core.normalized.realize import realize
+from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.rotations import to_matrix
-from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.adapt import adapt
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from tests.builders import make_morphology
 from tests.core.motions import RATE, about, walk
 
@@ -70,6 +74,18 @@ def test_a_tilted_foot_lifts_its_heel_by_the_heels_lever() -> None:
     lever, height = BODY.heel_length[0], BODY.ankle_height[0]
     lifted = height + lever * np.sin(0.2) - height * np.cos(0.2)
     assert contact_quality(motion, heel, Ground()).rise == pytest.approx(lifted)
+
+
+@pytest.mark.parametrize("ground", [Ground(0.01), Slope(angle=0.3), Steps(rise=0.05, tread=0.1)])
+def test_every_contact_is_measured_by_itself(ground: Ground) -> None:
+    motion = adapt(AdaptRequest(walk()[0], BODY))
+    spans = {ContactPoint.LEFT_TOE: [(3, 9), (10, 14), (20, 29)], ContactPoint.RIGHT_HEEL: [(0, 5), (16, 30)]}
+    spans |= {ContactPoint.LEFT_KNEE: [(2, 4), (8, 12)]}
+    contacts = [ContactInterval("walk", point, *span) for point, both in spans.items() for span in both]
+    together = np.array(contact_tracks(motion, contacts, ground))
+    alone = np.array([contact_tracks(motion, [each], ground) for each in contacts])
+    assert (np.isfinite(alone).sum(axis=0) == np.isfinite(together)).all()
+    assert np.nansum(alone, axis=0) == pytest.approx(np.nan_to_num(together), abs=1e-12)
 
 
 def test_a_windows_frames_are_counted_in_the_whole_motion() -> None:
