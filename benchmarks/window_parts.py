@@ -7,20 +7,25 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
+from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.panels.inspector import Inspector
 from studio.timeline.view import TrackView
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.canvas import Canvas
 from studio.viewport.floor import SoftShadows
+from studio.viewport.live_mesh import LiveLines
 from studio.viewport.scene import StageScene
 from studio.viewport.widget import Viewport
 
 MEASURED: tuple[tuple[str, type, str], ...] = (
     ("engine", LiveAdaptation, "_refresh"), ("engine", LiveAdaptation, "_take"),
+    ("solving for the picture", LiveAdaptation, "bring"), ("painting of all that has changed", Canvas, "_take"),
     ("drawing: bodies", BodyVisual, "pose"), ("drawing: shadows", SoftShadows, "cast"),
+    ("drawing: lines", Viewport, "_paths"), ("drawing: lines", LiveLines, "show_paths"),
     ("drawing: VTK and its copy", StageScene, "render"), ("drawing: other", Canvas, "_draw"),
     ("painting the view", Canvas, "paintEvent"), ("problem's chip", Viewport, "_tell_problem"),
+    ("document", Document, "replace"),
     ("timeline", TrackView, "paintEvent"), ("timeline", TrackView, "lay_out"),
     ("inspector", Inspector, "_entity_changed"), ("inspector", Inspector, "_refresh"),
 )  # fmt: skip

@@ -73,13 +73,13 @@ class Posed:
         row = self.frame - newer.first_frame
         return 0 <= row < newer.frame_count and np.array_equal(newer.positions[row], self.motion.positions[self.row])
 
-    @property
+    @cached_property
     def played(self) -> Played | None:
         """What of its row plays; None for a motion of no stage."""
         composite = self.motion.composite
         return composite.playing(self.frame) if composite else None
 
-    @property
+    @cached_property
     def seconds(self) -> float:
         """The time that it shows of the motion that plays."""
         frame, composite = self.frame, self.motion.composite
@@ -88,14 +88,14 @@ class Posed:
         played = composite.playing(frame)
         return float(played.motion_frames(np.array([frame]), composite.timing)[0]) / played.piece.motion.frame_rate
 
-    @property
+    @cached_property
     def clip(self) -> Clip | None:
         """The clip that plays."""
         clips, played = self.performer.clips, self.played
         place = played.piece.origin[0] if played else 0
         return clips[min(place, len(clips) - 1)] if clips else None
 
-    @property
+    @cached_property
     def clip_placement(self) -> Placement:
         """Where the motion that plays stands on the stage: of it constraints speak, and their targets."""
         played, leg = self.played, self.motion.body.leg_length

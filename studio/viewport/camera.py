@@ -39,7 +39,7 @@ class OrbitCamera:
         ce, se = math.cos(self.elevation), math.sin(self.elevation)
         return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
 
-    @property
+    @cached_property
     def eye(self) -> FloatArray:
         """(3,) where the camera stands, stage space."""
         return np.asarray(self.target) + self.distance * self.axes[2]

@@ -47,14 +47,13 @@ def constraint_handles(
     handles = []
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
         asked = project.constraints_for(performer_id, pose.clip) if pose.clip else {}
+        moment, floor = Moment(project, posed, pose), floor_under(project, pose)
         for constraint_id, constraint in asked.items():
             if only is not None and constraint_id not in only:
                 continue
-            moment = Moment(project, posed, pose)
             now = moment.fixed(constraint) if constraint.enabled else None
             if now is None:
                 continue
-            floor = floor_under(project, pose)
             place = handle_place(now, floor)
             figure = figure_of(now, pose, floor)
             if isinstance(getattr(constraint, "place", None), Support):

@@ -53,20 +53,25 @@ class LiveLines:
         self._polydata = pv.PolyData()
         self.actor = flat_actor(self._polydata)
         self.actor.prop.line_width = width
+        self._lengths: list[int] = []
+        self._colours = np.empty((0, 3), dtype=np.uint8)
 
     def show_paths(self, paths: Sequence[StagePath]) -> None:
         """Draw these paths and no others."""
         self.actor.SetVisibility(bool(paths))
         if not paths:
             return
-        ends = np.cumsum([len(path.points) for path in paths])
-        first = np.concatenate(
-            [np.arange(end - len(path.points), end - 1) for path, end in zip(paths, ends, strict=True)]
-        )
         self._polydata.points = np.concatenate([path.points for path in paths]).astype(np.float32)
-        self._polydata.lines = np.column_stack([np.full(len(first), 2), first, first + 1]).ravel()
-        self._polydata.point_data["colour"] = _faded(paths)
-        self._polydata.point_data.active_scalars_name = "colour"
+        lengths, tints = [len(path.points) for path in paths], _faded(paths)
+        if lengths != self._lengths:  # else only places have changed, as under a hand
+            self._lengths = lengths
+            ends = np.cumsum(lengths)
+            first = np.concatenate([np.arange(end - n, end - 1) for n, end in zip(lengths, ends, strict=True)])
+            self._polydata.lines = np.column_stack([np.full(len(first), 2), first, first + 1]).ravel()
+        if not np.array_equal(tints, self._colours):
+            self._colours = tints
+            self._polydata.point_data["colour"] = tints
+            self._polydata.point_data.active_scalars_name = "colour"
 
 
 def flat_actor(polydata: pv.PolyData) -> Any:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,16 +29,21 @@ class Placement:
         x, y, _ = self.to_stage((*inner.position, 0.0)).tolist()
         return Placement((x, y), self.heading + inner.heading)
 
-    @property
+    @cached_property
     def rotation(self) -> FloatArray:
         """(3, 3) motion space to stage."""
         c, s = math.cos(self.heading), math.sin(self.heading)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
+    @cached_property
+    def _origin(self) -> FloatArray:
+        """(3,) where the motion's origin is on the stage."""
+        return np.array([*self.position, 0.0])
+
     def to_stage(self, points: ArrayLike) -> FloatArray:
         """Stage points of motion space ``points`` (..., 3)."""
-        return np.asarray(np.asarray(points, dtype=np.float64) @ self.rotation.T + [*self.position, 0.0])
+        return np.asarray(np.asarray(points, dtype=np.float64) @ self.rotation.T + self._origin)
 
     def to_motion(self, points: ArrayLike) -> FloatArray:
         """Motion space points of stage ``points`` (..., 3)."""
-        return np.asarray((np.asarray(points, dtype=np.float64) - [*self.position, 0.0]) @ self.rotation)
+        return np.asarray((np.asarray(points, dtype=np.float64) - self._origin) @ self.rotation)
