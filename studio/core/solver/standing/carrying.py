@@ -41,14 +41,12 @@ HEIGHTS = {"hand": 0.065, "knee": 0.065, "seat": 0.12}
 """Of wrist, knee and middle of the hips above what they stand on, in parts of the leg's length."""
 LYING = 0.1
 """Parts of the leg's length above the ground up to which a knee of a leg that lies is; at twice that its foot bears."""
-STIFF = 6.0
-"""How much a metre by which a raised arm is shortened counts beside one that it swings."""
-SEAT_WEIGHT = 2.0
-"""A seat carries as much as two hands, knees or feet."""
 MISSED = 5e-4
 """Metres by which a body may miss a place before that is put elsewhere."""
 SPREAD = 0.6
 """Parts of its leg's length round the root over which a body that leans with the ground takes its slope."""
+STIFF = 6.0
+"""How much a metre by which a raised arm is shortened counts beside one that it swings."""
 LEVEL_BELOW = 0.7
 """Sine of the angle above the ground up to which fingers, and away from it up to which a palm, are laid on it."""
 
@@ -265,8 +263,8 @@ def _shares(
     for side in range(2):
         stands = (states[side] != 0) & ~kneeling.get(side, np.zeros(states.shape[1], dtype=np.bool_))
         weights[:2] += stands * [bearing[side], 1.0 - bearing[side]]
-    for row, (point, stands) in zip(weights[2:], standing.items(), strict=True):
-        row += stands * (SEAT_WEIGHT if point is ContactPoint.SEAT else 1.0)
+    for row, stands in zip(weights[2:], standing.values(), strict=True):
+        row += stands
     total = weights.sum(axis=0)
     frames, carried = np.arange(len(total)), np.flatnonzero(total > 0.0)
     shares = np.array([np.interp(frames, carried, row[carried] / total[carried]) for row in np.delete(weights, 1, 0)])

@@ -20,10 +20,8 @@ from studio.core.solver.standing.blends import smoothstep
 
 FloatArray = NDArray[np.float64]
 
-EDGE, EDGE_STEEP = 0.03, 0.15
-"""Metres by which ground may stray from the plane of its own slope under one sole, and the same of a long one in parts
-of its length; more is an edge.
-"""
+EDGE = 0.03
+"""Metres by which ground may stray from the plane of its own slope under one sole; more is an edge."""
 STEEPEST_SOLE = np.radians(35.0)
 TOES_BEND = np.radians([-20.0, 40.0])
 """How far toes bend down and up to follow ground that turns off under the ball; what is steeper is not for them."""
@@ -95,7 +93,7 @@ def planes_under(ground: Ground, soles: FloatArray) -> Planes:
     slopes = -normals[..., :2] / normals[..., 2:]
     expected = np.einsum("npk,nk->n", slopes[:, :2] / 2, line)
     tip_expected = np.einsum("nk,nk->n", slopes[:, 1:].mean(axis=1), soles[:, 2] - soles[:, 1])
-    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > np.maximum(EDGE, EDGE_STEEP * length[:, 0])) | (
+    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > EDGE) | (
         heights[:, 2] - heights[:, 1] - tip_expected > EDGE
     )
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)

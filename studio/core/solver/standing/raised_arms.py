@@ -16,8 +16,6 @@ FloatArray = NDArray[np.float64]
 
 ROOM = 0.03
 """Parts of the leg's length above the ground below which wrist and finger tips begin to be raised; 3/16 is kept."""
-ELBOW = 0.004
-"""Metres of an elbow in the ground that are left to it: a forearm lies on it."""
 SLIGHT = 0.02
 """Metres of an elbow from the line between shoulder and wrist up to which it bends as its hinge has it, and at which it
 is turned by half: a straight arm has no bend of its own.
@@ -143,7 +141,7 @@ def _raise_elbow(
     """
     layout = body.layout
     wrist, arm = layout.wrist(side), layout.spine_count + 3 + 4 * side
-    if _above(ground, positions[:, wrist - 1]).min() >= -ELBOW:
+    if _above(ground, positions[:, wrist - 1]).min() >= 0.0:
         return
     shoulders = positions[:, wrist - 2]
     out = normalized((shoulders - positions[:, layout.wrist(1 - side) - 2]) * [1.0, 1.0, 0.0])
@@ -174,7 +172,7 @@ def _ways_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArray, ground
     upper = elbows - shoulders
     lengths = np.maximum(np.linalg.norm(upper, axis=1), 1e-9)
     down = -upper[:, 2] / lengths
-    deep = np.minimum(np.maximum(-ELBOW - _above(ground, elbows), 0.0) / lengths, down + 1.0)
+    deep = np.minimum(np.maximum(-_above(ground, elbows), 0.0) / lengths, down + 1.0)
     level = normalized(upper[:, :2] / lengths[:, None] + OUTWARDS * deep[:, None] * out[:, :2])
     level *= np.sqrt(np.maximum(1.0 - (down - deep) ** 2, 0.0))[:, None]
     ways = lengths[:, None] * np.column_stack([level, deep - down]) - upper

@@ -12,6 +12,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
 from studio.core.kernels.limbs.legs import face_knees, knee_swivels
+from studio.core.kernels.limbs.limb import STRETCHED
 from studio.core.kernels.support.carrying import move_bodies, settle_frames
 from studio.core.kernels.support.sole import HEEL, TOE
 from studio.core.kernels.support.swing import keep_above
@@ -37,16 +38,12 @@ FloatArray = NDArray[np.float64]
 
 SOFT, FIRM = 1e-2, 1e-4
 """Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
-LYING_REACH = 0.999
-"""Part of its length to which a standing leg may always stretch while seat or knee carries: it bears no weight."""
 RAISES = 3
 """Times a foot that the shank of a standing knee drags along is raised off the ground, about that knee."""
 SWINGING_ARM = 0.95
 """Part of its length to which an arm on its way to or from the ground stretches freely."""
 KNEE_PLAY = 0.1
 """Part of a leash's run by which a knee that is let go may be nearer to its hip, or farther, than its thigh is long."""
-CRAWLING_REACH = 0.9
-"""Part of its length to which the leg of who crawls may stretch in the air, however bent the motion's own is."""
 FOLDED_ROOM = 0.01
 """Part of its length by which a limb's ends stay further apart than when it is folded."""
 MOVES = 5
@@ -270,8 +267,6 @@ def _kneeling(
             swung = shank * (normalized(raised - knees) - normalized(placed - knees))
             placed = raised + firm * (placed + swung - raised)
         ankles[side] = np.concatenate([placed, knees, firm], axis=1)
-        bent = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], CRAWLING_REACH, comforts[side])
-        comforts[side] += freedom(states != 0, frame_rate) * (bent - comforts[side])
         comforts[side] = _eased_off(comforts[side], firm[:, 0])
     return replace(footing, ankles=ankles, feet=feet, toes=toes, comforts=comforts)
 
@@ -339,8 +334,8 @@ def _off_its_instep(
 
 
 def _eased_off(comforts: FloatArray, share: FloatArray) -> FloatArray:
-    """Legs' comforts where a ``share`` of ease lets them stretch further."""
-    return np.asarray(comforts + share * np.maximum(LYING_REACH - comforts, 0.0))
+    """Legs' comforts where a ``share`` of ease lets them stretch further: they bear no weight."""
+    return np.asarray(comforts + share * np.maximum(STRETCHED - comforts, 0.0))
 
 
 def _on_both(

@@ -17,8 +17,6 @@ FloatArray = NDArray[np.float64]
 
 SMOOTHING = 0.05
 """Seconds, standard deviation, over which the floor under the body goes from one footprint to the next one."""
-GREATEST = 0.1
-"""Parts of the leg's length by which a sole may lie off the usual floor; farther, it does not stand on it."""
 FAINT = 0.01
 """The weight of a foot in the air beside one that stands."""
 
@@ -35,11 +33,10 @@ def shown_floor(
     soles = np.array([positions[:, body.layout.ankle(side), 2] - sole_rows(body, side)[:, 3] for side in range(2)])
     if not flat.any():
         return np.zeros(len(positions))
-    near = flat & (np.abs(soles - np.median(soles[flat])) < GREATEST * body.leg_length)
-    sides = [side for side in range(2) if near[side].any()]
-    floors = np.array([_passed_on(soles[side], near[side]) for side in sides])
+    sides = [side for side in range(2) if flat[side].any()]
+    floors = np.array([_passed_on(soles[side], flat[side]) for side in sides])
     floors -= np.median(floors - floors.mean(axis=0), axis=1, keepdims=True)
-    weights = np.array([1.0 - freedom(near[side], frame_rate) for side in sides]) + FAINT
+    weights = np.array([1.0 - freedom(flat[side], frame_rate) for side in sides]) + FAINT
     floor = np.average(floors, axis=0, weights=weights)
     return smoothed(floor, SMOOTHING * frame_rate)
 
