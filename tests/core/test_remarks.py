@@ -2,7 +2,9 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.pose import PoseSequence
@@ -35,6 +37,20 @@ def test_hips_that_jump_are_told_with_their_frames(walk: Capture) -> None:
     [remark] = remarks_on(_moved(walk, 0, slice(50, None), 0.5))
     assert remark.spans == ((50, 50),)
     assert "hips jump by up to 5" in remark.sentence
+
+
+def test_a_jump_of_a_hand_s_breadth_is_told_of_slow_hips_too(walk: Capture) -> None:
+    for by, frames in ((0.11, slice(50, None)), (0.11, slice(50, 51))):
+        [remark] = remarks_on(_moved(walk, 0, frames, by))
+        assert remark.spans[0][0] == 50
+
+
+def test_a_body_whose_angles_are_radians_is_told(walk: Capture) -> None:
+    turns = Rotation.from_quat(walk.poses.local_rotations.reshape(-1, 4)).as_rotvec() / np.degrees(1.0)
+    rotations = Rotation.from_rotvec(turns).as_quat().reshape(walk.poses.local_rotations.shape)
+    rotations[:, 0] = walk.poses.local_rotations[:, 0]
+    stiff = replace(walk, poses=PoseSequence(rotations, walk.poses.local_translations))
+    assert any("may be radians" in remark.words for remark in remarks_on(stiff))
 
 
 def test_a_foot_that_is_somewhere_else_for_a_frame_is_told(walk: Capture) -> None:

@@ -21,6 +21,11 @@ FASTEST = 25.0
 """Metres a second beyond the hips' own that no hand and no foot reaches: the fastest kicks have some 20."""
 LONGEST_JUMP, FASTEST_ROOT = 0.08, 6.0
 """Metres in a frame, and metres a second more than thrice as fast as they usually are, beyond which hips jump."""
+SHORTEST_JUMP, STRONGEST = 0.06, 60.0
+"""Metres, and metres a second squared, by which one step of the hips is unlike the steps before and after it: a jump
+however slow the body is. Runs, kicks and back flips at 30 to 120 Hz come to 4 cm and 400 m/s2, none to both."""
+WHOLE_TURN, MOVES = 2.0 * np.pi, 0.1
+"""Degrees that no joint turns by at most, and at least, where the angles of a file are radians."""
 HOVERING = 0.06
 """Metres above the floor that its lowest joint is all the time in a take that hovers."""
 ODD_PAIR = 0.2
@@ -56,6 +61,7 @@ def remarks_on(capture: Capture) -> tuple[Remark, ...]:
     positions = joint_positions(capture.skeleton, capture.poses)
     found = [
         *_leaps(capture),
+        *_stiff(capture),
         *_odd_build(capture, capture.body_map, positions),
         *_jumps(capture, positions[:, capture.body_map.spine[0]]),
         *_rushes(capture, capture.body_map, positions),
@@ -137,11 +143,31 @@ def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:
     steps = np.linalg.norm(np.diff(root, axis=0), axis=1)
     speeds = steps * capture.frame_rate
     far = (steps > LONGEST_JUMP) & (speeds > FASTEST_ROOT + 3.0 * (np.median(speeds) if len(speeds) else 0.0))
+    far |= _sudden(np.diff(root, axis=0), capture.frame_rate)
     far[: capture.first_frame] = False
     if not far.any():
         return []
     worst = 100.0 * float(steps[far].max())
     return [Remark(f"The hips jump by up to {worst:.0f} cm in a frame.", _frames(far, 1))]
+
+
+def _sudden(steps: FloatArray, frame_rate: float) -> NDArray[np.bool_]:
+    """Which steps (F-1, 3) are unlike both their neighbours, those at an end unlike the only one."""
+    if len(steps) < 2:
+        return np.zeros(len(steps), dtype=bool)
+    unlike = np.linalg.norm(np.diff(steps, axis=0), axis=1)
+    least = np.minimum(np.append(unlike, unlike[-1]), np.append(unlike[0], unlike))
+    return least > max(SHORTEST_JUMP, STRONGEST / frame_rate**2)
+
+
+def _stiff(capture: Capture) -> list[Remark]:
+    """A body that hardly bends, as one does whose angles were meant as radians."""
+    cosines = np.abs(capture.poses.local_rotations[capture.first_frame :, 1:, 3])
+    angles = np.degrees(2.0 * np.arccos(np.minimum(cosines, 1.0)))
+    most = float(angles.max(initial=0.0))
+    if most > WHOLE_TURN or float(np.ptp(angles, axis=0).max(initial=0.0)) < MOVES:
+        return []
+    return [Remark(f"No joint turns by more than {most:.1f} degrees: the angles of the file may be radians.")]
 
 
 def _rushes(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
