@@ -4,6 +4,7 @@ Intel, DEC and MIPS, integers and floats. Every size is checked against the byte
 made of it: a file takes memory in proportion to its own size, whatever it says.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -179,13 +180,21 @@ def _long(field: NDArray[np.float64]) -> int:
 
 def _scale(name: str, header: float, parameters: Parameters, repairs: list[str]) -> tuple[float, bool]:
     """Units a step, and whether the coordinates are integers."""
-    if np.isfinite(header) and 0.0 < abs(header) < _ABSURD:
-        return abs(header), header > 0.0
     told = parameters.number("POINT", "SCALE")
+    if np.isfinite(header) and 0.0 < abs(header) < _ABSURD:
+        if told is not None and header > 0.0 and _differ(header, told):
+            what = f"the header says a scale of {header:g}, POINT:SCALE {told:g}"
+            repairs.append(f"{name}, byte 12: {what}; read as the header says.")
+        return abs(header), header > 0.0
     if told is not None and 0.0 < abs(told) < _ABSURD:
         repairs.append(f"{name}, byte 12: the scale {header:g} cannot be true; POINT:SCALE {told:g} was taken.")
         return abs(told), told > 0.0
     raise StudioError(f"{name}, byte 12: the scale of its points, {header:g}, cannot be true. Export it again.")
+
+
+def _differ(header: float, parameter: float) -> bool:
+    """Whether they are not one number written in two ways, as 60 Hz and 59.94."""
+    return not math.isclose(header, parameter, rel_tol=2e-3)
 
 
 def _data_start(name: str, content: bytes, header: int, parameters: Parameters, repairs: list[str]) -> int:
@@ -203,13 +212,13 @@ def _data_start(name: str, content: bytes, header: int, parameters: Parameters, 
 
 def _frame_rate(name: str, header: float, parameters: Parameters, repairs: list[str]) -> float:
     told = parameters.number("POINT", "RATE")
-    for rate in (header, told):
-        if rate is not None and np.isfinite(rate) and 0.01 <= rate <= 100000.0:
-            if rate != header:
-                repairs.append(f"{name}, byte 20: the frame rate {header:g} cannot be true; POINT:RATE was taken.")
-            return rate
-    repairs.append(f"{name}, byte 20: the frame rate {header:g} cannot be true; 100 Hz was taken.")
-    return 100.0
+    true = [rate for rate in (header, told) if rate is not None and np.isfinite(rate) and 0.01 <= rate <= 100000.0]
+    if len(true) == 2 and _differ(*true):
+        repairs.append(f"{name}, byte 20: the header says {header:g} Hz, POINT:RATE {told:g}; read as the header says.")
+    elif header not in true:
+        instead = "POINT:RATE" if true else "100 Hz"
+        repairs.append(f"{name}, byte 20: the frame rate {header:g} cannot be true; {instead} was taken.")
+    return true[0] if true else 100.0
 
 
 def _frames(

@@ -142,12 +142,20 @@ REPAIRED: dict[str, tuple[Spoil, str]] = {
     "frame rate nan": (header(10, float("nan")), "take.c3d, byte 20: the frame rate nan cannot be true; POINT:RATE"),
     "frame rate zero": (header(10, 0.0), "the frame rate 0 cannot be true; POINT:RATE was taken."),
     "frame rate negative": (header(10, -50.0), "the frame rate -50 cannot be true; POINT:RATE was taken."),
+    "frame rates that differ": (
+        header(10, 200.0),
+        "take.c3d, byte 20: the header says 200 Hz, POINT:RATE 100; read as the header says.",
+    ),
     "no frame rate at all": (
         both(header(10, float("inf")), renamed("POINT", "RATE")),
         "the frame rate inf cannot be true; 100 Hz was taken.",
     ),
     "scale zero": (header(6, 0.0), "take.c3d, byte 12: the scale 0 cannot be true; POINT:SCALE -1 was taken."),
     "scale nan": (header(6, float("nan")), "the scale nan cannot be true; POINT:SCALE -1 was taken."),
+    "scales of integers that differ": (
+        both(header(6, 0.5), parameter("POINT", "SCALE", struct.pack("<f", 0.25))),
+        "take.c3d, byte 12: the header says a scale of 0.5, POINT:SCALE 0.25; read as the header says.",
+    ),
     "a point that is not a number": (
         point(2, 0, 1, float("nan")),
         "take.c3d: point 1 in frame 2 and 0 more are no believable place; made gaps.",
