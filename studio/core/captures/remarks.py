@@ -157,7 +157,8 @@ def _sudden(steps: FloatArray, frame_rate: float) -> NDArray[np.bool_]:
         return np.zeros(len(steps), dtype=bool)
     unlike = np.linalg.norm(np.diff(steps, axis=0), axis=1)
     least = np.minimum(np.append(unlike, unlike[-1]), np.append(unlike[0], unlike))
-    return least > max(SHORTEST_JUMP, STRONGEST / frame_rate**2)
+    found: NDArray[np.bool_] = least > max(SHORTEST_JUMP, STRONGEST / frame_rate**2)
+    return found
 
 
 def _stiff(capture: Capture) -> list[Remark]:
