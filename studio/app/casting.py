@@ -10,6 +10,7 @@ from studio.core.body.character import Character
 from studio.core.captures.capture import Guess
 from studio.core.captures.remarks import remarks_on_body
 from studio.core.errors import StudioError
+from studio.core.names import free_name
 from studio.core.project import Performer
 from studio.document import colours
 from studio.document.document import Document
@@ -72,8 +73,13 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
 
 
 def put_character(document: Document, character: Character, text: str) -> str:
-    """The character, and a performer that plays it beside the others, selected: one undo step."""
+    """The character, and a performer that plays it beside the others, selected: one undo step.
+
+    A second one of a name is numbered.
+    """
     project = document.project
+    taken = {each.name for each in project.characters.values()} | {each.name for each in project.performers.values()}
+    character = replace(character, name=free_name(character.name, taken))
     active = project.performers.get(document.active_performer_id or "")
     side = max((other.position[1] for other in project.performers.values()), default=-APART)
     with document.group(text):
