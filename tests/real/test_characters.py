@@ -127,15 +127,9 @@ def test_written_with_its_motion_and_read_again_it_is_the_same_body(tmp_path: Pa
         assert mine.texture is None or np.array_equal(mine.texture, theirs.texture)
 
 
-ROLLS_BADLY = "pybvh_cmu_12_01_walk", "kaykit_barbarian_stocky.glb"
-
-
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 @pytest.mark.parametrize("stem", ["pybvh_cmu_12_01_walk", "accad_female1_B03_Walk1", "accad_female1_C03_Run"])
-def test_it_walks_and_runs_on_the_floor_without_a_jolt(stem: str, path: Path, request: pytest.FixtureRequest):
-    if (stem, path.name) == ROLLS_BADLY:
-        reason = "feet as long as shanks, which are guessed, jolt by more than 3 times as they roll over heel and ball"
-        request.applymarker(pytest.mark.xfail(reason=reason))
+def test_it_walks_and_runs_on_the_floor_without_a_jolt(stem: str, path: Path):
     capture, motion, actor = taken(named(stem))
     contacts = contacts_of(capture)
     adapted = adapt(AdaptRequest(motion, read(path).character.morphology, contacts), capture.first_frame)
