@@ -375,8 +375,6 @@ class KeptStage(NamedTuple):
     """(C + Q,) the same when its own stage was kept."""
     now: Array
     """(C + Q,) the same of what has just been solved."""
-    spots: Array
-    """(C, 3) where each had its first point, in the axes of what it follows on its own body."""
 
 
 class Above(NamedTuple):

@@ -11,8 +11,8 @@ from studio.core.kernels.search.placing import follow, miss_of
 from studio.core.kernels.tasks.goals import counts, turns_segment
 from studio.core.kernels.tasks.task import INACTIVE, STRICT
 
-HIGHER, STANDS = 2, 3
-"""How a constraint stands to one that keeps clear: 0 below it, 1 beside it, or above, the last as a contact."""
+BELOW, BESIDE, ABOVE, CONTACT = range(4)
+"""How a constraint stands to one that keeps clear; a contact is above all that is asked."""
 UNTOUCHED = 0.1 * STRICT
 """Metres or radians by which arms that are cleared may change what is missed above."""
 
@@ -73,7 +73,7 @@ def waits(frame, clip):
     for q in range(clearance.above.shape[0]):
         for c in range(clearance.above.shape[1]):
             acts = clearance.activations[q, frame] > 0.0 and activations[last, c, frame] > 0.0
-            found = found or (acts and clearance.stages[q] == 0 and clearance.above[q, c] == HIGHER)
+            found = found or (acts and clearance.stages[q] == 0 and clearance.above[q, c] == ABOVE)
     return found
 
 
@@ -130,7 +130,7 @@ def costs(frame, above, clip, problem):
     changed, tasks = False, problem.tasks
     follow(tasks.shape[0], True, problem)
     for c in range(tasks.shape[0]):
-        if above[c] >= HIGHER and counts(tasks[c]):
+        if above[c] >= ABOVE and counts(tasks[c]):
             change = miss_of(c, problem) - clip.residuals[c, frame]
             changed = changed or abs(change) > UNTOUCHED
     return changed
@@ -143,7 +143,7 @@ def hold_arm(side, tasks, above, spine_count, out_held):
     upper, wrist = spine_count + 3 + 4 * side, spine_count + 6 + 5 * side
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if not above[c] or row.status == INACTIVE:
+        if above[c] == BELOW or row.status == INACTIVE:
             continue
         for end in range(2):
             if row.limbs[end] != side:

@@ -95,3 +95,17 @@ def gaze_goal(start, target, eye, share, out_direction):
     out_direction[0] = keep * start[0] + take * x
     out_direction[1] = keep * start[1] + take * y
     out_direction[2] = keep * start[2] + take * z
+
+
+@kernel
+def place_as_followed(row, search, pose, out_place):
+    """Where a constraint has its first point, (3,) in the axes of what it follows on its own body, or in the world."""
+    point, other = search.points[0], search.points[1]
+    end_place(row, 0, pose, point)
+    copy_point(point, out_place)
+    if row.points[1] >= 0:
+        end_place(row, 1, pose, other)
+        axes = pose.rotations[row.segments[1]]
+        x, y, z = point[0] - other[0], point[1] - other[1], point[2] - other[2]
+        for axis in range(3):
+            out_place[axis] = axes[0, axis] * x + axes[1, axis] * y + axes[2, axis] * z

@@ -6,7 +6,7 @@ from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, copy_po
 from studio.core.kernels.body.parts import copy_pose
 from studio.core.kernels.compiling import kernel, pack
 from studio.core.kernels.limbs.limb_constraints import HUNG
-from studio.core.kernels.limits.clearance_stages import measure_rooms, note_spot
+from studio.core.kernels.limits.clearance_stages import measure_rooms
 from studio.core.kernels.limits.clearing import clear_after
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.records import Pose
@@ -21,6 +21,7 @@ from studio.core.kernels.tasks.goals import (
     POSITION,
     UPRIGHT,
     end_place,
+    place_as_followed,
     second_place,
 )
 from studio.core.kernels.tasks.rows import AWAY
@@ -169,7 +170,7 @@ def pin(c, stands, above):
         second_place(row, pose, other)
         row.distance = distance(point, other)
     elif row.kind == POSITION:
-        note_spot(row, search, pose, row.relative[0] if row.points[1] >= 0 else row.places[0])
+        place_as_followed(row, search, pose, row.relative[0] if row.points[1] >= 0 else row.places[0])
     elif row.kind == ORIENTATION and row.points[1] < 0:
         copy_matrix(pose.rotations[row.segments[0]], row.turn)
     elif row.kind == UPRIGHT:

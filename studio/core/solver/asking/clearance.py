@@ -11,7 +11,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.kernels.limits import clearance as kernel
-from studio.core.kernels.limits.clearing import HIGHER, STANDS
+from studio.core.kernels.limits.clearing import ABOVE, BELOW, BESIDE, CONTACT
 from studio.core.kernels.records import Clearance, Volume
 from studio.core.mesh.volume import PROBES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
@@ -55,11 +55,12 @@ def pack_clearance(
         own, ways = (np.ascontiguousarray(each[window]) for each in actor_has)
     asked = [each for each in clears if isinstance(each, ClearConstraint)]
     wanted = np.empty((len(asked), *shape))
-    above = np.full((len(asked), len(others)), STANDS)
+    above = np.full((len(asked), len(others)), CONTACT)
     priorities = np.array([each.priority for each in others[held:]], dtype=np.int64)
     for row, each in enumerate(asked):
         kernel.wanted_rooms(own, each.margin, wanted[row])
-        above[row, held:] = HIGHER * (priorities < each.priority) + (priorities == each.priority)
+        beside = np.where(priorities == each.priority, BESIDE, BELOW)
+        above[row, held:] = np.where(priorities < each.priority, ABOVE, beside)
     body = standing.morphology.still
     return Clearance(
         packed(standing.volume or usual_volume(body)),
