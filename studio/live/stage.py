@@ -220,9 +220,13 @@ class LiveStage:
                 part.wish = step_of(seen, key, part.act, part.playing.composite, part.frame)
 
     def _ends(self, part: _Part) -> bool:
-        """Whether what a performer plays is about to end: everybody may need a step to begin what comes."""
+        """Whether what a performer plays is about to end: everybody may need a step to begin what comes.
+
+        Not before a step of it was seen: clips shorter than that would each begin as the last one did, ever faster.
+        """
+        seen = part.begun is None or part.playing.time_of(part.frame) > part.begun.since
         left = part.playing.composite.timing.end - self.seconds
-        return left < min(self._step, SOON) * len(self._parts)
+        return seen and left < min(self._step, SOON) * len(self._parts)
 
     def _next(self, key: str, part: _Part) -> Act | None:
         """What comes by itself: a state's clip again, or the first clip of a row; None where the last pose is held."""
