@@ -120,7 +120,7 @@ class SolveScheduler(QObject):
                     return
                 self._undelivered += 1
                 self._condition.notify()
-            self._done.emit(_Answer(request, stage, value, error))
+                self._done.emit(_Answer(request, stage, value, error))  # not after ``close``: nobody may be there then
 
     def _forgotten(self, request: _Request) -> bool:
         return self._shown.get(request.key, (0, 0))[0] > request.order

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, Qt, Signal, SignalInstance
 
 from studio.core.errors import StudioError
 
@@ -73,6 +73,7 @@ class TaskRunner(QObject):
         super().__init__(parent)
         self._numbers = itertools.count(1)
         self._tasks: dict[int, _Task] = {}
+        self._telling, self._closed = threading.Lock(), False
         self._ended.connect(self._end, Qt.ConnectionType.QueuedConnection)
 
     @property
@@ -92,14 +93,14 @@ class TaskRunner(QObject):
         ``on_error`` is called after ``failed`` with an error meant for the user, where there is more to offer.
         """
         number = next(self._numbers)
-        progress = Progress(lambda fraction, text: self.progressed.emit(number, fraction, text))
+        progress = Progress(lambda fraction, text: self._tell(self.progressed, number, fraction, text))
 
         def work() -> None:
             try:
                 result, error = job(progress), None
             except Exception as failure:  # noqa: BLE001 - the window's thread tells the user
                 result, error = None, failure
-            self._ended.emit(number, result, error)
+            self._tell(self._ended, number, result, error)
 
         thread = threading.Thread(target=work, name=f"task-{number}", daemon=True)
         self._tasks[number] = _Task(title, progress, thread, on_done, on_error)
@@ -114,11 +115,19 @@ class TaskRunner(QObject):
 
     def close(self, patience: float = PATIENCE) -> None:
         """Cancel all jobs and wait ``patience`` seconds for their threads; nothing is emitted afterwards."""
+        with self._telling:
+            self._closed = True
         self._ended.disconnect(self._end)
         for task in self._tasks.values():
             task.progress.cancel()
         join_all((task.thread for task in self._tasks.values()), patience)
         self._tasks.clear()
+
+    def _tell(self, signal: SignalInstance, *values: object) -> None:
+        """From a job's thread, which may outlive the runner."""
+        with self._telling:
+            if not self._closed:
+                signal.emit(*values)
 
     def _end(self, number: int, result: Any, error: Exception | None) -> None:
         task = self._tasks.pop(number, None)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+import shiboken6
 from PySide6.QtCore import QCoreApplication
 
 from studio.core.errors import StudioError
@@ -90,6 +91,16 @@ def test_a_job_that_hears_nothing_does_not_hold_up_the_end(qapp: Any) -> None:
             thread.join()
     QCoreApplication.processEvents()
     assert done == []
+
+
+def test_a_job_that_outlives_its_runner_ends_in_silence(qapp: Any) -> None:
+    runner, going_on = TaskRunner(), threading.Event()
+    runner.run("Import", lambda progress: (going_on.wait(20.0), progress.report(0.5)))
+    runner.close(patience=0.0)
+    [thread] = [thread for thread in threading.enumerate() if thread.name.startswith("task-")]
+    shiboken6.delete(runner)
+    going_on.set()
+    thread.join()  # pytest fails a test in which a thread ends with an exception
 
 
 def test_a_job_that_has_ended_when_the_runner_is_closed_is_not_told(qapp: Any) -> None:

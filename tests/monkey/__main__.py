@@ -142,6 +142,7 @@ class Soak:
         QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
         gc.unfreeze()  # what an open window has frozen for good; here more than one is opened in a process
         gc.collect()
+        gc.freeze()  # the next one is not to look through what all before it have loaded, as the only one does not
         self.report.memory.append(resident())
         self.clock.turn()
         self.tell(f"{self.report.events:,} of {self.events:,} events, {resident() / 1e6:.0f} MB")
