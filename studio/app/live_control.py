@@ -122,7 +122,8 @@ class LiveControl:
             self.bench.said.emit(str(error))
 
     def record(self, path: Path) -> None:
-        """Write all that is listened to into a file until it is asked to stop."""
+        """Write all that is listened to into a file, and into no other any more, until it is asked to stop."""
+        self.stop_recording()
         try:
             self.recorder = Recorder(path)
         except StudioError as error:
@@ -134,10 +135,12 @@ class LiveControl:
     def stop_recording(self) -> None:
         """The file is whole."""
         recorder, self.recorder = self.recorder, None
-        if recorder is not None:
-            self._keep_by(None)
-            recorder.close()
-            self.bench.said.emit(recorder.problem or f"{recorder.path.name} holds {recorder.count} packets.")
+        if recorder is None:
+            return
+        self._keep_by(None)
+        recorder.close()
+        packets = "packet" if recorder.count == 1 else "packets"
+        self.bench.said.emit(recorder.problem or f"{recorder.path.name} holds {recorder.count} {packets}.")
         self.tell()
 
     def close_source(self, key: str) -> None:

@@ -110,13 +110,24 @@ def test_what_comes_is_recorded_and_replayed_as_a_source_of_its_own(control, win
     send(control, cap(1.0))
     qtbot.waitUntil(lambda: control.recorder.count == 1, timeout=PATIENCE)
     control.stop_recording()
-    assert said == ["take.osc holds 1 packets."]
+    assert said == ["take.osc holds 1 packet."]
     assert len(list(read_recording(path))) == 1
     control.replay(path)
     qtbot.waitUntil(lambda: control.sources["2"].inbox.place(["Cap"]) is not None, timeout=PATIENCE)
     control.replay(tmp_path / "none.osc")
     assert len(said) == 2
     assert control.panel.inputs.topLevelItemCount() == 2
+
+
+def test_another_recording_ends_the_one_before_it_whole(control, window, qtbot, tmp_path):
+    first, second = tmp_path / "first.osc", tmp_path / "second.osc"
+    control.record(first)
+    send(control, cap(1.0))
+    qtbot.waitUntil(lambda: control.recorder.count == 1, timeout=PATIENCE)
+    control.record(second)
+    assert len(list(read_recording(first))) == 1
+    control.stop_recording()
+    assert len(list(read_recording(second))) == 0
 
 
 def test_a_port_that_is_taken_is_a_sentence_and_nothing_else(control, window):
