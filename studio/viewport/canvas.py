@@ -45,7 +45,6 @@ class Canvas(QWidget):
         self._scene: StageScene | None = None
         self._still: Still | None = None
         self._image = QImage()
-        self._pixels: Pixels | None = None
         self._sharpness = Sharpness()
         self._stale = True
         self._stopped = False
@@ -187,10 +186,10 @@ class Canvas(QWidget):
         return pixels
 
     def _take(self, pixels: Pixels) -> None:
-        # The image reads these very bytes, so they are kept.
-        self._pixels = np.ascontiguousarray(pixels)
-        height, width = self._pixels.shape[:2]
-        self._image = QImage(self._pixels.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)
+        pixels = np.ascontiguousarray(pixels)
+        height, width = pixels.shape[:2]
+        image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)
+        self._image = image.convertToFormat(QImage.Format.Format_RGB32)  # painting, and widening most, takes half then
         if self.moving:
             self.repaint()  # at once: the next move of the mouse would be worked on before
         else:
