@@ -40,6 +40,7 @@ class Soak:
         from studio.app.problems import ProblemHooks
         from studio.cli import first_run
 
+        gc.disable()  # as ``studio.app.application.main`` does
         first_run.run()
         first_run.run_seldom()
         self.application, self.report, self.tell = make_application(), Report(), tell
@@ -135,6 +136,7 @@ class Soak:
         for each in QApplication.topLevelWidgets():
             if each is not window and each.isVisible():
                 each.close()
+        window.closed.connect(gc.disable)  # as before a window: another thread that collects would end things of Qt
         window.leave()
         self.measure("closing")
         window.deleteLater()
