@@ -20,8 +20,8 @@ GHOST = QColor(196, 204, 214, 215)
 MARKER, OTHER_MARKER, CHOSEN_MARKER = QColor("#f0f4f8"), QColor(142, 152, 164, 170), QColor(colours.PLAYHEAD)
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
 
-NOTICE_ABOVE = 110.0
-"""Pixels from the lower edge up to what is said while nobody performs."""
+NOTICE_ABOVE = 150.0
+"""Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
 
 
 class Overlay:
