@@ -8,7 +8,7 @@ FAST = tests/architecture tests/document tests/panels tests/timeline
 # The tests of what computes; the others, of files, window and command line, take about as long beside them.
 COMPUTING = tests/core tests/real tests/library tests/live tests/examples
 
-.PHONY: run check test computing others lint fast bench quality soak examples pictures format
+.PHONY: run check test computing others monkey lint fast bench quality soak examples pictures format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -16,14 +16,17 @@ run: .venv/.ready-to-run
 check: .venv/.ready-to-test
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint fast
 
-test: lint
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target computing others
+test: .venv/.ready-to-test
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint computing others monkey
 
 computing: .venv/.ready-to-test
 	.venv/bin/python -m pytest $(COMPUTING)
 
 others: .venv/.ready-to-test
-	.venv/bin/python -m pytest tests $(addprefix --ignore=,$(COMPUTING))
+	.venv/bin/python -m pytest tests $(addprefix --ignore=,$(COMPUTING) tests/monkey)
+
+monkey: .venv/.ready-to-test
+	.venv/bin/python -m pytest tests/monkey
 
 lint: .venv/.ready-to-test
 	.venv/bin/ruff format --check .
