@@ -103,10 +103,11 @@ def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: 
     """
     clip = project.performers[key].clips[0]
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
-    composite = go_on(_shown(before, frame, pieces[0].start), _played(before, frame), pieces)
+    seen = _last_seen(before, frame, pieces[0].start)
+    composite = go_on(_shown(before, seen, pieces[0].start), _played(before, frame), pieces)
     first = round(composite.timing.frame_at(pieces[0].start))
     playing = _playing(project, key, composite, prepare)
-    playing = replace(playing, standing=led_from(playing.standing, first, Stance.of(before.standing, frame)))
+    playing = replace(playing, standing=led_from(playing.standing, first, Stance.of(before.standing, seen)))
     begins = playing.time_of(first)
     kept = _kept(before, frame, project, key, playing, begins)
     going = _going(before, frame, kept, tracks, begins)
@@ -135,8 +136,16 @@ def _asked(
     )
 
 
-def _shown(before: Playing, frame: int, start: float) -> Piece:
-    """The last frames of what played, on the level floor, as a piece that ends where ``start`` begins.
+def _last_seen(before: Playing, frame: int, start: float) -> NDArray[np.int64]:
+    """(SEEN,) the frames that were seen last before ``start``: the last one again and again where it was held."""
+    timing = before.composite.timing
+    held = round((start - timing.end) * timing.frame_rate) - 1 if frame == timing.last else 0
+    rows = np.arange(frame - SEEN + 1, frame + 1) + max(held, 0)
+    return np.asarray(rows.clip(0, frame))
+
+
+def _shown(before: Playing, rows: NDArray[np.int64], start: float) -> Piece:
+    """Frames of what played, on the level floor, as a piece that ends where ``start`` begins.
 
     They are held: a foot that stands is found where it stands, whatever the clip does with it next.
     """
@@ -144,7 +153,7 @@ def _shown(before: Playing, frame: int, start: float) -> Piece:
     if not standing.ground.is_level:
         known = standing.motion, standing.morphology, standing.contacts, Ground(), standing.volume, standing.actor
         standing = stand(*known, standing.limited)
-    rows = np.arange(frame - SEEN + 1, frame + 1).clip(0)
+    frame = rows[-1]
     body = standing.morphology
     still = body.at(frame) if isinstance(body, AnimatedMorphology) else body
     positions = standing.positions[rows] - [0.0, 0.0, standing.ground.height]

@@ -16,6 +16,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
+from studio.core.normalized.transition import SHORTEST
 from studio.core.project import Performer, Project
 from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
@@ -39,6 +40,8 @@ SWEEPS, FIRST_SWEEPS = 4, 6
 """Times that those who follow each other are solved again in a step at most; more in their first one."""
 SOON = 1.0 / 60.0
 """Seconds before the end of a clip, for each performer, in which what comes next may begin."""
+SETTLED = 0.1
+"""Seconds that a clip which took over plays before another one may."""
 BEGUN_A_STEP = 1
 """Clips that begin in one step, of all performers together: who is left begins in the next one."""
 
@@ -220,24 +223,29 @@ class LiveStage:
                 part.wish = step_of(seen, key, part.act, part.playing.composite, part.frame)
 
     def _ends(self, part: _Part) -> bool:
-        """Whether what a performer plays is about to end: everybody may need a step to begin what comes.
+        """Whether what a performer plays is about to end: everybody may need a step to begin what comes."""
+        return part.playing.composite.timing.end - self.seconds < min(self._step, SOON) * len(self._parts)
 
-        Not before a step of it was seen: clips shorter than that would each begin as the last one did, ever faster.
+    def _settled(self, part: _Part) -> bool:
+        """Whether enough was seen of what took over last: clips that begin sooner each keep the speed that they find,
+        and carry the body away.
         """
-        seen = part.begun is None or part.playing.time_of(part.frame) > part.begun.since
-        left = part.playing.composite.timing.end - self.seconds
-        return seen and left < min(self._step, SOON) * len(self._parts)
+        return part.act is None or self.seconds - part.act.clip.start > SETTLED
 
     def _next(self, key: str, part: _Part) -> Act | None:
-        """What comes by itself: a state's clip again, or the first clip of a row; None where the last pose is held."""
+        """What comes by itself: a state's clip again, or the first clip of a row; None where the last pose is held, as
+        that of a clip too short to be gone over to.
+        """
         behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
         state = behaviour.state(self.running[key].state) if behaviour and key in self.running else None
+        act = Act(part.row[0])
         if state is not None:
             if part.act is None or state.clip is None or not state.loop:
                 return None
-            again = replace(state.clip, joined=True, turn=0.0, offset=(0.0, 0.0), ease=part.act.clip.ease)
-            return replace(part.act, clip=again, steps=False)
-        return Act(replace(part.row[0], joined=True, turn=0.0, offset=(0.0, 0.0)))
+            act = replace(part.act, clip=replace(state.clip, ease=part.act.clip.ease), steps=False)
+        if act.clip.length(self.project.frame_rate_of(act.clip)) < SHORTEST:
+            return None
+        return replace(act, clip=replace(act.clip, joined=True, turn=0.0, offset=(0.0, 0.0)))
 
     def _begin_clips(self) -> None:
         """Let clips take over that are wished for, or that come where what plays is about to end."""
@@ -245,7 +253,7 @@ class LiveStage:
         for key, part in self._parts.items():
             if part.result is not None and part.wish is None and self._ends(part):
                 part.wish = self._next(key, part)
-            if part.result is not None and part.wish is not None:
+            if part.result is not None and part.wish is not None and self._settled(part):
                 waiting.append(key)
         for key in waiting[:BEGUN_A_STEP]:
             part = self._parts[key]

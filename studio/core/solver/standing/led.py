@@ -43,9 +43,9 @@ class Stance:
     toes: FloatArray
 
     @classmethod
-    def of(cls, standing: "Standing", frame: int) -> "Stance":
-        """In ``frame`` and in the one before."""
-        rows, footing = [max(frame - 1, 0), frame], standing.footing
+    def of(cls, standing: "Standing", frames: NDArray[np.int64]) -> "Stance":
+        """In the last two of ``frames``."""
+        rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
         return cls(standing.positions[rows], standing.rotations[rows], *legs)
 
@@ -54,7 +54,7 @@ def led_from(standing: "Standing", first: int, seen: Stance) -> "Standing":
     """``standing`` from frame ``first`` on led from the body as it was ``seen`` until then."""
     footing, count = standing.footing, standing.motion.frame_count
     times = np.arange(1, count - first + 1) / standing.motion.frame_rate
-    change = _Change(standing, first, times, Stance.of(standing, first - 1), seen)
+    change = _Change(standing, first, times, Stance.of(standing, np.arange(first - 2, first)), seen)
     positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
     ankles, feet, toes = footing.ankles.copy(), footing.feet[:].copy(), footing.toes[:].copy()
     asides = []
