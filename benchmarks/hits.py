@@ -12,7 +12,8 @@ from studio.core.body.morphology import Morphology
 from studio.core.body.sticks import bone_pairs
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import Piece
-from studio.core.solver.adapt import hold, stand
+from studio.core.solver.adapt import hold
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from studio.library.indexing import bundled_library
 from studio.library.library import Library

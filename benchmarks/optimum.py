@@ -17,14 +17,14 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.search.joints import ROOT
-from studio.core.solver.adapt import Standing
 from studio.core.solver.asking.chains import carrying_chain, free_joints, segment_masses
+from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 
 STEP = 1e-6
 PENALTIES = 10.0, 100.0, 300.0
-"""Metres of miss that one metre off balance or over a leash, or one radian over a limit, counts as; in turn."""
+"""Metres of miss that one metre off balance or beyond its reach, or one radian over a limit, counts as; in turn."""
 KEPT = 5e-4
 """Metres or radians by which a pose may overstep and still count."""
 
@@ -63,7 +63,7 @@ class _Frame:
         self.ankles = standing.footing.ankles[:, frame]
         planted = standing.footing.states[:, frame] != 0
         comforts = np.where(planted, standing.footing.comforts[:, frame], np.inf)
-        self.leashes = comforts * self.body.leg.sum(axis=1)
+        self.root_reaches = comforts * self.body.leg.sum(axis=1)
         self.balances = any(isinstance(each, BalanceConstraint) for each in constraints)
         self.shares, self.along = segment_masses(self.layout).T
         self.size = 3 * len(self.segments) + 3 * self.root_is_free
@@ -106,13 +106,13 @@ class _Frame:
         return np.asarray((values[: len(x)] - values[len(x) :]).T / (2.0 * STEP))
 
     def _asked(self, x: FloatArray) -> FloatArray:
-        """(B, values) what each wrist misses (2 x 3), balance off its place (2), leashes and limits overstepped."""
+        """(B, values) what each wrist misses (2 x 3), balance off its place (2), root too far, limits overstepped."""
         shoulders, centres, hips = self._posed(x, reaching=True)
         ways = self.targets - shoulders
         spans = np.linalg.norm(ways, axis=2)
         misses = ways * np.maximum(1.0 - self.reaches / spans, 0.0)[..., None]
         moved = centres - self.centre if self.balances else np.zeros((len(x), 2))
-        over = np.maximum(np.linalg.norm(self.ankles - hips, axis=2) - self.leashes, 0.0)
+        over = np.maximum(np.linalg.norm(self.ankles - hips, axis=2) - self.root_reaches, 0.0)
         beyond = np.maximum(np.sqrt(np.sum(self._turns(x) ** 2, axis=2) + 1e-18) - self.limits, 0.0)
         return np.concatenate([misses.reshape(len(x), -1), moved, over, beyond], axis=1)
 

@@ -13,8 +13,9 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import QUIET, angular_acceleration, centre_of_mass, contact_quality
-from studio.core.solver.adapt import Standing, adapt, hold, stand
+from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import Standing, stand
 
 FloatArray = NDArray[np.float64]
 

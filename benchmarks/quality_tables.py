@@ -22,8 +22,9 @@ from studio.cli.adaptation import ReadyCapture, made_ready  # noqa: E402
 from studio.core.grounds.ground import Ground  # noqa: E402
 from studio.core.normalized.round_trip import round_trip  # noqa: E402
 from studio.core.quality.motion_quality import PARTS, MotionQuality, motion_quality  # noqa: E402
-from studio.core.solver.adapt import hold, standing_of  # noqa: E402
+from studio.core.solver.adapt import hold  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
+from studio.core.solver.standing.stand import standing_of  # noqa: E402
 from studio.io.character_file import bundled_characters  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 

@@ -93,9 +93,9 @@ def growth(record: Record) -> str:
         f"{one['costs'][-1]:.1f} µs for all; fitted {one['slope']:.1f} µs each (R² {one['fit']:.3f}).\n"
         f"Characters of the worst kind, 1 to {many['counts'][-1]:,}: fitted {many['slope']:.1f} µs each "
         f"(R² {many['fit']:.4f}), {1e6 / 30.0 / many['slope']:,.0f} on one core at 30 Hz.\n"
-        f"Performers of a stage, 1 to {stage.counts[-1]:,}, each with a row of two clips that blend and two wishes, "
-        f"all that is done before solving included: fitted {stage.slope:.1f} µs each a frame (R² {stage.fit:.4f}); one "
-        f"of {stage.counts[-1]:,} costs {beyond_linear(stage):.2f} times one of ten.\n"
+        f"Performers of a stage, 1 to {stage.counts[-1]:,}, each with a row of two clips that blend and two "
+        f"constraints, all that is done before solving included: fitted {stage.slope:.1f} µs each a frame "
+        f"(R² {stage.fit:.4f}); one of {stage.counts[-1]:,} costs {beyond_linear(stage):.2f} times one of ten.\n"
     )
 
 

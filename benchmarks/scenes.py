@@ -24,8 +24,9 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import QUIET, angular_acceleration
-from studio.core.solver.adapt import Standing, adapt, hold, place_of, stand
+from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
 from studio.resources_folder import example_captures_folder

@@ -1,4 +1,4 @@
-"""How the cost of a stage grows with the number of its performers: rows of clips, each with its wishes, on one core."""
+"""How the cost of a stage grows with the number of its performers: rows of clips with constraints, on one core."""
 
 import time
 from collections.abc import Mapping
@@ -47,14 +47,14 @@ def prepared_stage(characters: Mapping[str, Character]) -> Project:
         f"performer {number}": Performer(f"Performer {number}", names[number % len(names)], ROW, (1.2 * number, 0.0))
         for number in range(CHARACTERS[-1])
     }
-    wishes = {
+    constraints = {
         f"wish {place}": PositionConstraint(
             "walk", f"Hand {place}", wrist, Chain(trunk=0.3), 0, ActivationCurve(2.0, 2.3, 6.0, 6.2),
             target=OwnPlace(wrist, 2.2, (0.1, 0.0, 0.15)),
         )
         for place, wrist in enumerate(WRISTS)
     }  # fmt: skip
-    return Project(stuff.captures, stuff.motions, characters, performers, wishes, stuff.contacts)
+    return Project(stuff.captures, stuff.motions, characters, performers, constraints, stuff.contacts)
 
 
 def beyond_linear(stage: Growth) -> float:

@@ -22,8 +22,9 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import skin_vertices
-from studio.core.solver.adapt import hold, stand
+from studio.core.solver.adapt import hold
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
 

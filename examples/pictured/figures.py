@@ -20,7 +20,8 @@ from studio.core.kernels.limbs.legs import hip_heights
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT, place_limb, soft_reach
 from studio.core.kernels.records import Limb, Pose
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import hold, stand
+from studio.core.solver.adapt import hold
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from studio.io.importing import GUESS_ALL
 

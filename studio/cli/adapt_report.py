@@ -14,9 +14,10 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
 from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
-from studio.core.solver.adapt import Standing, hold, standing_of
+from studio.core.solver.adapt import hold
 from studio.core.solver.report import CONTACTS, EASED, LIMITS, NOBODY, REACH, Report, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import Standing, standing_of
 from studio.core.solver.warm_up import warm_up
 
 Record = dict[str, Any]

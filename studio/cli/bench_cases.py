@@ -22,9 +22,10 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized
-from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import Standing, stand
 
 FloatArray = NDArray[np.float64]
 
@@ -50,7 +51,7 @@ UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
 class Task:
     """One row of the table: what is asked, microseconds a frame that the paper took, and our aim.
 
-    ``reachable`` says whether the highest wish can be had in most frames.
+    ``reachable`` says whether the highest constraint can be met in most frames.
     """
 
     name: str
@@ -61,7 +62,7 @@ class Task:
 
     @property
     def highest(self) -> Constraint:
-        """The wish for a place that the others yield to."""
+        """The constraint for a place that the others yield to."""
         places = [each for each in self.request.constraints if isinstance(each, PositionConstraint)]
         return min(places, key=lambda each: each.priority)
 

@@ -14,9 +14,9 @@ from studio.cli.render import performances
 from studio.cli.warm_up import compile_first
 from studio.core.errors import StudioError
 from studio.core.project import Project
-from studio.core.solver.adapt import standing_of
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import played_on
+from studio.core.solver.standing.stand import standing_of
 from studio.io.export import write_take
 from studio.io.export_options import ExportOptions
 from studio.io.project_file import read_project

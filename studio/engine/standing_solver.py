@@ -11,7 +11,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 
 if TYPE_CHECKING:
-    from studio.core.solver.adapt import Standing
+    from studio.core.solver.standing.stand import Standing
 
 KEPT_STANDING = 16
 
@@ -49,8 +49,8 @@ class StandingSolver:
 
     def _standing(self, request: AdaptRequest, windows: Windows | None) -> "Standing":
         """How the body of ``request`` stands, in some ``windows`` at least."""
-        from studio.core.solver.adapt import stand_but_for_arms
         from studio.core.solver.standing.lifted import lifted
+        from studio.core.solver.standing.stand import stand_but_for_arms
 
         body, on = (request.motion, request.morphology), Carried.of(request)
         whole, partly = self._whole.get(body), self._partly.get(body)

@@ -19,8 +19,9 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, compose
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
-from studio.core.solver.adapt import adapt, hold, stand
+from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import stand
 from studio.core.stage.clip import Clip
 from studio.core.stage.scope import Scope
 from studio.library.clips import ClipLabel, hit_point

@@ -25,7 +25,8 @@ from studio.core.normalized.encode import encode
 from studio.core.normalized.joining import Planar
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
-from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.adapt import hold
+from studio.core.solver.standing.stand import Standing, stand
 from studio.library.clips import Kind, Limb
 from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library

@@ -10,12 +10,11 @@ from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.limbs.limb import COMFORT
 from studio.core.kernels.support.sole import FLAT, HEEL, TOE
 from studio.core.normalized.realize import realize
-from studio.core.solver.adapt import Standing
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.smoothing.stretch import legs_of
 from studio.core.solver.standing.footing import Footing, leg_stretches, run_out
 from studio.core.solver.standing.raised_arms import raise_arms
+from studio.core.solver.standing.stand import Standing, legs_of
 from studio.live.foothold import Follower, Foothold, FootPose
 
 FloatArray = NDArray[np.float64]

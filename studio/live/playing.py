@@ -20,13 +20,13 @@ from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
 from studio.core.project import Project
-from studio.core.solver.adapt import Standing, stand, standing_of
 from studio.core.solver.asking.tracks import Tracks, fixed_at
 from studio.core.solver.performers.performing import Prepare, motion_of, unasked_request
 from studio.core.solver.performers.rows import composite_of, constraints_in, pieces_of
 from studio.core.solver.performers.stage import asked_of
-from studio.core.solver.smoothing.stretch import targets_of
+from studio.core.solver.solved_window import targets_of
 from studio.core.solver.standing.led import Stance, led_from
+from studio.core.solver.standing.stand import Standing, stand, standing_of
 
 FloatArray = NDArray[np.float64]
 

@@ -25,9 +25,10 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.normalize import detected_contacts, normalize
 from studio.core.normalized.realize import realize
 from studio.core.normalized.round_trip import round_trip
-from studio.core.solver.adapt import adapt, standing_of
+from studio.core.solver.adapt import adapt
 from studio.core.solver.report import report_of
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.standing.stand import standing_of
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from studio.library.catalogue import Catalogue

@@ -38,8 +38,8 @@ def test_the_whole_body_moves_together(seed: int) -> None:
 
 @given(seeds)
 def test_a_point_goes_with_its_segment(seed: int) -> None:
-    random, found = np.random.default_rng(seed), np.empty(3)
+    random = np.random.default_rng(seed)
     offset, segment = random.normal(size=3), int(random.integers(BODY.layout.segment_count))
     point = int(random.integers(BODY.layout.point_count))
-    kernel.body_point(point, segment, offset, POSITIONS, ROTATIONS, found)
+    found = kernel.body_point(point, segment, offset, POSITIONS, ROTATIONS)
     assert np.allclose(found, POSITIONS[point] + ROTATIONS[segment] @ offset, atol=1e-14)

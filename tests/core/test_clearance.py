@@ -14,7 +14,7 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.limits import clearance as kernel
 from studio.core.kernels.limits.clearing import make_clearing
-from studio.core.kernels.records import ActorRooms, Pose, Volume
+from studio.core.kernels.records import CAPSULE, ActorRooms, Pose, Volume
 from studio.core.mesh.skin import fit_skin
 from studio.core.mesh.volume import BodyVolume, usual_volume
 from studio.core.solver.adapt import adapt, place_of
@@ -51,7 +51,7 @@ def belly(adapted: AdaptedMotion) -> tuple[float, ...]:
 def test_the_capsules_lie_close_under_the_skin(name: str) -> None:
     character = CHARACTERS[name]
     body, mesh = character.morphology, fit_skin(character.skin, character.build, character.morphology)
-    pose, capsules, way = rest_pose(body), np.empty((9, 9)), np.empty(3)
+    pose, capsules, way = rest_pose(body), np.empty(9, CAPSULE), np.empty(3)
     volume = character.volume
     packed = Volume(volume.segments, volume.places, volume.radii, volume.girths)
     kernel.place_capsules(packed, Pose(*pose), np.array(body.layout.proximal_points()), capsules)

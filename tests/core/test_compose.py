@@ -16,7 +16,8 @@ from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.normalized.realize import realize
 from studio.core.normalized.transition import placed
 from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
-from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.adapt import hold
+from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import load_capture
 from tests.architecture.sources import ROOT
 from tests.builders import make_morphology

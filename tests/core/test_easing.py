@@ -19,14 +19,15 @@ from studio.core.kernels.tasks.goals import TURN_ARM as LEVER
 from studio.core.kernels.time.jolts import WHOLE
 from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
 from studio.core.rotations import angle_between, from_matrix
-from studio.core.solver.adapt import Bound, Standing, hold, place_of, stand
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.packing import pack
 from studio.core.solver.asking.tracks import Targets, Track
 from studio.core.solver.report import EASED, report_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.limb_charts import LimbCharts
-from studio.core.solver.smoothing.stretch import Stretch
-from studio.core.solver.smoothing.wished import brought
+from studio.core.solver.smoothing.target_motion import brought
+from studio.core.solver.solved_window import BOUND, SolvedWindow, constraint_activations
+from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import local_rotations, random_rotations, target, walk
 from tests.core.test_smooth_law import BEFORE, BODIES, CONTACTS, STANDING, Wishes
@@ -100,11 +101,12 @@ def test_any_window_is_as_the_whole_clip() -> None:
 
 def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> None:
     wishes = Wishes(BEFORE[4], 24, 3)
-    stretch = Stretch(STANDING[4], wishes.constraints, slice(0, 90), wishes.tracks, Bound())
-    stretch.solve()
-    assert stretch.may_jolt
-    solve, layout = stretch.whole, BEFORE[4].morphology.layout
-    turns = LimbCharts(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(stretch.answer(slice(0, 90))[1])
+    activations = constraint_activations(wishes.constraints, STANDING[4])
+    window = SolvedWindow(STANDING[4], wishes.constraints, activations, wishes.tracks, BOUND, slice(0, 90))
+    window.solve()
+    assert window.may_jolt
+    solve, layout = window.whole, BEFORE[4].morphology.layout
+    turns = LimbCharts(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(window.answer(slice(0, 90))[1])
     measured = solve.jolts_of(solve.states, turns)
     looked = solve.sharp[:, 2] > 0.0  # others turn so little that nobody looked
     assert 3 < looked.sum() < 88

@@ -12,9 +12,10 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
-from studio.core.solver.adapt import adapt, stand
+from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.footprints import planes_under, tilts_of
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import walk
 

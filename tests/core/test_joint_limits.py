@@ -13,10 +13,11 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import adapt, standing_of
+from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.report import LIMITS, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import standing_of
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 from tests.core.reachable import Mannequin

@@ -12,8 +12,9 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.solver.adapt import adapt, hold, place_of, stand
+from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, target, walk
 from tests.core.reachable import reachable_target

@@ -5,9 +5,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from studio.core.kernels.body.parts import turn_part
+from studio.core.kernels.body.parts import limb_parts, turn_part
 from studio.core.kernels.limbs import reach as kernel
-from studio.core.kernels.limbs.limb_constraints import limb_indices
 from studio.core.normalized.realize import realize
 from tests.builders import make_morphology
 from tests.core.motions import walk
@@ -28,7 +27,7 @@ class _Reach:
         random = np.random.default_rng(seed)
         frame = random.integers(60)
         self.positions, self.rotations = POSES[0][frame].copy(), POSES[1][frame].copy()
-        self.root, self.upper = limb_indices(limb, K)
+        _, self.upper, self.root = limb_parts(limb, K)
         self.shoulder, self.elbow = self.positions[self.root].copy(), self.positions[self.root + 1].copy()
         self.hinge = self.rotations[self.upper, :, 0].copy()
         self.offset = random.uniform(-0.1, 0.3, 3)

@@ -37,10 +37,12 @@ from studio.core.kernels.tasks.task import TASK
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
-from studio.core.solver.adapt import Bound, Standing, hold, stand
+from studio.core.solver.adapt import hold
 from studio.core.solver.asking.chains import free_joints, point_masses, segment_masses
 from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.solved_window import Bound
+from studio.core.solver.standing.stand import Standing, stand
 from studio.core.solver.standing.support import mass_path
 from studio.io.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
@@ -373,9 +375,9 @@ def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str
 
 @pytest.mark.parametrize("name", BODIES)
 def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> None:
-    posed, point = _Posed(STANDING[name], MIDDLE), np.empty(3)
+    posed = _Posed(STANDING[name], MIDDLE)
     sums = np.empty((len(posed.masses) + 1, 4))
-    centre_of_mass(posed.shares, posed.start.positions, point)
+    point = centre_of_mass(posed.shares, posed.start.positions)
     sum_masses(posed.masses, posed.start.positions, sums)
     assert sums[-1] == pytest.approx([*point, 1.0], abs=1e-3)
     assert sums[-1, :3] == pytest.approx(point, abs=1e-12)
@@ -395,9 +397,7 @@ def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: in
         aim_at(
             goal, positions[root + 2].copy(), upper, layout.spine_count, positions[root].copy(), positions, rotations
         )
-        point = np.empty(3)
-        centre_of_mass(posed.shares, positions, point)
-        return point, positions
+        return np.array(centre_of_mass(posed.shares, positions)), positions
 
     first = aimed(0, np.zeros(3))[1]
     sums, rows = np.empty((len(masses) + 1, 4)), np.empty((2, len(joints), 3))

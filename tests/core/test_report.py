@@ -13,9 +13,10 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
-from studio.core.solver.adapt import adapt, hold, place_of, standing_of
+from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.report import CONTACTS, LIMITS, NOBODY, REACH, Report, report_of, winners
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import standing_of
 from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
 from tests.core.test_targets import CONTACTS as STANDS
 from tests.core.test_targets import WALK, every_body

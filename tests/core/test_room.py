@@ -8,8 +8,9 @@ from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.normalized.normalize import detected_contacts, normalize
-from studio.core.solver.adapt import Standing, hold, place_of, standing_of
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.standing.stand import Standing, standing_of
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from studio.resources_folder import example_captures_folder

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.kernels.algebra import rotation as kernel
+from studio.core.kernels.algebra import turns
 from tests.core.twins import rotation as twin
 
 seeds = st.integers(0, 2**32 - 1)
@@ -30,9 +31,8 @@ def test_products_are_numpys(seed: int) -> None:
     first, second, out = *random.normal(size=(2, 3, 3)), np.empty((3, 3))
     kernel.multiply(first, second, out)
     assert np.allclose(out, first @ second, atol=1e-13)
-    origin, vector, point = *random.normal(size=(2, 3)), np.empty(3)
-    kernel.add_rotated(origin, first, *vector, point)
-    assert np.allclose(point, origin + first @ vector, atol=1e-13)
+    origin, vector = random.normal(size=(2, 3))
+    assert np.allclose(turns.beside(origin, tuple(first.flat), *vector), origin + first @ vector, atol=1e-13)
 
 
 @given(seeds, st.floats(0, np.pi))

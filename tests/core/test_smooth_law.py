@@ -16,9 +16,10 @@ from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import QUIET, angular_acceleration
-from studio.core.solver.adapt import hold, place_of, stand
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, local_rotations, walk
 

@@ -17,9 +17,10 @@ from studio.core.constraints.objections import objection
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import hold, stand
+from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
 

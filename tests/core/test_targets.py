@@ -28,13 +28,14 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import normalize
 from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import angle_between, from_matrix, to_matrix
-from studio.core.solver.adapt import adapt, hold, place_of, stand
+from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.awaiting import awaited
 from studio.core.solver.performers.following import performer_track, tracked_track
 from studio.core.solver.performers.props import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.standing.stand import stand
 from studio.core.solver.standing.support import outlines, smoothed, standing_points, support_margins
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from studio.core.grounds.ground import Ground
-from studio.core.solver import adapt
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.standing import stand
 from studio.engine.standing_solver import KEPT_STANDING, StandingSolver
 from studio.io.character_file import bundled_characters
 from tests.builders import make_constraint
@@ -22,13 +22,13 @@ FRAME = 30
 @pytest.fixture
 def stood(monkeypatch: pytest.MonkeyPatch) -> list[AdaptRequest]:
     """The requests for which a body was set on the ground."""
-    requests, stand = list[AdaptRequest](), adapt.stand_but_for_arms
+    requests, whole = list[AdaptRequest](), stand.stand_but_for_arms
 
     def noted(request: AdaptRequest) -> Any:
         requests.append(request)
-        return stand(request)
+        return whole(request)
 
-    monkeypatch.setattr(adapt, "stand_but_for_arms", noted)
+    monkeypatch.setattr(stand, "stand_but_for_arms", noted)
     return requests
 
 

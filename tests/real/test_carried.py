@@ -15,10 +15,11 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.grounds import Bumps, Slope
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
-from studio.core.solver.adapt import adapt, hold, place_of, stand
+from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import target
 from tests.real.taken import HUMANS, contacts_of, named, taken

@@ -13,10 +13,11 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import QUIET, angular_acceleration
-from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.adapt import hold
 from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
+from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from tests.real.taken import contacts_of, named, taken
 

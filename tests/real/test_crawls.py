@@ -13,9 +13,10 @@ from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import capture_contacts, normalize
 from studio.core.quality.motion_quality import motion_quality, rises
-from studio.core.solver.adapt import adapt, standing_of
+from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
+from studio.core.solver.standing.stand import standing_of
 from studio.io.character_file import bundled_characters
 from studio.io.importing import load_capture
 from tests.conftest import CAPTURES

@@ -13,9 +13,10 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import QUIET, angular_acceleration, contact_quality
-from studio.core.solver.adapt import Standing, hold, place_of, stand
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS, local_rotations
 from tests.real.taken import contacts_of, named, taken

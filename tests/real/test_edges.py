@@ -18,8 +18,9 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import Standing, hold, stand
+from studio.core.solver.adapt import hold
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import Standing, stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS
 from tests.real.taken import contacts_of, named, taken

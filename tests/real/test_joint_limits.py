@@ -13,9 +13,10 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import acceleration_ratio
-from studio.core.solver.adapt import Standing, hold, standing_of
+from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.standing.stand import Standing, standing_of
 from studio.io.importing import GUESS_ALL
 from studio.resources_folder import example_captures_folder
 from tests.core.motions import ALWAYS

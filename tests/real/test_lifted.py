@@ -10,9 +10,9 @@ import pytest
 from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.grounds.ground import Ground
 from studio.core.single import Single
-from studio.core.solver.adapt import standing_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.lifted import lifted
+from studio.core.solver.standing.stand import standing_of
 from studio.io.character_file import bundled_characters
 from tests.real.taken import contacts_of, named, taken
 

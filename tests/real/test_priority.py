@@ -17,8 +17,9 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.rotations import from_matrix
-from studio.core.solver.adapt import hold, place_of, stand
+from studio.core.solver.adapt import hold, place_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS
 from tests.core.twins.rotation import from_vector

@@ -7,10 +7,11 @@ import pytest
 
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio
-from studio.core.solver.adapt import adapt, standing_of
+from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.raised_arms import raise_arms
+from studio.core.solver.standing.stand import standing_of
 from studio.io.character_file import bundled_characters
 from tests.real.taken import contacts_of, named, taken
 

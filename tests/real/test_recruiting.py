@@ -12,8 +12,9 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.quality.motion_quality import motion_quality
-from studio.core.solver.adapt import hold, stand
+from studio.core.solver.adapt import hold
 from studio.core.solver.source import source_motion
+from studio.core.solver.standing.stand import stand
 from studio.io.character_file import bundled_characters
 from tests.core.motions import ALWAYS
 from tests.real.taken import contacts_of, named, taken

@@ -6,7 +6,7 @@ from studio.core.kernels.algebra.vectors import clear_points
 from studio.core.kernels.body.parts import copy_pose, move_all
 from studio.core.kernels.compiling import allocating_kernel, kernel, pack, small_kernel
 from studio.core.kernels.limbs.legs import is_placed, place_leg
-from studio.core.kernels.limits.clearance_stages import hold_above, keep_stage, make_kept, next_stage
+from studio.core.kernels.limits.clearance_tiers import hold_above, keep_tier, make_kept, next_tier
 from studio.core.kernels.limits.clearing import clear_after, clear_before, make_clearing
 from studio.core.kernels.records import (
     BRAKE,
@@ -93,7 +93,7 @@ def solve_each(asked, body, motion, clearance, easing, scratch, out_residuals):
         if eases:
             solve_eased(frame, clears, clip, problem)
         elif clears:
-            acts = solve_staged(frame, clip, problem)
+            acts = solve_tiers(frame, clip, problem)
         else:
             acts = solve_one(frame, 0, clip, problem)
         for joint in range(easing.states.shape[1]):
@@ -113,24 +113,24 @@ def solve_eased(frame, clears, clip, problem):
 
 
 @kernel
-def solve_staged(frame, clip, problem):
-    """One frame solved and cleared stage by stage (``kernels.limits.clearance_stages``); whether anything acts in the
+def solve_tiers(frame, clip, problem):
+    """One frame solved and cleared tier by tier (``kernels.limits.clearance_tiers``); whether anything acts in the
     last.
     """
     last = clip.asked.activations.shape[0] - 1
     waited = clear_before(frame, False, clip, problem.start)
-    stage, first, acts = next_stage(0, frame, clip), True, False
-    while stage <= last:
+    tier, first, acts = next_tier(0, frame, clip), True, False
+    while tier <= last:
         begin(problem)
-        acts = solve_one(frame, stage, clip, problem)
-        clear_after(frame, stage, acts, waited, clip, problem)
+        acts = solve_one(frame, tier, clip, problem)
+        clear_after(frame, tier, acts, waited, clip, problem)
         follow(problem.tasks.shape[0], True, problem)
         note_misses(frame, problem, clip.residuals)
         if not first:
-            hold_above(stage, frame, clip, problem)
-        if stage < last:
-            keep_stage(stage, first, frame, clip, problem)
-        first, stage = False, next_stage(stage + 1, frame, clip)
+            hold_above(tier, frame, clip, problem)
+        if tier < last:
+            keep_tier(tier, first, frame, clip, problem)
+        first, tier = False, next_tier(tier + 1, frame, clip)
     return acts
 
 
@@ -142,9 +142,9 @@ def begin(problem):
 
 
 @kernel
-def solve_one(frame, stage, clip, problem):
-    """One frame down to a ``stage``; whether anything acts. On edges it is blended of several solves."""
-    tasks, chain, activations = problem.tasks, problem.chain, clip.asked.activations[stage]
+def solve_one(frame, tier, clip, problem):
+    """One frame down to a ``tier``; whether anything acts. On edges it is blended of several solves."""
+    tasks, chain, activations = problem.tasks, problem.chain, clip.asked.activations[tier]
     least, any_acts = 0.0, False
     while True:
         more = next_edge(least, frame, tasks, activations)
@@ -180,7 +180,7 @@ def legs_at(frame, legs):
 def body_at(frame, body, legs):
     """The body at one frame, with its ``legs`` there, packed by who calls."""
     row = body.measures[frame if body.measures.shape[0] > 1 else 0]
-    return Body(row, body.masses, body.leashes[:, frame], legs, body.limits, body.shares)
+    return Body(row, body.masses, body.root_reaches[:, frame], legs, body.limits, body.shares)
 
 
 @small_kernel
@@ -198,13 +198,11 @@ def with_packed(rows, equations, damped, search):
         search.kept,
         search.tried,
         search.ends,
-        search.hung,
+        search.blended,
         search.idle,
         search.sums,
-        search.points,
-        search.turns,
         search.limbs,
-        search.hung_turns,
+        search.blended_turns,
         search.solved_turns,
         search.kept_turns,
     )
@@ -254,8 +252,6 @@ def make_search(task_count, joint_count, point_count):
         np.zeros(4, np.int64),
         np.zeros(4, np.int64),
         np.empty((segments + 1, 4)),
-        np.empty((8, 3)),
-        np.empty((6, 3, 3)),
         np.zeros(4, LIMB_STATE),
         np.empty((16, 3, 3)),
         np.empty((16, 3, 3)),

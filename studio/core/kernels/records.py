@@ -110,7 +110,7 @@ class BodyFrames(NamedTuple):
     """(F or 1, n) of ``kernels.layout``."""
     masses: Array
     """(S, 2) of ``kernels.tasks.balance``."""
-    leashes: Array
+    root_reaches: Array
     """(2, F) as ``Body`` has them."""
     legs: Legs
     limits: Array
@@ -126,7 +126,7 @@ class Body(NamedTuple):
     """(n,) of ``kernels.layout``."""
     masses: Array
     """(S, 2) of ``kernels.tasks.balance``."""
-    leashes: Array
+    root_reaches: Array
     """(2,) parts of their lengths to which the root may stretch the legs, inf where a foot is free."""
     legs: Legs
     limits: Array
@@ -242,20 +242,16 @@ class Search(NamedTuple):
     """(N, 3) the state where what was tried led."""
     ends: Array
     """(4,) the task that holds the end of each limb, -1 none."""
-    hung: Array
+    blended: Array
     """(4,) whether a limb stays as it is blended (``kernels.time.activation_blend``)."""
     idle: Array
     """(4,) whether nothing asks anything of a limb."""
     sums: Array
     """(S + 1, 4) of ``kernels.tasks.balance``."""
-    points: Array
-    """(8, 3) scratch."""
-    turns: Array
-    """(6, 3, 3) scratch."""
     limbs: Array
     """(4,) records of ``LIMB_STATE``."""
-    hung_turns: Array
-    """(16, 3, 3) how each segment of a hung limb turns in what carries it, four a limb."""
+    blended_turns: Array
+    """(16, 3, 3) how each segment of a blended limb turns in what carries it, four a limb."""
     solved_turns: Array
     """(16, 3, 3) the same of the pose just solved."""
     kept_turns: Array
@@ -289,7 +285,7 @@ class Asked(NamedTuple):
     recruits: Recruits
     targets: Targets
     activations: Array
-    """(K, C, F) of all down to each of K stages of ``kernels.limits.clearance_stages``, the last of all."""
+    """(K, C, F) of all down to each of K tiers of ``kernels.limits.clearance_tiers``, the last of all."""
 
 
 class Volume(NamedTuple):
@@ -337,15 +333,15 @@ class Clearance(NamedTuple):
     """(F, 2, 5) metres of room that the actor has."""
     ways: Array
     """(F, 2, 5, 3) out of the actor's body."""
-    stages: Array
-    """(Q + C,) of them and of the constraints (``kernels.limits.clearance_stages``)."""
+    tiers: Array
+    """(Q + C,) of them and of the constraints (``kernels.limits.clearance_tiers``)."""
 
 
 class Clearing(NamedTuple):
     """Scratch of what keeps arms clear."""
 
     capsules: Array
-    """(N, 9) in the world."""
+    """(N,) records of ``CAPSULE``."""
     rooms: Array
     """(2, 5) metres of room of each probe now."""
     before: Array
@@ -362,8 +358,8 @@ class Clearing(NamedTuple):
     """(5, 3) out of the body."""
 
 
-class KeptStage(NamedTuple):
-    """What has come to be of the stages above one (``kernels.limits.clearance_stages``)."""
+class KeptTier(NamedTuple):
+    """What has come to be of the tiers above one (``kernels.limits.clearance_tiers``)."""
 
     state: Array
     """(N, 3) of the search."""
@@ -372,7 +368,7 @@ class KeptStage(NamedTuple):
     first: Array
     """(C + Q,) what each misses, as it is kept."""
     own: Array
-    """(C + Q,) the same when its own stage was kept."""
+    """(C + Q,) the same when its own tier was kept."""
     now: Array
     """(C + Q,) the same of what has just been solved."""
 
@@ -422,7 +418,7 @@ class Clip(NamedTuple):
     motion: Motion
     clearance: Clearance
     clearing: Clearing
-    kept: KeptStage
+    kept: KeptTier
     easing: Easing
     residuals: Array
     """(C, F) by how much each constraint is missed, written by kernels: metres or radians, NaN where not active."""
@@ -433,7 +429,7 @@ class Scratch(NamedTuple):
 
     search: Search
     clearing: Clearing
-    kept: KeptStage
+    kept: KeptTier
 
 
 JOINT = np.dtype([(name, np.int64) for name in ("segment", "pivot", "first", "past", "carrier")], align=True)
@@ -442,22 +438,29 @@ first and past the last of the segments that turn with it, and the segment that 
 """
 LIMB_STATE = np.dtype(
     [
-        ("bound", np.int64),
-        ("holds_end", np.int64),
-        ("turns_end", np.int64),
-        ("wishes", np.int64),
-        ("first", np.int64),
-        ("end", np.int64),
-        ("aims_upper", np.int64),
-        ("swivels", np.int64),
-        ("turns_lower", np.int64),
+        *((name, np.int64) for name in ("limited", "holds_end", "turns_end", "taken", "primary", "primary_end")),
+        ("primary_point", np.float64, (3,)),
+        *((name, np.int64) for name in ("aims_upper", "swivels", "turns_lower")),
     ],
     align=True,
 )
-"""A limb while its constraints are solved (``kernels.limbs.limb_constraints``): whether limits bound it; whether hand
-or foot keeps its orientation in the world, and whether a constraint asks for that; how many wishes it has had; the task
-and the end of it that it reached for first, whether that is a point of its upper segment, and whether it leaves a
-swivel; whether the lower segment was turned for itself.
+"""A limb while its tasks are solved (``kernels.limbs.limb_tasks``): whether joint limits bound it; whether hand or foot
+keeps its orientation in the world, and whether a task asks for that; how many of its freedoms are taken (aim and bend,
+then the swivel); its primary task, the end of that, and where it has brought its point; whether that is a point of the
+upper segment, and whether it leaves a swivel; whether the lower segment was turned for itself.
+"""
+CAPSULE = np.dtype(
+    [
+        ("begin", np.float64, (3,)),
+        ("axis", np.float64, (3,)),
+        ("per_squared_length", np.float64),
+        ("radius", np.float64),
+        ("widens", np.float64),
+    ],
+    align=True,
+)
+"""A capsule in the world: where it begins and the way from there to its end, in metres, 1 / length^2, the radius where
+it begins, and by how much that is more where it ends.
 """
 BRAKE = np.dtype([("axis", np.float64, (3,)), ("part", np.float64)], align=True)
 """The world axis of a joint's turn, and the root of the part of its mobility that is left about it."""

@@ -57,6 +57,10 @@ class Query(NamedTuple):
     reach_weight: float
 
 
+NEAREST, FARTHEST, LOWEST, HIGHEST = range(4)
+"""The numbers of a ring: metres aside and up between which a path of a block lies."""
+
+
 class Found(NamedTuple):
     """The N clips that cost least, in their order."""
 
@@ -72,15 +76,15 @@ def judge_blocks(blocks, rows, paths, clips, middles, out_radii, out_rings):
     for block in range(blocks.shape[0]):
         start, count = clips[blocks[block, 0], 2], clips[blocks[block, 0], 3]
         widest, ring = 0.0, out_rings[block]
-        ring[0], ring[1], ring[2], ring[3] = math.inf, 0.0, math.inf, -math.inf
+        ring[NEAREST], ring[FARTHEST], ring[LOWEST], ring[HIGHEST] = math.inf, 0.0, math.inf, -math.inf
         for frame in range(blocks[block, 1], blocks[block, 1] + blocks[block, 2]):
             square, _ = pose_distance(middles[block], rows[frame])
             widest = max(widest, square)
             for row in range(start, start + count):
                 x, y = paths[row, 0] - rows[frame, MIDDLE], paths[row, 1] - rows[frame, MIDDLE + 1]
                 away = math.sqrt(x * x + y * y)
-                ring[0], ring[1] = min(ring[0], away - 1e-6), max(ring[1], away + 1e-6)
-                ring[2], ring[3] = min(ring[2], paths[row, 2]), max(ring[3], paths[row, 2])
+                ring[NEAREST], ring[FARTHEST] = min(ring[NEAREST], away - 1e-6), max(ring[FARTHEST], away + 1e-6)
+                ring[LOWEST], ring[HIGHEST] = min(ring[LOWEST], paths[row, 2]), max(ring[HIGHEST], paths[row, 2])
         out_radii[block] = math.sqrt(widest) + 1e-6
 
 
@@ -119,10 +123,10 @@ def turned_square(query, pose):
 
 @small_kernel
 def beyond(target, ring):
-    """Metres from ``target`` (3,) to what a path can reach by turning: between distances and heights ``ring`` (4,)."""
+    """Metres from ``target`` (3,) to what a path can reach by turning: between distances and heights of a ``ring``."""
     across = math.sqrt(target[0] * target[0] + target[1] * target[1])
-    beside = max(ring[0] - across, across - ring[1], 0.0)
-    above = max(ring[2] - target[2], target[2] - ring[3], 0.0)
+    beside = max(ring[NEAREST] - across, across - ring[FARTHEST], 0.0)
+    above = max(ring[LOWEST] - target[2], target[2] - ring[HIGHEST], 0.0)
     return math.sqrt(beside * beside + above * above)
 
 
@@ -163,7 +167,7 @@ def search_block(block, table, query, found):
         if near + least >= costs[last, COST]:
             continue
         # By the turn in float32 most frames are seen to miss; it is off by no more than ROUNDING over its length.
-        off = ring[1] * ROUNDING / max(planar, 1e-12)
+        off = ring[FARTHEST] * ROUNDING / max(planar, 1e-12)
         if off < SURE:
             reach, _ = hit_distance(rows[frame], (a / planar, b / planar), target, table.paths, path, count)
             if near + query.reach_weight * (reach - off) >= costs[last, COST]:

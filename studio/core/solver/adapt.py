@@ -1,124 +1,25 @@
 """Adaptation: scale the motion to a body, set it on the ground, solve its constraints, in one call a clip."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.morphology import AnimatedMorphology, AnyMorphology, Morphology
-from studio.core.captures.contacts import ContactInterval, on_ground
+from studio.core.body.morphology import AnimatedMorphology
 from studio.core.constraints.base import BodyPoint, Constraint
-from studio.core.grounds.ground import Ground
-from studio.core.kernels import records
-from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.support.carrying import place_arms
-from studio.core.kernels.tasks.goals import TURN_ARM
-from studio.core.kernels.time.jolts import note_peaks
-from studio.core.mesh.volume import BodyVolume
-from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
-from studio.core.single import PoseArray, part_of, single
+from studio.core.runs import runs_in
+from studio.core.single import PoseArray, part_of
 from studio.core.solver.asking.packing import point_indices
-from studio.core.solver.asking.self_contact import SelfContact, hands_standing, self_contact_of
 from studio.core.solver.asking.tracks import Tracks
-from studio.core.solver.request import AdaptedMotion, AdaptRequest, Unasked
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.easing import LOOKED
-from studio.core.solver.smoothing.stretch import Stretch, constraint_activations, legs_of
-from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
-from studio.core.solver.standing.footing import Footing, find_footing
-from studio.core.solver.standing.raised_arms import keep_posture, raise_arms
-from studio.core.solver.standing.settling import Arms, settle
-from studio.core.solver.standing.shown_floor import shown_floor
+from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow, constraint_activations
+from studio.core.solver.standing.stand import Standing, standing_of
 
 FloatArray = NDArray[np.float64]
-
-
-AROUND = 1.0
-"""Seconds around frames whose poses have to do with what is solved in them, as a balance's support has."""
-
-
-@dataclass(frozen=True, eq=False)
-class Standing:
-    """A motion on one body and on the ground, before any constraint: what a dragged constraint need not ask again."""
-
-    motion: NormalizedMotion
-    morphology: AnyMorphology
-    contacts: tuple[ContactInterval, ...]
-    ground: Ground
-    footing: Footing
-    holds: tuple[Hold, ...]
-    arms: Arms | None
-    positions: PoseArray
-    rotations: PoseArray
-    volume: BodyVolume | None = None
-    actor: Morphology | None = None
-    limited: bool = True
-    self_contact: SelfContact | None = None
-
-    @property
-    def unasked(self) -> Unasked:
-        """Its poses."""
-        return Unasked(self.positions, self.rotations)
-
-    def kept(self) -> "Standing":
-        """The same with its poses in half the memory, see ``core.single``."""
-        footing = replace(self.footing, feet=single(self.footing.feet), toes=single(self.footing.toes))
-        return replace(self, footing=footing, positions=single(self.positions), rotations=single(self.rotations))
-
-    def with_arms_right(self, windows: Sequence[slice]) -> "Standing":
-        """The same with hands where they touch and arms out of the body, in place, in some ``windows`` at least.
-
-        There, and a second around, it is as with all frames in one window. It comes before ``kept``.
-        """
-        contact, motion = self.self_contact, self.motion
-        if contact is None:
-            return self
-        wanted = np.zeros(motion.frame_count, dtype=np.bool_)
-        for window in windows:
-            wanted[contact.around(contact.around(self.around(window, AROUND)))] = True
-        free = 1.0 - hands_standing(self.contacts, motion.frame_count, motion.frame_rate)
-        positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
-        for run in runs_in(slice(0, motion.frame_count), wanted, 1):
-            contact.close(run, free[run], positions[run], rotations[run])
-        raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, positions, rotations)
-        return self
-
-    def around(self, window: slice, seconds: float) -> slice:
-        """``window`` and ``seconds`` on either side, as far as there are frames."""
-        frames = math.ceil(seconds * self.motion.frame_rate)
-        return slice(max(window.start - frames, 0), min(window.stop + frames, self.motion.frame_count))
-
-    @cached_property
-    def limb_freedoms(self) -> FloatArray:
-        """(4, F) how free of its contacts each limb is."""
-        count, rate = self.motion.frame_count, self.motion.frame_rate
-        return np.array([limb_freedom(self.contacts, limb, count, rate) for limb in range(4)])
-
-    @cached_property
-    def peaks(self) -> FloatArray:
-        """(S,) radians a second squared: the greatest angular acceleration of each segment in its carrier."""
-        carriers = np.array(self.morphology.layout.parent_segments())
-        peaks = np.empty((len(carriers), 2))
-        note_peaks(carriers, self.rotations[:], self.motion.frame_rate, peaks)
-        return peaks[:, 1]
-
-    @cached_property
-    def root_peak(self) -> float:
-        """The same of a bone that the root's travel turns (``kernels.time.jolts``)."""
-        pushes = np.linalg.norm(np.diff(self.positions[:, 0], 2, axis=0), axis=1)
-        return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / TURN_ARM
-
-
-@dataclass(frozen=True)
-class Bound:
-    """By what a body is bound beside its constraints."""
-
-    by_contacts: bool = True
-    by_limits: bool = True
 
 
 def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
@@ -130,64 +31,6 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
     return hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
 
 
-def standing_of(request: AdaptRequest) -> Standing:
-    """How the motion of ``request`` stands before its constraints."""
-    return stand_but_for_arms(request).with_arms_right([slice(0, request.motion.frame_count)])
-
-
-def stand(
-    motion: NormalizedMotion,
-    morphology: AnyMorphology,
-    contacts: Sequence[ContactInterval],
-    ground: Ground,
-    volume: BodyVolume | None = None,
-    actor: Morphology | None = None,
-    limited: bool = True,
-    clears: bool = False,
-) -> Standing:
-    """Scale a motion to a body and set it on the ground: feet, and what else carries it (K05 sections 6 and 7).
-
-    What its hands touch they touch here; where it ``clears``, its arms stay out of it (``solver.self_contact``).
-    """
-    known = motion, morphology, tuple(contacts)
-    return standing_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))
-
-
-def stand_but_for_arms(request: AdaptRequest) -> Standing:
-    """``standing_of`` before ``Standing.with_arms_right``, which takes most of the time."""
-    motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
-    volume, actor, limited = request.volume, request.actor, request.limited
-    positions, rotations = realize(motion, morphology)
-    contacts, touches = on_ground(contacts), contacts
-    ground = ground.felt_at(positions)
-    positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
-    carrying = find_carrying(motion, morphology, contacts, ground, positions, rotations, actor)
-    upright, share = (positions, rotations), None if carrying is None else carrying.feet_share
-    if carrying is not None:
-        positions += carrying.shift[:, None]
-        if not ground.is_level:  # feet keep their heights above it
-            upright = carrying.upright + carrying.shift[:, None] * [1.0, 1.0, 0.0], rotations
-            positions, rotations = carrying.pose[0] + carrying.shift[:, None], carrying.pose[1]
-    footing = find_footing(motion, morphology, contacts, ground, positions, rotations, share, upright)
-    arms: Arms | None = None
-    holds: tuple[Hold, ...] = ()
-    if carrying is not None:
-        footing, arms, holds = settle(carrying, footing, motion, morphology, ground, positions, rotations)
-    measures = morphology.rows
-    place_frames(measures, footing.drops, legs_of(footing, motion, slice(None)), positions, rotations)
-    if arms is not None:
-        stance = records.Arms(motion.channels, arms.comforts, arms.wrists, arms.hands, arms.bends)
-        place_arms(measures, stance, positions, rotations)
-        if ground.is_level:
-            keep_posture(morphology, arms, motion.frame_rate, positions, rotations)
-    raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
-    self_contact = self_contact_of(motion, morphology, touches, volume, actor, request.clears)
-    known = contacts, ground
-    return Standing(
-        motion, morphology, *known, footing, holds, arms, positions, rotations, volume, actor, limited, self_contact
-    )
-
-
 def hold(
     standing: Standing,
     constraints: Sequence[Constraint],
@@ -195,7 +38,7 @@ def hold(
     last: int | None = None,
     tracks: Tracks = MappingProxyType({}),
     *,
-    bound: Bound = Bound(),
+    bound: Bound = BOUND,
     eased: bool = False,
 ) -> AdaptedMotion:
     """Solve ``constraints`` on a standing motion, frames ``first`` to ``last`` (both included) (K05 section 9).
@@ -217,12 +60,13 @@ def hold(
     positions, rotations = positions[:].copy(), rotations[:].copy()
     residuals, acting = np.full((len(constraints), len(positions)), np.nan), np.asarray(activations.any(axis=1))
     asked = [constraint for constraint, acts in zip(constraints, acting, strict=True) if acts]
+    window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
     for run in runs_in(window, share > 0.0, math.ceil(2.0 * LOOKED * standing.motion.frame_rate)):
         touched = self_contact.around(run) if self_contact else run
-        stretch = _solved(standing, asked, touched, tracks, bound, eased)
-        posed = stretch.answer(touched)
+        solved = _solved(window_of, standing, touched, eased)
+        posed = solved.answer(touched)
         if self_contact:
-            free = share[touched, None, None] * (1.0 - stretch.arms_asked(touched))
+            free = share[touched, None, None] * (1.0 - solved.arms_asked(touched))
             self_contact.close(touched, free, *posed[:2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
         positions[rows], rotations[rows], residuals[acting, rows] = posed[0][own], posed[1][own], posed[2][:, own]
@@ -230,26 +74,19 @@ def hold(
 
 
 def _solved(
-    standing: Standing, constraints: Sequence[Constraint], touched: slice, tracks: Tracks, bound: Bound, eased: bool
-) -> Stretch:
+    window_of: Callable[[slice], SolvedWindow], standing: Standing, touched: slice, eased: bool
+) -> SolvedWindow:
     """The frames ``touched``, solved with as many around as have to do with how they are ``eased``."""
     seen = standing.around(touched, LOOKED if eased else 0.0)
-    stretch = Stretch(standing, constraints, seen, tracks, bound)
-    stretch.solve()
-    if eased and stretch.may_jolt and stretch.eases(touched):
-        while not are_among(wide := standing.around(stretch.with_runs(touched), LOOKED), seen):
+    solved = window_of(seen)
+    solved.solve()
+    if eased and solved.may_jolt and solved.eases(touched):
+        while not are_among(wide := standing.around(solved.with_runs(touched), LOOKED), seen):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
-            stretch = Stretch(standing, constraints, seen, tracks, bound)
-            stretch.solve()
-        stretch.ease(touched)
-    return stretch
-
-
-def runs_in(window: slice, mask: NDArray[np.bool_], apart: int) -> list[slice]:
-    """The runs of frames of a ``window`` where ``mask`` (F,) is true; those no more than ``apart`` are one."""
-    frames = window.start + np.flatnonzero(mask[window])
-    runs = np.split(frames, np.flatnonzero(np.diff(frames) > apart) + 1)
-    return [slice(int(run[0]), int(run[-1]) + 1) for run in runs if len(run)]
+            solved = window_of(seen)
+            solved.solve()
+        solved.ease(touched)
+    return solved
 
 
 def are_among(frames: slice, others: slice) -> bool:

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
+from studio.core.kernels.tasks.task import STRICT
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import centre_of_mass, knee_speeds
-from studio.core.solver.adapt import Bound, Standing
 from studio.core.solver.asking.measured import misses
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.smoothing.stretch import Stretch, constraint_activations, targets_of
+from studio.core.solver.solved_window import Bound, SolvedWindow, constraint_activations, targets_of
+from studio.core.solver.standing.stand import Standing
 from studio.core.solver.standing.support import outlines, standing_points, support_margins
 
 FloatArray = NDArray[np.float64]
@@ -28,7 +29,7 @@ Mask = NDArray[np.bool_]
 NOBODY, CONTACTS, LIMITS, REACH, EASED = -1, -2, -3, -4, -5
 """Who kept a constraint from being met, beside the row of another one: nobody (it is met, or not asked), the feet that
 stand, how far joints turn, the measures of the body and the chain that may move, a moment that was eased in time."""
-MET = {"m": 2e-4, "rad": float(np.radians(0.1))}
+MET = {"m": STRICT, "rad": float(np.radians(0.1))}
 """What counts as met, by unit."""
 WORTH = 0.05
 """Part of a miss that an absence has to take away to have mattered."""
@@ -118,9 +119,10 @@ def residuals_at(
 ) -> FloatArray:
     """(C, n) what each is missed by at some ``frames`` (n,), in order, of the whole motion, each solved by itself."""
     window = slice(int(frames[0]), int(frames[-1]) + 1)
-    stretch = Stretch(standing, constraints, window, tracks, bound)
-    stretch.solve(frames - window.start)
-    return stretch.residuals[:, frames - window.start]
+    activations = constraint_activations(constraints, standing)
+    solved = SolvedWindow(standing, constraints, activations, tracks, bound, window)
+    solved.solve(frames - window.start)
+    return solved.residuals[:, frames - window.start]
 
 
 def _weigh_together(

@@ -18,14 +18,15 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.records import JOINT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.adapt import Bound, Standing, adapt, hold, standing_of
+from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.asking.areas import nearest_place
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.easing import Solve
 from studio.core.solver.smoothing.limb_charts import LimbCharts
-from studio.core.solver.smoothing.stretch import Stretch
+from studio.core.solver.solved_window import BOUND, SolvedWindow, constraint_activations
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing
+from studio.core.solver.standing.stand import Standing, standing_of
 
 FRAMES = 4
 HAND = BodyPoint(BodyPart.LEFT_HAND)
@@ -81,7 +82,7 @@ def warm_up_seldom(morphology: Morphology) -> None:
     standing = standing_of(
         AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
     )
-    Stretch(standing, asked, slice(0, FRAMES), {}, Bound())
+    SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, BOUND, slice(0, FRAMES))
     nearest_place(asked[1], np.zeros(3))  # the window draws it
 
 

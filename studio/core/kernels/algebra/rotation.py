@@ -2,7 +2,9 @@
 
 import math
 
-from studio.core.kernels.compiling import kernel, small_kernel
+from studio.core.kernels.algebra.turns import rotation_vector, turn_in
+from studio.core.kernels.algebra.vectors import copy_point
+from studio.core.kernels.compiling import kernel
 
 
 @kernel
@@ -27,13 +29,6 @@ def multiply_by_transposed(first, second, out_matrix):
                 + first[row, 1] * second[column, 1]
                 + first[row, 2] * second[column, 2]
             )
-
-
-@small_kernel
-def add_rotated(origin, matrix, x, y, z, out_point):
-    """Point origin + matrix @ (x, y, z), all (3,)."""
-    for axis in range(3):
-        out_point[axis] = origin[axis] + matrix[axis, 0] * x + matrix[axis, 1] * y + matrix[axis, 2] * z
 
 
 @kernel
@@ -61,28 +56,5 @@ def rotation_vector_to_matrix(wx, wy, wz, out_matrix):
 
 @kernel
 def matrix_to_rotation_vector(matrix, out_vector):
-    """Rotation vector (3,) in radians of a rotation matrix (3, 3), by its quaternion (stable up to half a turn)."""
-    trace = matrix[0, 0] + matrix[1, 1] + matrix[2, 2]
-    if trace > 0.0:
-        w = 0.5 * math.sqrt(1.0 + trace)
-        k = 0.25 / w
-        x = k * (matrix[2, 1] - matrix[1, 2])
-        y = k * (matrix[0, 2] - matrix[2, 0])
-        z = k * (matrix[1, 0] - matrix[0, 1])
-    else:
-        i = 0
-        if matrix[1, 1] > matrix[i, i]:
-            i = 1
-        if matrix[2, 2] > matrix[i, i]:
-            i = 2
-        j, k_ = (i + 1) % 3, (i + 2) % 3
-        largest = 0.5 * math.sqrt(max(0.0, 1.0 + matrix[i, i] - matrix[j, j] - matrix[k_, k_]))
-        k = 0.25 / largest
-        w = k * (matrix[k_, j] - matrix[j, k_])
-        parts = (largest, k * (matrix[j, i] + matrix[i, j]), k * (matrix[k_, i] + matrix[i, k_]))
-        x, y, z = parts[(3 - i) % 3], parts[(4 - i) % 3], parts[(5 - i) % 3]
-    if w < 0.0:
-        x, y, z, w = -x, -y, -z, -w
-    sine = math.sqrt(x * x + y * y + z * z)
-    scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0
-    out_vector[0], out_vector[1], out_vector[2] = scale * x, scale * y, scale * z
+    """Rotation vector (3,) in radians of a rotation matrix (3, 3)."""
+    copy_point(rotation_vector(turn_in(matrix)), out_vector)

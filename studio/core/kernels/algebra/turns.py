@@ -7,6 +7,7 @@ import math
 
 from studio.core.kernels.compiling import kernel, small_kernel
 
+Turn = tuple[float, float, float, float, float, float, float, float, float]
 NO_TURN = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
 """The turn that leaves all as it is."""
 
@@ -29,6 +30,33 @@ def turn_by(x, y, z):
     sine, cosine = sine_and_cosine(0.5 * angle)
     k = sine / angle if angle > 1e-9 else 0.5
     return turn_of((k * x, k * y, k * z, cosine), 0)
+
+
+@kernel
+def rotation_vector(turn):
+    """Rotation vector (x, y, z), radians, of a turn, by its quaternion: stable up to half a turn."""
+    trace = turn[0] + turn[4] + turn[8]
+    if trace > 0.0:
+        w = 0.5 * math.sqrt(1.0 + trace)
+        k = 0.25 / w
+        x, y, z = k * (turn[7] - turn[5]), k * (turn[2] - turn[6]), k * (turn[3] - turn[1])
+    else:
+        i = 0
+        if turn[4] > turn[0]:
+            i = 1
+        if turn[8] > turn[4 * i]:
+            i = 2
+        j, k_ = (i + 1) % 3, (i + 2) % 3
+        largest = 0.5 * math.sqrt(max(0.0, 1.0 + turn[4 * i] - turn[4 * j] - turn[4 * k_]))
+        k = 0.25 / largest
+        w = k * (turn[3 * k_ + j] - turn[3 * j + k_])
+        parts = (largest, k * (turn[3 * j + i] + turn[3 * i + j]), k * (turn[3 * k_ + i] + turn[3 * i + k_]))
+        x, y, z = parts[(3 - i) % 3], parts[(4 - i) % 3], parts[(5 - i) % 3]
+    if w < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    sine = math.sqrt(x * x + y * y + z * z)
+    scale = 2.0 * math.atan2(sine, w) / sine if sine > 1e-12 else 2.0
+    return scale * x, scale * y, scale * z
 
 
 @small_kernel
@@ -85,13 +113,25 @@ def inverse(a):
 
 
 @small_kernel
-def put_beside(origin, turn, x, y, z, out_point):
-    """Write the place (x, y, z) away from ``origin`` in the axes of ``turn`` into ``out_point`` (3,); that place."""
-    place = (
+def turn_between(carrier, segment):
+    """Turn of a segment in the axes of what carries it, of their matrices (3, 3)."""
+    return product(inverse(turn_in(carrier)), turn_in(segment))
+
+
+@small_kernel
+def beside(origin, turn, x, y, z):
+    """The place (x, y, z) away from ``origin`` in the axes of ``turn``."""
+    return (
         origin[0] + turn[0] * x + turn[1] * y + turn[2] * z,
         origin[1] + turn[3] * x + turn[4] * y + turn[5] * z,
         origin[2] + turn[6] * x + turn[7] * y + turn[8] * z,
     )
+
+
+@small_kernel
+def put_beside(origin, turn, x, y, z, out_point):
+    """Write the place of ``beside`` into ``out_point`` (3,); that place."""
+    place = beside(origin, turn, x, y, z)
     out_point[0], out_point[1], out_point[2] = place
     return place
 

@@ -4,11 +4,39 @@ import math
 
 from studio.core.kernels.compiling import kernel, small_kernel
 
+Place = tuple[float, float, float]
+ORIGIN = 0.0, 0.0, 0.0
+"""No way at all."""
+
 
 @small_kernel
 def distance(a, b):
     """Metres between two points (3,)."""
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+
+
+@small_kernel
+def length(vector):
+    """Of a vector (3,)."""
+    return math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+
+
+@small_kernel
+def length_along(vector, axes):
+    """Of a vector's part (2,) along the ground, or of all of it where ``axes`` is 3."""
+    return math.sqrt(vector[0] ** 2 + vector[1] ** 2 + (vector[2] ** 2 if axes > 2 else 0.0))
+
+
+@small_kernel
+def between(a, b):
+    """The way (x, y, z) from point a to point b."""
+    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
+
+
+@small_kernel
+def plus(a, b):
+    """The sum (x, y, z) of two vectors (3,)."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @small_kernel

@@ -1,8 +1,9 @@
 """Moving parts of a posed body: everything distal to a segment is one contiguous range of points and segments."""
 
-from studio.core.kernels.algebra.rotation import add_rotated
-from studio.core.kernels.algebra.turns import product, put_beside, put_turn, turn_in
-from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
+from typing import NamedTuple
+
+from studio.core.kernels.algebra.turns import Turn, beside, product, put_beside, put_turn, turn_in
+from studio.core.kernels.algebra.vectors import Place, between, copy_matrix, copy_point, plus
 from studio.core.kernels.compiling import kernel, small_kernel
 
 
@@ -19,6 +20,15 @@ def distal_range(segment, spine_count):
     chain, bone = (place - 2) // 4, (place - 2) % 4
     first_point = spine_count + 3 + 5 * chain + bone + 1
     return segment, segment + 4 - bone, first_point, first_point + 4 - bone
+
+
+@kernel
+def limb_parts(limb, spine_count):
+    """(carrier, upper segment, root point) of a limb: clavicle, upper arm and shoulder, or pelvis, thigh and hip."""
+    side = limb % 2
+    if limb >= 2:
+        return 0, spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
+    return spine_count + 2 + 4 * side, spine_count + 3 + 4 * side, spine_count + 4 + 5 * side
 
 
 @kernel
@@ -45,9 +55,43 @@ def move_all(x, y, z, positions):
 
 
 @small_kernel
-def body_point(point, segment, offset, positions, rotations, out_point):
-    """Where a point fixed to a segment is: (3,) = positions[point] + rotations[segment] @ offset."""
-    add_rotated(positions[point], rotations[segment], offset[0], offset[1], offset[2], out_point)
+def body_point(point, segment, offset, positions, rotations):
+    """Where a point fixed to a segment is: (x, y, z) = positions[point] + rotations[segment] @ offset."""
+    return beside(positions[point], turn_in(rotations[segment]), offset[0], offset[1], offset[2])
+
+
+class LimbEnd(NamedTuple):
+    """How hand, or foot and toe, lie in the world."""
+
+    turn: Turn
+    toe_turn: Turn
+    tip: Place
+    """Metres from wrist or ankle to where the hand ends or the toe begins."""
+    toe_tip: Place
+
+
+@small_kernel
+def lift_end(limb, pose):
+    """Note how hand, or foot and toe, of a limb lie in the world."""
+    positions, rotations = pose.positions, pose.rotations
+    _, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    end, toe, joint = upper + 2, upper + (3 if limb >= 2 else 2), root + 2
+    last = joint + (2 if limb >= 2 else 1)
+    tip, toe_tip = between(positions[joint], positions[joint + 1]), between(positions[joint], positions[last])
+    return LimbEnd(turn_in(rotations[end]), turn_in(rotations[toe]), tip, toe_tip)
+
+
+@small_kernel
+def put_end(limb, lifted, pose):
+    """Lay hand, or foot and toe, on wrist or ankle as ``lift_end`` found them."""
+    positions, rotations = pose.positions, pose.rotations
+    _, upper, root = limb_parts(limb, positions.shape[0] - 23)
+    joint = positions[root + 2]
+    put_turn(lifted.turn, rotations[upper + 2])
+    copy_point(plus(joint, lifted.tip), positions[root + 3])
+    if limb >= 2:
+        put_turn(lifted.toe_turn, rotations[upper + 3])
+        copy_point(plus(joint, lifted.toe_tip), positions[root + 4])
 
 
 @kernel

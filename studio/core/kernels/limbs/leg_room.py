@@ -8,9 +8,9 @@ Records are those of ``kernels.records``.
 
 import math
 
-from studio.core.kernels.algebra.vectors import copy_points
+from studio.core.kernels.algebra.vectors import copy_point, copy_points, plus
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.limbs.limb_constraints import limb_indices
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs
 from studio.core.kernels.search.step import MET
@@ -65,7 +65,7 @@ def cramped_leg(level, problem):
         row = tasks[c]
         limb = row.limbs[0]
         asks = row.kind == POSITION and row.status == ACTIVE and row.rank == level and chain.mobilities[c, root] > 0.0
-        if asks and limb >= 2 and limits[limb].acts == c + 1:
+        if asks and limb >= 2 and limits[limb].blocks == c:
             return c
     return -1
 
@@ -74,15 +74,12 @@ def cramped_leg(level, problem):
 def go_back(miss, row, root, problem):
     """Move the root ``miss`` metres, level, away from the target of ``row`` across what is missed, as feet allow."""
     body, search, start, pose = problem.body, problem.search, problem.start, problem.pose
-    point, way, goal = search.points[3], search.points[4], row.places[0]
-    hip = pose.positions[limb_indices(row.limbs[0], pose.positions.shape[0] - 23)[0]]
-    end_place(row, 0, pose, point)
+    point, goal = end_place(row, 0, pose), row.places[0]
+    hip = pose.positions[limb_parts(row.limbs[0], pose.positions.shape[0] - 23)[2]]
     along = 0.0
     for axis in range(3):
         along += (hip[axis] - goal[axis]) * (goal[axis] - point[axis]) / (miss * miss)
     x, y = hip[0] - goal[0] - along * (goal[0] - point[0]), hip[1] - goal[1] - along * (goal[1] - point[1])
     scale = miss / max(math.sqrt(x * x + y * y), 1e-9)
-    way[0], way[1], way[2] = scale * x, scale * y, 0.0
-    keep_feet_in_reach(body, start, search.carried, search.state[root], way)
-    for axis in range(3):
-        search.state[root, axis] += way[axis]
+    way = keep_feet_in_reach(body, start, search.carried, search.state[root], (scale * x, scale * y, 0.0))
+    copy_point(plus(search.state[root], way), search.state[root])

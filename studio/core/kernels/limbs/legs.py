@@ -12,6 +12,8 @@ from studio.core.kernels.compiling import allocating_kernel, kernel, small_kerne
 from studio.core.kernels.limbs.limb import middle_of, place_limb, soft_reach
 from studio.core.kernels.records import Limb
 
+KNEE, KNEE_FIRM = 3, 6
+"""The numbers of an ankle of 7 with the place (3,) that its knee faces, and with 1 where it does."""
 KNEE_GUARD = 0.0004
 """Square metres (distance of the knee from its leg's line times that of its place) below which a held knee lets go."""
 FACED = 0.5
@@ -68,8 +70,7 @@ def place_leg(side, measures, legs, pose):
 
     The knee always bends forward: captures hyperextend it by a few degrees and then it snaps. A target beyond the
     leg's comfort is neared as far as ``soft_reach`` says; the root has come down for feet that stand.
-    ``legs`` and ``pose`` of one frame as in ``kernels.records``. An ankle of 7 numbers goes on with a place that the
-    knee faces, and 1 where it does.
+    ``legs`` and ``pose`` of one frame as in ``kernels.records``. An ankle may have 7 numbers (``KNEE``).
     """
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     _, frame, limb = aim_leg(side, measures, legs, pose)
@@ -86,7 +87,7 @@ def aim_leg(side, measures, legs, pose):
     hip = put_hip(channels, measures, side, 0.0, pose.positions[0], pelvis, pose.positions[point])
     frame, reach, off_plane = leg_line(channels, measures, side, legs.comforts[side], ankle, hip, pelvis)
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
-    if ankle.shape[0] > 3 and ankle[6] > 0.0:
+    if ankle.shape[0] > 3 and ankle[KNEE_FIRM] > 0.0:
         frame = twisted(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
     t = at.LIMB_TWIST + 2 * (2 + side)
     return hip, frame, Limb((upper, lower), reach, off_plane, 1.0, (channels[t], channels[t + 1]))
@@ -145,7 +146,7 @@ def face_knees(channels, measures, side, comforts, angles, hips, pelvises, ankle
     """Write into ``ankles`` (F, 7) places that knees turned by ``angles`` (F,) face: ``knee_swivels`` backwards."""
     for frame in range(channels.shape[0]):
         ankle, hip = ankles[frame], hips[frame]
-        ankle[6] = 0.0
+        ankle[KNEE_FIRM] = 0.0
         if angles[frame] == 0.0:
             continue
         row = measures[frame if measures.shape[0] > 1 else 0]
@@ -157,8 +158,8 @@ def face_knees(channels, measures, side, comforts, angles, hips, pelvises, ankle
         angle = math.atan2(y, x) + angles[frame]
         c, s = FACED * (upper + lower) * math.cos(angle), FACED * (upper + lower) * math.sin(angle)
         for axis in range(3):
-            ankle[3 + axis] = hip[axis] + c * turn[3 * axis] + s * turn[3 * axis + 1]
-        ankle[6] = 1.0
+            ankle[KNEE + axis] = hip[axis] + c * turn[3 * axis] + s * turn[3 * axis + 1]
+        ankle[KNEE_FIRM] = 1.0
 
 
 @small_kernel
@@ -180,7 +181,7 @@ def is_placed(side, measures, legs, pose):
     stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
     if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.comforts[side]:
         return False
-    if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (ankle.shape[0] > 3 and ankle[6] > 0.0):
+    if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (ankle.shape[0] > 3 and ankle[KNEE_FIRM] > 0.0):
         return False
     return (
         same_point(ankle, pose.positions[point])
@@ -210,8 +211,8 @@ def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
     x, y, radius = natural_knee(upper, lower, distance, off_plane)
     wanted_x, wanted_y = 0.0, 0.0
     for axis in range(3):
-        wanted_x += frame[3 * axis] * (ankle[3 + axis] - hip[axis])
-        wanted_y += frame[3 * axis + 1] * (ankle[3 + axis] - hip[axis])
+        wanted_x += frame[3 * axis] * (ankle[KNEE + axis] - hip[axis])
+        wanted_y += frame[3 * axis + 1] * (ankle[KNEE + axis] - hip[axis])
     away = radius * math.hypot(wanted_x, wanted_y)
     angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))

@@ -9,9 +9,8 @@ gives.
 
 import math
 
-from studio.core.kernels.algebra.rotation import matrix_to_rotation_vector, multiply_by_transposed
-from studio.core.kernels.algebra.turns import product, put_turn, turn_by, turn_in
-from studio.core.kernels.algebra.vectors import copy_matrix
+from studio.core.kernels.algebra.turns import inverse, product, put_turn, rotation_vector, turn_by, turn_in
+from studio.core.kernels.algebra.vectors import copy_matrix, length
 from studio.core.kernels.body.parts import turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.search.joints import carry_point
@@ -74,17 +73,13 @@ def stiff_span(row, end, now, wanted):
 
 
 @kernel
-def turn_back(part, most, segment, pivot, back, turn, vector, pose):
-    """Leave ``part`` of the turn that ``segment`` has made since ``back`` (3, 3), ``most`` radians; the turn it made.
-
-    ``turn`` (3, 3) and ``vector`` (3,) are scratch.
-    """
-    multiply_by_transposed(pose.rotations[segment], back, turn)
-    matrix_to_rotation_vector(turn, vector)
-    angle = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+def turn_back(part, most, segment, pivot, before, pose):
+    """Leave ``part`` of the turn that ``segment`` has made since that of ``before``, ``most`` radians; what it made."""
+    x, y, z = rotation_vector(product(turn_in(pose.rotations[segment]), inverse(before)))
+    angle = length((x, y, z))
     left = min(part * angle, most)
     if left < angle:
         scale = left / angle - 1.0
-        less = turn_by(scale * vector[0], scale * vector[1], scale * vector[2])
+        less = turn_by(scale * x, scale * y, scale * z)
         turn_part(less, segment, pose.positions.shape[0] - 23, pose.positions[pivot], pose.positions, pose.rotations)
     return angle

@@ -1,25 +1,26 @@
 """Arms kept clear of their own body: out of capsules, by moving the wrist and by turning the elbow about its axis.
 
 In smooth closed-form steps from the frame's own pose, so that it needs no frame before; ``kernels.limits.clearing``
-says when. Records are those of ``kernels.records``; ``capsules`` (N, 9) are begin, axis, 1 / length^2 and both radii
-in the world; an arm has five spheres, its probes: at the elbow, half way down the forearm, at the wrist, in the palm
-and in the fingers. *Room* is how far a probe's surface is from the body's, negative inside.
+says when. Records are those of ``kernels.records``; an arm has five spheres, its probes: at the elbow, half way down
+the forearm, at the wrist, in the palm and in the fingers. *Room* is how far a probe's surface is from the body's,
+negative inside.
 """
 
 import math
 
 import numpy as np
 
-from studio.core.kernels.algebra.rotation import add_rotated
 from studio.core.kernels.algebra.turns import turn_by
-from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
-from studio.core.kernels.body.parts import turn_part
+from studio.core.kernels.algebra.vectors import between, copy_matrix, copy_point
+from studio.core.kernels.body.parts import body_point, turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limbs.limb import COMFORT, STRETCHED, soft_reach
 from studio.core.kernels.limbs.reach import reach_to, span_range
-from studio.core.kernels.records import Pose
+from studio.core.kernels.records import CAPSULE, Pose
 
 PROBES = 5
+SWIVEL = 3
+"""The number of a step of an arm that is its swivel, in radians, after the way of its wrist (3,), in metres."""
 BLEND = 0.02
 """Metres over which the distances to two capsules run into each other."""
 CORE = 0.3
@@ -43,18 +44,17 @@ FOLLOWS = (0.5, 0.75, 1.0, 1.0, 1.0)
 
 @kernel
 def place_capsules(volume, pose, proximal, out_capsules):
-    """The capsules in the world, (N, 9); ``proximal`` (S,) is the point where each segment begins."""
+    """The capsules (N,) in the world; ``proximal`` (S,) is the point where each segment begins."""
     segments, places, radii = volume.segments, volume.places, volume.radii
     for n in range(segments.shape[0]):
         capsule = out_capsules[n]
-        for end in range(2):
-            segment, place = segments[n, end], places[n, end]
-            origin, out = pose.positions[proximal[segment]], capsule[3 * end : 3 * end + 3]
-            add_rotated(origin, pose.rotations[segment], place[0], place[1], place[2], out)
-        for axis in range(3):
-            capsule[3 + axis] -= capsule[axis]
-        capsule[6] = 1.0 / max(capsule[3] ** 2 + capsule[4] ** 2 + capsule[5] ** 2, 1e-9)
-        capsule[7], capsule[8] = radii[n, 0], radii[n, 1] - radii[n, 0]
+        first, last = segments[n, 0], segments[n, 1]
+        begin = body_point(proximal[first], first, places[n, 0], pose.positions, pose.rotations)
+        x, y, z = between(begin, body_point(proximal[last], last, places[n, 1], pose.positions, pose.rotations))
+        copy_point(begin, capsule.begin)
+        copy_point((x, y, z), capsule.axis)
+        capsule.per_squared_length = 1.0 / max(x * x + y * y + z * z, 1e-9)
+        capsule.radius, capsule.widens = radii[n, 0], radii[n, 1] - radii[n, 0]
 
 
 @allocating_kernel
@@ -67,11 +67,11 @@ def room_at(x, y, z, girth, capsules, out_way):
     out_way[0] = out_way[1] = out_way[2] = 0.0
     for n in range(capsules.shape[0]):
         capsule = capsules[n]
-        ux, uy, uz = capsule[3], capsule[4], capsule[5]
-        px, py, pz = x - capsule[0], y - capsule[1], z - capsule[2]
-        t = soft_clamp((px * ux + py * uy + pz * uz) * capsule[6])
+        ux, uy, uz = capsule.axis[0], capsule.axis[1], capsule.axis[2]
+        px, py, pz = x - capsule.begin[0], y - capsule.begin[1], z - capsule.begin[2]
+        t = soft_clamp((px * ux + py * uy + pz * uz) * capsule.per_squared_length)
         px, py, pz = px - t * ux, py - t * uy, pz - t * uz
-        radius = capsule[7] + t * capsule[8]
+        radius = capsule.radius + t * capsule.widens
         squared = px * px + py * py + pz * pz + CORE * CORE * radius * radius
         if squared >= (most + RIM * radius) ** 2:
             continue
@@ -131,7 +131,7 @@ def measure_arm(side, volume, capsules, positions, out_rooms, out_ways):
 @allocating_kernel
 def room_frames(volume, proximal, positions, rotations, out_rooms, out_ways):
     """The room of every probe at every frame, (F, 2, 5) metres, and the way out (F, 2, 5, 3)."""
-    capsules = np.empty((volume.segments.shape[0], 9))
+    capsules = np.empty(volume.segments.shape[0], CAPSULE)
     for frame in range(positions.shape[0]):
         place_capsules(volume, Pose(positions[frame], rotations[frame]), proximal, capsules)
         for side in range(2):
@@ -173,7 +173,7 @@ def clear_arm(side, touch, frame, shares, clearance, clearing, pose):
             moved = True
         for axis in range(3):
             shift[axis] += step[axis]
-        swivel += step[3]
+        swivel += step[SWIVEL]
         move_arm(side, 1.0, shift, swivel, saved, turn, pose)
     if moved and shares[0] < 1.0:
         move_arm(side, shares[0], shift, swivel, saved, turn, pose)
@@ -191,13 +191,13 @@ def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_ste
     wanted, own, ways = clearing.asks, clearance.rooms[frame, side], clearance.ways[frame, side]
     shoulder = positions.shape[0] - 19 + 5 * side
     place, arc, way = np.empty(3), np.empty(3), np.empty(3)
-    out_step[0] = out_step[1] = out_step[2] = out_step[3] = 0.0
+    out_step[:] = 0.0
     for probe in range(PROBES):
         k = FOLLOWS[probe]
         probe_at(probe, shoulder, positions, place)
         arc_of(probe, shoulder, place, positions, arc)
         for axis in range(3):
-            place[axis] += k * out_step[axis] + out_step[3] * arc[axis]
+            place[axis] += k * out_step[axis] + out_step[SWIVEL] * arc[axis]
         room = room_at(place[0], place[1], place[2], clearance.volume.girths[probe], clearing.capsules, way)
         clearing.rooms[side, probe] = room
         if near > 0.0:
@@ -213,8 +213,8 @@ def sweep_arm(side, near, frame, shares, clearance, clearing, positions, out_ste
         step = short / (k * k * shares[1] + lever * lever * shares[2] + 0.02)
         for axis in range(3):
             out_step[axis] += step * k * shares[1] * way[axis]
-        out_step[3] += step * lever / SWIVEL_COST * shares[2]
-    return out_step[0] != 0.0 or out_step[1] != 0.0 or out_step[2] != 0.0 or out_step[3] != 0.0
+        out_step[SWIVEL] += step * lever / SWIVEL_COST * shares[2]
+    return out_step.any()
 
 
 @kernel

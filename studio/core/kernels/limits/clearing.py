@@ -6,7 +6,7 @@ import numpy as np
 
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limits.clearance import PROBES, TOUCH, clear_arm, copy_arm, measure_arm, place_capsules
-from studio.core.kernels.records import Clearing, Pose
+from studio.core.kernels.records import CAPSULE, Clearing, Pose
 from studio.core.kernels.search.placing import follow, miss_of
 from studio.core.kernels.tasks.goals import counts, turns_segment
 from studio.core.kernels.tasks.task import INACTIVE, STRICT
@@ -21,7 +21,7 @@ UNTOUCHED = 0.1 * STRICT
 def make_clearing(volume):
     """Scratch of what keeps arms clear."""
     return Clearing(
-        np.empty((volume.segments.shape[0], 9)),
+        np.empty(volume.segments.shape[0], CAPSULE),
         np.empty((2, PROBES)),
         np.empty((2, PROBES)),
         Pose(np.empty((4, 3)), np.empty((3, 3, 3))),
@@ -34,7 +34,7 @@ def make_clearing(volume):
 
 @kernel
 def clear_before(frame, is_clear, clip, pose):
-    """Clear the arms of one frame before its constraints, unless a wish acts that stands above: then arms are cleared
+    """Clear the arms of one frame before its constraints, unless a task acts that stands above: then arms are cleared
     once it has what it wants. Whether they have to wait so.
 
     What keeps clear below another that does always waits. A pose that ``is_clear`` already is only looked at.
@@ -47,7 +47,7 @@ def clear_before(frame, is_clear, clip, pose):
         moved = False
         for q in range(clearance.wanted.shape[0]):
             share = clearance.activations[q, frame] * clearance.arms[q, side]
-            if share > 0.0 and not waited and not is_clear and clearance.stages[q] == 0:
+            if share > 0.0 and not waited and not is_clear and clearance.tiers[q] == 0:
                 for probe in range(PROBES):
                     clearing.asks[probe] = clearance.wanted[q, frame, side, probe]
                 moved = clear_arm(side, 0.0, frame, (share, clearance.freedoms[q], 1.0), clearance, clearing, pose)
@@ -67,33 +67,33 @@ def measure_side(side, clip, pose):
 
 @kernel
 def waits(frame, clip):
-    """Whether a wish acts that stands above the highest that keep clear."""
+    """Whether a task acts that stands above the highest that keep clear."""
     clearance, activations = clip.clearance, clip.asked.activations
     last, found = activations.shape[0] - 1, False
     for q in range(clearance.above.shape[0]):
         for c in range(clearance.above.shape[1]):
             acts = clearance.activations[q, frame] > 0.0 and activations[last, c, frame] > 0.0
-            found = found or (acts and clearance.stages[q] == 0 and clearance.above[q, c] == ABOVE)
+            found = found or (acts and clearance.tiers[q] == 0 and clearance.above[q, c] == ABOVE)
     return found
 
 
 @allocating_kernel
-def clear_after(frame, stage, acted, waited, clip, problem):
+def clear_after(frame, tier, acted, waited, clip, problem):
     """Clear arms again that constraints have brought nearer, where they ``acted``, or, where that has ``waited``, for
-    the first time, down to one ``stage``; and note how much room is missing.
+    the first time, down to one ``tier``; and note how much room is missing.
 
     A task that stands above holds what it is about by its activation: a wrist or hand still lets the elbow swivel, a
     point further up holds the whole arm. Where something above would be missed otherwise than it is, the arm stays.
     """
     clearance, clearing, pose = clip.clearance, clip.clearing, problem.pose
     spine_count = pose.positions.shape[0] - 23
-    if acted or stage > 0:
+    if acted or tier > 0:
         place_capsules(clearance.volume, pose, clearance.proximal, clearing.capsules)
     for side in range(2):
         moved = False
         for q in range(clearance.wanted.shape[0]):
-            share, late = clearance.activations[q, frame] * clearance.arms[q, side], waited or clearance.stages[q] > 0
-            if share > 0.0 and clearance.stages[q] <= stage and (acted or late):
+            share, late = clearance.activations[q, frame] * clearance.arms[q, side], waited or clearance.tiers[q] > 0
+            if share > 0.0 and clearance.tiers[q] <= tier and (acted or late):
                 held = clearing.held
                 hold_arm(side, problem.tasks, clearance.above[q], spine_count, held)
                 free = (share if late else 1.0, clearance.freedoms[q] * (1.0 - held[0]), 1.0 - held[1])

@@ -2,13 +2,19 @@
 
 import numpy as np
 
-from studio.core.kernels.algebra.rotation import add_rotated
+from studio.core.kernels.algebra.turns import beside, turn_in
+from studio.core.kernels.algebra.vectors import plus
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limits.clearance import TOUCH, copy_arm, move_arm, place_capsules, probe_at, sweep_arm
+from studio.core.kernels.limits.clearance import SWIVEL, TOUCH, copy_arm, move_arm, place_capsules, probe_at, sweep_arm
 from studio.core.kernels.limits.clearing import make_clearing
-from studio.core.kernels.records import Pose
+from studio.core.kernels.records import CAPSULE, Pose
+from studio.core.kernels.tasks.goals import ease_goal
 from studio.core.kernels.tasks.task import STRICT
 
+COUNTS, ALONG, OUT, SPARE = 0, 1, 2, 5
+"""The numbers of a spot on a capsule: how much it counts, part of the capsule's length, the way out (3) in the axes of
+the segment where that begins, and metres of room.
+"""
 PALM = 3
 """The probe in the palm."""
 ROUNDS = 6
@@ -66,11 +72,10 @@ def bring(side, shift, saved, turn, pose):
 def rest_hands(side, members, spots, firm, volume, proximal, positions, rotations):
     """Move one arm of all frames, in place, so that its palm lies on the body where ``spots`` (F, M, 6) say.
 
-    Those are, for M capsules ``members`` (M,) of ``volume``: how much it counts, part of its length, the way out in the
-    axes of the segment of its begin (3,) and metres of room. ``firm`` (F,) is the part of the way that is gone.
+    Those are for M capsules ``members`` (M,) of ``volume``; ``firm`` (F,) is the part of the way that is gone.
     """
     saved, turn = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
-    capsules, place, shift = np.empty((volume.segments.shape[0], 9)), np.empty(3), np.empty(3)
+    capsules, place, shift = np.empty(volume.segments.shape[0], CAPSULE), np.empty(3), np.empty(3)
     for frame in range(positions.shape[0]):
         if firm[frame] == 0.0:
             continue
@@ -81,13 +86,12 @@ def rest_hands(side, members, spots, firm, volume, proximal, positions, rotation
             shift[axis] = -firm[frame] * place[axis]
         for m in range(members.shape[0]):
             capsule, spot = capsules[members[m]], spots[frame, m]
+            far = capsule.radius + spot[ALONG] * capsule.widens + volume.girths[PALM] + spot[SPARE]
+            x, y, z = far * spot[OUT], far * spot[OUT + 1], far * spot[OUT + 2]
+            axes = turn_in(pose.rotations[volume.segments[members[m], 0]])
+            touched = beside(ease_goal(capsule.begin, plus(capsule.begin, capsule.axis), spot[ALONG]), axes, x, y, z)
             for axis in range(3):
-                place[axis] = capsule[axis] + spot[1] * capsule[3 + axis]
-            far = capsule[7] + spot[1] * capsule[8] + volume.girths[PALM] + spot[5]
-            axes = pose.rotations[volume.segments[members[m], 0]]
-            add_rotated(place, axes, far * spot[2], far * spot[3], far * spot[4], place)
-            for axis in range(3):
-                shift[axis] += firm[frame] * spot[0] * place[axis]
+                shift[axis] += firm[frame] * spot[COUNTS] * touched[axis]
         bring(side, shift, saved, turn, pose)
 
 
@@ -105,7 +109,7 @@ def find_ways_out(wanted, actor, free, proximal, positions, rotations, out_moves
         placed = False
         for side in range(2):
             move = out_moves[frame, side]
-            move[0] = move[1] = move[2] = move[3] = 0.0
+            move[:] = 0.0
             shares = (1.0, free[frame, side, 0], free[frame, side, 1])
             if shares[1] == 0.0 and shares[2] == 0.0:
                 continue
@@ -124,7 +128,7 @@ def find_ways_out(wanted, actor, free, proximal, positions, rotations, out_moves
                     moved = True
                 for each in range(4):
                     move[each] += step[each]
-                move_arm(side, 1.0, move[:3], move[3], saved, turn, pose)
+                move_arm(side, 1.0, move[:3], move[SWIVEL], saved, turn, pose)
             if moved:
                 copy_arm(saved, Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]))
 
@@ -137,7 +141,7 @@ def move_arms(moves, positions, rotations):
     for frame in range(positions.shape[0]):
         for side in range(2):
             move, pose = moves[frame, side], Pose(positions[frame], rotations[frame])
-            if move[0] != 0.0 or move[1] != 0.0 or move[2] != 0.0 or move[3] != 0.0:
+            if move.any():
                 shoulder, upper = spine_count + 4 + 5 * side, spine_count + 3 + 4 * side
                 copy_arm(Pose(pose.positions[shoulder : shoulder + 4], pose.rotations[upper : upper + 3]), saved)
-                move_arm(side, 1.0, move[:3], move[3], saved, turn, pose)
+                move_arm(side, 1.0, move[:3], move[SWIVEL], saved, turn, pose)

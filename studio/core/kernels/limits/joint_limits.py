@@ -8,11 +8,11 @@ the range, cosine and sine of its middle; and of elbow or knee ``bends`` (2,), `
 radians. For one frame: what the unsolved pose has of all these, ``own_swings`` (2, 2), ``own_parts`` (2,) of the
 limit, ``own_twists`` (2,), ``own_bend``, ``own_slant``, ``own_turn``; ``caps`` (2, 3) the parts of its limits that
 swing, twist and twist back may take now, ``agreed`` (2, 3) those that stay for all of a search, ``fresh`` whether these
-are not noted yet, and both as they were when the level began; ``sure``, less than 1 where a wish could be had by either
+are not noted yet, and both as they were when the level began; ``sure``, less than 1 where a goal could be met by either
 way round; ``tip_turns`` whether wrist or ankle has turned; ``lets_go`` the part of what hand or foot are beyond by
-which they are drawn back, 0 for a foot that stands, which no limit turns; ``acts``, 1 + the constraint whose place a
-limit has kept the limb from, or 0. The unsolved pose is never limited: where it is beyond, the limit is as far as it
-goes.
+which they are drawn back, 0 for a foot that stands, which no limit turns; ``acts`` whether a limit has moved the limb,
+and ``blocks`` the task whose goal the limits keep it from, -1 for none. The unsolved pose is never limited: where it is
+beyond, the limit is as far as it goes.
 """
 
 import math
@@ -20,8 +20,8 @@ import math
 import numpy as np
 
 from studio.core.kernels.algebra.turns import inverse, product, turn_by, turn_in
-from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
-from studio.core.kernels.body.parts import turn_part
+from studio.core.kernels.algebra.vectors import copy_point
+from studio.core.kernels.body.parts import limb_parts, turn_part
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.swing_twist import (
     bend_of,
@@ -59,6 +59,7 @@ LIMITED = np.dtype(
         ("lets_go", _REAL),
         ("fresh", np.int64),
         ("acts", np.int64),
+        ("blocks", np.int64),
     ],
     align=True,
 )
@@ -67,13 +68,13 @@ BRAKED = 0.95
 SWIVELLED, SWIVELLED_TO = 0.75, 0.92
 """Parts of its limit between which a limb swivels back, if that leaves its point in place."""
 WALK = 10
-"""Steps of a swivel towards a second wish."""
+"""Steps of a swivel towards a secondary task's goal."""
 BRAKING = 0.1
-"""Part of a second wish's swivel that brakes take before it counts as braked."""
+"""Part of a secondary task's swivel that brakes take before it counts as braked."""
 UNTWISTED = 0.3
 """Part of a swing's limit beyond it by which the motion's own twist is the best."""
 FADE = 0.7
-"""Radians short of a half turn, beyond any limit, within which a wish fades: it could be had by either way round."""
+"""Radians short of a half turn, beyond any limit, within which a goal fades: it could be met by either way round."""
 
 
 @kernel
@@ -124,7 +125,7 @@ def note_own(limb, joints, limits, pose):
         note_caps(row, joint, (x, y, twist))
         copy_point(row.caps[joint], row.agreed[joint])
     row.own_bend, row.own_slant, row.own_turn = bend_of(rotations[upper], rotations[upper + 1])
-    row.acts, row.fresh = 0, 1
+    row.acts, row.blocks, row.fresh = 0, -1, 1
 
 
 @kernel
@@ -145,15 +146,6 @@ def restore_caps(limits):
         row.fresh = row.kept_fresh
         for joint in range(2):
             copy_point(row.kept_caps[joint], row.agreed[joint])
-
-
-@kernel
-def limb_parts(limb, spine_count):
-    """(carrier, upper segment, root point) of a limb: clavicle, upper arm and shoulder, or pelvis, thigh and hip."""
-    side = limb % 2
-    if limb >= 2:
-        return 0, spine_count + 10 + 4 * side, spine_count + 13 + 5 * side
-    return spine_count + 2 + 4 * side, spine_count + 3 + 4 * side, spine_count + 4 + 5 * side
 
 
 @kernel
@@ -236,11 +228,11 @@ def drawn_back(row, joint, swing):
 
 
 @kernel
-def braked_swivel(row, parent, upper, ax, ay, az, wish):
-    """How much of a swivel by ``wish`` about a world axis there is until the limits, which brake it ever more.
+def braked_swivel(row, parent, upper, ax, ay, az, asked):
+    """How much of a swivel by ``asked`` about a world axis there is until the limits, which brake it ever more.
 
     Walked in ``WALK`` steps from where the limb is: drawn back from beyond, it would come back by either way round. So
-    it would be where half a turn is wished: one that is braked fades there.
+    it would be where half a turn is asked: one that is braked fades there.
     """
     axes, radii, well = row.axes[0], row.radii[0], row.well[0]
     middle, half = row.twists[0, 0], row.twists[0, 1]
@@ -257,14 +249,14 @@ def braked_swivel(row, parent, upper, ax, ay, az, wish):
             turn = part_of_range(middle, half, twist)
             part = part_of_swing(radii, sx, sy)
             out, on = swing_slope(radii, z, sx, sy, part), twist_slope(z)
-            if wish * (a[0] * out[0] + a[1] * out[1] + a[2] * out[2]) > 0.0:
+            if asked * (a[0] * out[0] + a[1] * out[1] + a[2] * out[2]) > 0.0:
                 left = min(left, left_of(part, row.own_parts[0]))
-            if wish * turn * (a[0] * on[0] + a[1] * on[1] + a[2] * on[2]) > 0.0:
+            if asked * turn * (a[0] * on[0] + a[1] * on[1] + a[2] * on[2]) > 0.0:
                 left = min(left, left_of(abs(turn), own if turn > 0.0 else -own))
-        angle += left * wish / WALK
+        angle += left * asked / WALK
         x, z = turned_about(a, angle, x0), turned_about(a, angle, z0)
-    braked = min(1.0 - angle / wish, BRAKING) / BRAKING if wish != 0.0 else 0.0
-    return angle * (1.0 - braked * (1.0 - surely(abs(wish), 0.0)))
+    braked = min(1.0 - angle / asked, BRAKING) / BRAKING if asked != 0.0 else 0.0
+    return angle * (1.0 - braked * (1.0 - surely(abs(asked), 0.0)))
 
 
 @kernel
@@ -279,7 +271,7 @@ def keep_joint(limb, joint, anew, noting, limits, pose):
     """Draw shoulder or hip (``joint`` 0), or wrist or ankle (1) as far as its end does not stand, back within its
     limits; whether that was needed.
 
-    ``anew``: from where a wish has put it; ``noting`` how far it goes for that.
+    ``anew``: from where a task has put it; ``noting`` how far it goes for that.
     """
     positions, rotations = pose
     row, part = limits[limb], 1.0
@@ -289,10 +281,10 @@ def keep_joint(limb, joint, anew, noting, limits, pose):
         if part == 0.0:
             return False
     swing = swing_of(row, joint, rotations[carrier], rotations[segment])
-    wish = twisted_back(row, joint, swing) if anew else swing
+    asked = twisted_back(row, joint, swing) if anew else swing
     if noting:
-        note_caps(row, joint, wish)
-    x, y, twist, sure = drawn_back(row, joint, wish)
+        note_caps(row, joint, asked)
+    x, y, twist, sure = drawn_back(row, joint, asked)
     row.sure = min(row.sure, sure)
     if x == swing[0] and y == swing[1] and twist == swing[2]:
         return False
@@ -353,23 +345,3 @@ def turn_to(segment, pivot, wanted, part, positions, rotations):
     scale = part * (angle / size if size > 1e-12 else 0.5)
     exact = turn_by(scale * x, scale * y, scale * z)
     turn_part(exact, segment, positions.shape[0] - 23, pivot, positions, rotations)
-
-
-@kernel
-def lift_end(limb, tip, end, turns, points, pose):
-    """Note how hand or foot and toe, from segment ``end`` and point ``tip`` on, lie in the world."""
-    positions, rotations = pose
-    for other in range(2 if limb >= 2 else 1):
-        copy_matrix(rotations[end + other], turns[1 + other])
-        for axis in range(3):
-            points[5 + other, axis] = positions[tip + 1 + other, axis] - positions[tip, axis]
-
-
-@kernel
-def put_end(limb, tip, end, turns, points, pose):
-    """Lay hand or foot on wrist or ankle as ``lift_end`` found it."""
-    positions, rotations = pose
-    for other in range(2 if limb >= 2 else 1):
-        copy_matrix(turns[1 + other], rotations[end + other])
-        for axis in range(3):
-            positions[tip + 1 + other, axis] = positions[tip, axis] + points[5 + other, axis]

@@ -7,11 +7,18 @@ or ankle by swing and twist, elbow or knee by bend, slant and turn, toes by a ro
 
 import math
 
-from studio.core.kernels.algebra.rotation import matrix_to_rotation_vector
-from studio.core.kernels.algebra.turns import inverse, product, put_turn, turn_by, turn_in
+from studio.core.kernels.algebra.turns import (
+    inverse,
+    product,
+    put_turn,
+    rotation_vector,
+    turn_between,
+    turn_by,
+    turn_in,
+)
+from studio.core.kernels.algebra.vectors import copy_point
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.swing_twist import half_turns_off, part_of_swing, swing_and_twist
-from studio.core.kernels.time.jolts import between
 
 
 @kernel
@@ -19,7 +26,7 @@ def note_limb_turns(carriers, segments, rotations, out_turns):
     """Turns of ``segments`` (16,) in what carries them, of poses' rotations (F, S, 3, 3)."""
     for frame in range(rotations.shape[0]):
         for joint in range(segments.shape[0]):
-            turn = between(rotations[frame, carriers[joint]], rotations[frame, segments[joint]])
+            turn = turn_between(rotations[frame, carriers[joint]], rotations[frame, segments[joint]])
             put_turn(turn, out_turns[frame, joint])
 
 
@@ -37,7 +44,7 @@ def note_angles(limbs, turns, limits, out_angles):
 def note_joint(joint, turn, row, out_angles):
     """The angles (3,) of one joint."""
     if joint == 3:
-        matrix_to_rotation_vector(turn, out_angles)
+        copy_point(rotation_vector(turn_in(turn)), out_angles)
     else:
         out_angles[0], out_angles[1], out_angles[2] = limited_angles(joint, turn_in(turn), row)
 

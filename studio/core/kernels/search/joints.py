@@ -13,8 +13,8 @@ import math
 
 import numpy as np
 
-from studio.core.kernels.algebra.rotation import add_rotated
-from studio.core.kernels.algebra.turns import product, put_beside, put_turn, turn_in, turn_of_gibbs
+from studio.core.kernels.algebra.turns import beside, inverse, product, put_beside, put_turn, turn_in, turn_of_gibbs
+from studio.core.kernels.algebra.vectors import ORIGIN, between
 from studio.core.kernels.body.parts import distal_range
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.records import JOINT
@@ -152,24 +152,16 @@ def carry_arm(side, turned, slots, start, carried, pose):
 
 
 @kernel
-def hang_limb(carrier, upper, root, first, turns, start, pose):
+def pose_limb(carrier, upper, root, first, turns, start, pose):
     """Put a limb where its segments' rotations in what carries each, ``turns[first:]`` (n, 3, 3), put it."""
     before = carrier
     for bone in range(3 if carrier > 0 else 4):
         segment, point = upper + bone, root + bone
         put_turn(product(turn_in(pose.rotations[before]), turn_in(turns[first + bone])), pose.rotations[segment])
-        x = start.positions[point + 1, 0] - start.positions[point, 0]
-        y = start.positions[point + 1, 1] - start.positions[point, 1]
-        z = start.positions[point + 1, 2] - start.positions[point, 2]
-        turn = start.rotations[segment]
-        add_rotated(
-            pose.positions[point],
-            pose.rotations[segment],
-            turn[0, 0] * x + turn[1, 0] * y + turn[2, 0] * z,
-            turn[0, 1] * x + turn[1, 1] * y + turn[2, 1] * z,
-            turn[0, 2] * x + turn[1, 2] * y + turn[2, 2] * z,
-            pose.positions[point + 1],
-        )
+        x, y, z = between(start.positions[point], start.positions[point + 1])
+        x, y, z = beside(ORIGIN, inverse(turn_in(start.rotations[segment])), x, y, z)
+        now = turn_in(pose.rotations[segment])
+        put_beside(pose.positions[point], now, x, y, z, pose.positions[point + 1])
         before = segment
 
 

@@ -8,6 +8,7 @@ rest.
 import math
 
 from studio.core.kernels.algebra.vectors import (
+    between,
     blend_points,
     clear_points,
     copy_matrix,
@@ -15,25 +16,26 @@ from studio.core.kernels.algebra.vectors import (
     copy_points,
     distance,
 )
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.leg_room import make_room
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT, STRETCHED, soft_reach
-from studio.core.kernels.limbs.limb_constraints import (
-    limb_indices,
+from studio.core.kernels.limbs.limb_limits import bent_point
+from studio.core.kernels.limbs.limb_tasks import (
     note_ends,
-    note_seconds,
+    note_secondary,
     range_of,
 )
 from studio.core.kernels.limbs.stiffness import free_stiff, stiffen
 from studio.core.kernels.limits.joint_limits import keep_caps, note_own, restore_caps
 from studio.core.kernels.limits.root_reach import free_part
-from studio.core.kernels.search.means import is_alone, means_of, note_means, soft_way
 from studio.core.kernels.search.placing import OUTLINED, carry_body, miss_of, note_idle, place_limbs, put_back
+from studio.core.kernels.search.reachability import is_alone, note_reachable, reachable_way, soft_way
 from studio.core.kernels.search.recruiting import frees_limbs, note_balances
 from studio.core.kernels.search.retreat import AIM, begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.search.step import KEPT, MET, step
+from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import BALANCE, POSITION, brings_point, counts, end_place, turns_segment
-from studio.core.kernels.tasks.limb_rows import aim_limb
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP, INACTIVE
 
 TRIES, LATE = 4, 5
@@ -68,7 +70,7 @@ def solve_frame(level_count, problem):
     clear_points(search.state)
     idle = search.idle
     note_idle(tasks, chain.slots, spine_count, idle)
-    note_seconds(tasks)
+    note_secondary(tasks)
     note_limits(problem)
     before = -1
     for level in range(level_count):
@@ -96,7 +98,7 @@ def note_limits(problem):
     tasks, slots, body, start = problem.tasks, problem.chain.slots, problem.body, problem.start
     limits = body.limits
     for limb in range(limits.shape[0]):
-        upper = limb_indices(limb, start.positions.shape[0] - 23)[1]
+        upper = limb_parts(limb, start.positions.shape[0] - 23)[1]
         found, tip = slots[upper] >= 0, limb >= 2
         for c in range(tasks.shape[0]):
             for end in range(2):
@@ -200,7 +202,7 @@ def begin_again(level, problem):
 
 @kernel
 def yields(level, problem):
-    """Give up what this level asks of limbs whose turn, wished above, their limits do not leave beside it.
+    """Give up what this level asks of limbs whose turn, asked above, their limits do not leave beside it.
 
     No joint of the trunk would give that back. Whether there is any.
     """
@@ -314,7 +316,7 @@ def note_kept(first, level, problem):
 
     Those above ``first``, the level that was solved last, keep what they missed when it began: changes do not add up.
     """
-    tasks, search, pose = problem.tasks, problem.search, problem.pose
+    tasks, pose = problem.tasks, problem.pose
     spine_count = pose.positions.shape[0] - 23
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -326,13 +328,13 @@ def note_kept(first, level, problem):
         if turns_segment(row):
             copy_matrix(pose.rotations[row.segments[0]], row.kept_turn)
         elif row.kind == BALANCE:
-            copy_point(search.points[0], row.kept_places[0])  # where its miss was measured
+            copy_point(centre_of_mass(problem.body.shares, pose.positions), row.kept_places[0])
         else:
             for end in range(2):
                 if row.points[end] >= 0:
-                    end_place(row, end, pose, row.kept_places[end])
+                    copy_point(end_place(row, end, pose), row.kept_places[end])
                 if row.limbs[end] >= 0:
-                    root = limb_indices(row.limbs[end], spine_count)[0]
+                    root = limb_parts(row.limbs[end], spine_count)[2]
                     copy_point(pose.positions[root], row.kept_roots[end])
 
 
@@ -352,8 +354,8 @@ def note_reaches(level, changed, problem):
             if row.rank < level and not (limb >= 0 and changed >> limb & 1):
                 continue
             if end == 0 and row.kind == POSITION and (limb < 0 or row.freedoms[end, 0] == 0.0):
-                end_place(row, end, problem.start, row.begin)
-                note_means(c, row, problem)
+                copy_point(end_place(row, end, problem.start), row.begin)
+                note_reachable(c, row, problem)
             if limb >= 0:
                 note_reach(c, end, row.rank == level, problem)
 
@@ -365,12 +367,10 @@ def note_reach(c, end, own, problem):
     Beyond its comfort (or what the motion itself stretches) the limb takes ``soft_reach``, so its extension is smooth
     in time and the trunk does the rest without error (METHOD 6, "reach sharing").
     """
-    body, start, points = problem.body, problem.start, problem.search.points
-    row, point = problem.tasks[c], points[0]
+    body, start, row = problem.body, problem.start, problem.tasks[c]
     limb, origin = row.limbs[end], row.origins[end]
-    holds_end = limb >= 2 or problem.search.ends[limb] >= 0
-    end_place(row, end, start, point)
-    root, upper = limb_indices(limb, start.positions.shape[0] - 23)
+    holds_end, point = limb >= 2 or problem.search.ends[limb] >= 0, end_place(row, end, start)
+    _, upper, root = limb_parts(limb, start.positions.shape[0] - 23)
     if own:
         copy_point(problem.pose.positions[root], origin)
     fold, reach, now = range_of(limb, row.segments[end], holds_end, point, body.limits, start)
@@ -383,14 +383,14 @@ def note_reach(c, end, own, problem):
     comfort = COMFORT if row.helped else OWN_COMFORT
     row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), STRETCHED)
     if row.kind == POSITION and row.helped:
-        x, y, z = aim_limb(row, end, False, holds_end, points, start)
-        row.comforts[end] = min(max(distance(point, shoulder) / reach, comfort), STRETCHED)
-        x, y, z = x - origin[0], y - origin[1], z - origin[2]
+        bent, goal = bent_point(row, end, row.places[end], holds_end, start)
+        row.comforts[end] = min(max(distance(bent, shoulder) / reach, comfort), STRETCHED)
+        x, y, z = between(origin, goal)
         span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
         taken = span / reach if row.stiff else max(span / reach, row.comforts[end])
         row.reaches[end] = reach * min(soft_reach(taken, row.comforts[end]), STRETCHED)
         way, carrier = span - min(max(span, fold), row.reaches[end]), 0 if limb >= 2 else upper - 1
         if way < 0.0 or (way > 0.0 and is_alone(c, carrier, problem.chain)):
             sign = math.copysign(1.0 / span, way)
-            able = means_of(c, sign * x, sign * y, sign * z, shoulder, carrier, problem)
+            able = reachable_way(c, sign * x, sign * y, sign * z, shoulder, carrier, problem)
             row.slack[end] = way - math.copysign(soft_way(abs(way), able), way)

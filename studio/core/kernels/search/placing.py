@@ -5,24 +5,27 @@ Records are those of ``kernels.records``.
 
 import math
 
-from studio.core.kernels.algebra.rotation import (
-    add_rotated,
-    matrix_to_rotation_vector,
-    multiply,
-    multiply_by_transposed,
-    rotation_vector_to_matrix,
+from studio.core.kernels.algebra.turns import (
+    inverse,
+    product,
+    put_beside,
+    put_turn,
+    rotation_vector,
+    shortest,
+    turn_by,
+    turn_in,
+    turn_of_gibbs,
 )
-from studio.core.kernels.algebra.turns import product, put_turn, shortest, turn_in, turn_of_gibbs
-from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, distance
-from studio.core.kernels.body.parts import turn_part
+from studio.core.kernels.algebra.vectors import between, copy_matrix, copy_point, distance, length, length_along
+from studio.core.kernels.body.parts import limb_parts, turn_part
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
-from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH, HUNG, solve_limb
+from studio.core.kernels.limbs.limb_tasks import BLENDED, CLOSE_ENOUGH, solve_limb
 from studio.core.kernels.limbs.stiffness import carry_leg
-from studio.core.kernels.limits.joint_limits import is_well_within, keep_joint, limb_parts
+from studio.core.kernels.limits.joint_limits import is_well_within, keep_joint
 from studio.core.kernels.records import Problem
-from studio.core.kernels.search.joints import carry_arm, carry_point, carry_trunk, hang_limb
-from studio.core.kernels.tasks.areas import nearest_allowed, put_area
+from studio.core.kernels.search.joints import carry_arm, carry_point, carry_trunk, pose_limb
+from studio.core.kernels.tasks.areas import COSINE, SINE, nearest_allowed, put_area
 from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import (
     AREA,
@@ -75,9 +78,9 @@ def put_back(limb, problem):
         search.idle[limb] = OUTLINED
         put_outline(limb, problem)
         return
-    if search.hung[limb] == HUNG:
+    if search.blended[limb] == BLENDED:
         carrier, upper, root = limb_parts(limb, pose.positions.shape[0] - 23)
-        hang_limb(carrier, upper, root, 4 * limb, search.hung_turns, start, pose)
+        pose_limb(carrier, upper, root, 4 * limb, search.blended_turns, start, pose)
         return
     if limb < 2:
         carry_arm(limb, turned, slots, start, search.carried, pose)
@@ -201,8 +204,7 @@ def follow(level, solved, problem):
     """Goals that depend on where things are now: both ends of distances, areas, the line of sight, what is followed on
     the own body (METHOD 5). Once limbs are ``solved``, those that depend on where the limbs have come to be.
     """
-    tasks, areas, search, pose = problem.tasks, problem.areas, problem.search, problem.pose
-    points = search.points
+    tasks, areas, pose = problem.tasks, problem.areas, problem.pose
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if not counts(row) or row.rank > level:
@@ -210,16 +212,11 @@ def follow(level, solved, problem):
         if row.kind != DISTANCE and row.points[1] >= 0:
             follow_body(row, areas[c], pose, problem)
         if row.kind == DISTANCE and not solved:
-            end_place(row, 0, pose, points[0])
-            second_place(row, pose, points[1])
-            part_to(points[0], points[1], row.distance, row.shares, row.places)
+            part_to(end_place(row, 0, pose), second_place(row, pose), row.distance, row.shares, row.places)
         elif row.kind == LOOK_AT and row.pinned != PINNED_TURN:
-            rotation = pose.rotations[row.segments[0]]
-            end_place(row, 0, pose, points[0])
-            gaze_goal(row.places[1], row.places[0], points[0], row.distance, points[1])
-            x, y, z = points[1, 0], points[1, 1], points[1, 2]
-            turn = shortest(rotation[0, 0], rotation[1, 0], rotation[2, 0], x, y, z)
-            put_turn(product(turn, turn_in(rotation)), row.turn)
+            now = turn_in(pose.rotations[row.segments[0]])
+            x, y, z = gaze_goal(row.places[1], row.places[0], end_place(row, 0, pose), row.distance)
+            put_turn(product(shortest(now[0], now[3], now[6], x, y, z), now), row.turn)
         elif row.kind == UPRIGHT:
             follow_upright(row, pose)
         elif row.kind == AREA and row.status == ACTIVE and not row.engaged and not solved:
@@ -229,29 +226,26 @@ def follow(level, solved, problem):
 @kernel
 def follow_body(row, area, pose, problem):
     """Bring what a constraint asks to where the point or segment is now that it follows on its own body."""
-    search, start = problem.search, problem.start
-    place, point, turn, vector = search.points[0], search.points[1], search.turns[0], search.points[7]
-    end_place(row, 1, pose, place)
-    axes = pose.rotations[row.segments[1]]
+    start, place, axes = problem.start, end_place(row, 1, pose), turn_in(pose.rotations[row.segments[1]])
     if row.kind == POSITION and row.pinned != FREE:
-        add_rotated(place, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.places[0])
+        put_beside(place, axes, row.relative[0, 0], row.relative[0, 1], row.relative[0, 2], row.places[0])
     elif row.kind == POSITION:
-        end_place(row, 0, start, point)
-        ease_goal(point, place, row.share, row.places[0])
+        copy_point(ease_goal(end_place(row, 0, start), place, row.share), row.places[0])
     elif row.kind == ORIENTATION:
-        multiply(axes, row.relative, search.turns[1])
-        ease_turn(start.rotations[row.segments[0]], search.turns[1], row.share, turn, vector, row.turn)
+        wanted = product(axes, turn_in(row.relative))
+        put_turn(ease_turn(turn_in(start.rotations[row.segments[0]]), wanted, row.share), row.turn)
     elif row.kind == LOOK_AT:
         copy_point(place, row.places[0])
     elif row.kind == BALANCE:
-        ease_goal(row.begin, place, row.share, row.places[0])
+        copy_point(ease_goal(row.begin, place, row.share), row.places[0])
         copy_point(row.places[0], row.places[1])
     else:
-        multiply(axes, row.relative, turn)
-        c, s = turn[0, 0] + turn[1, 1], turn[1, 0] - turn[0, 1]
+        turn = product(axes, turn_in(row.relative))
+        c, s = turn[0] + turn[4], turn[3] - turn[1]
         size = max(math.sqrt(c * c + s * s), 1e-9)
         put_area(area, place, row.turn)
-        area[8], area[9] = (c * area[8] - s * area[9]) / size, (s * area[8] + c * area[9]) / size
+        cosine, sine = area[COSINE], area[SINE]
+        area[COSINE], area[SINE] = (c * cosine - s * sine) / size, (s * cosine + c * sine) / size
 
 
 @kernel
@@ -285,12 +279,12 @@ def engage(level, problem):
 @kernel
 def engage_one(c, problem):
     """Engage one area if its point is where it may not be: the goal is the nearest place where it may."""
-    tasks, areas, pose, points = problem.tasks, problem.areas, problem.pose, problem.search.points
-    row = tasks[c]
-    end_place(row, 0, pose, points[0])
-    if nearest_allowed(areas[c], points[0], points[1]) > ENGAGED:
+    row = problem.tasks[c]
+    point = end_place(row, 0, problem.pose)
+    depth, place = nearest_allowed(problem.areas[c], point)
+    if depth > ENGAGED:
         row.engaged = 1
-        ease_goal(points[0], points[1], row.distance, row.places[0])
+        copy_point(ease_goal(point, place, row.distance), row.places[0])
         return True
     return False
 
@@ -301,38 +295,29 @@ def miss_of(c, problem):
 
     An area by the nearest place where its point may be, which may be another than it was sent to.
     """
-    tasks, areas, body, search, pose = problem.tasks, problem.areas, problem.body, problem.search, problem.pose
-    row, point, other = tasks[c], search.points[0], search.points[1]
+    row, pose = problem.tasks[c], problem.pose
     if row.kind == UPRIGHT:
         return miss_upright(row, pose)
     if turns_segment(row):
-        turn_error(row.turn, pose.rotations[row.segments[0]], search.turns[0], point)
-        return math.sqrt(point[0] ** 2 + point[1] ** 2 + point[2] ** 2)
+        return length(turn_error(row.turn, pose.rotations[row.segments[0]]))
     if row.kind == BALANCE:
-        centre_of_mass(body.shares, pose.positions, point)
-        squared = 0.0
-        for axis in range(row.axes):
-            squared += (point[axis] - row.places[0, axis]) ** 2
-        return math.sqrt(squared)
-    end_place(row, 0, pose, point)
+        return length_along(between(row.places[0], centre_of_mass(problem.body.shares, pose.positions)), row.axes)
+    point = end_place(row, 0, pose)
     if row.kind == DISTANCE:
-        second_place(row, pose, other)
-        return abs(distance(point, other) - row.distance)
+        return abs(distance(point, second_place(row, pose)) - row.distance)
     if row.kind == AREA:
-        return row.distance * nearest_allowed(areas[c], point, other)
+        return row.distance * nearest_allowed(problem.areas[c], point)[0]
     return distance(point, row.places[0])
 
 
 @kernel
-def ease_turn(begin, wanted, share, turn, vector, out_turn):
-    """A rotation (3, 3) a ``share`` of the shortest way from one to another; ``turn`` and ``vector`` are scratch."""
-    turn_error(wanted, begin, turn, vector)
-    rotation_vector_to_matrix(share * vector[0], share * vector[1], share * vector[2], turn)
-    multiply(turn, begin, out_turn)
+def ease_turn(begin, wanted, share):
+    """The turn a ``share`` of the shortest way from one to another."""
+    x, y, z = rotation_vector(product(wanted, inverse(begin)))
+    return product(turn_by(share * x, share * y, share * z), begin)
 
 
-@kernel
-def turn_error(wanted, now, turn, out_vector):
-    """Rotation vector (3,) in radians that turns ``now`` to ``wanted`` (3, 3); ``turn`` (3, 3) is scratch."""
-    multiply_by_transposed(wanted, now, turn)
-    matrix_to_rotation_vector(turn, out_vector)
+@small_kernel
+def turn_error(wanted, now):
+    """Rotation vector (x, y, z), radians, that turns ``now`` to ``wanted``, both (3, 3)."""
+    return rotation_vector(product(turn_in(wanted), inverse(turn_in(now))))

@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from studio.core.kernels.algebra.vectors import copy_point
 from studio.core.kernels.compiling import kernel, small_kernel, summing_kernel
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.search.joints import FREE_PART, ROOT, brake
@@ -402,7 +403,8 @@ def go_on(least, ease, part, problem):
             way[k, axis] = ease * (steps[steps.shape[0] - 2, k, axis] + part * way[k, axis])
     root = slots[slots.shape[0] - 1]
     if root >= 0:
-        keep_feet_in_reach(problem.body, problem.start, search.carried, search.state[root], way[root])
+        go = way[root, 0], way[root, 1], way[root, 2]
+        copy_point(keep_feet_in_reach(problem.body, problem.start, search.carried, search.state[root], go), way[root])
     return move_joints(least, chain, search.carried, way, search.state)
 
 

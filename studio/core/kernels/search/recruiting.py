@@ -5,10 +5,10 @@ Records are those of ``kernels.records``.
 
 import math
 
-from studio.core.kernels.algebra.vectors import copy_point
+from studio.core.kernels.algebra.vectors import between, copy_point, length_along
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb import soft_reach
-from studio.core.kernels.limits.joint_limits import limb_parts
 from studio.core.kernels.search.joints import may_turn
 from studio.core.kernels.tasks.balance import centre_of_mass, set_balance_rows, sum_masses
 from studio.core.kernels.tasks.goals import BALANCE
@@ -68,7 +68,7 @@ def note_balances(level, problem):
 
     Whether there are any.
     """
-    tasks, chain, body, search, pose = problem.tasks, problem.chain, problem.body, problem.search, problem.pose
+    tasks, chain, body, pose = problem.tasks, problem.chain, problem.body, problem.pose
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -78,18 +78,14 @@ def note_balances(level, problem):
         copy_point(row.places[0], row.places[1])
         if not frees_limbs(c, chain):
             continue
-        point = search.points[0]
-        centre_of_mass(body.shares, pose.positions, point)
-        squared = 0.0
-        for axis in range(row.axes):
-            squared += (row.places[0, axis] - point[axis]) ** 2
-        if squared < 1e-12:
+        mass = centre_of_mass(body.shares, pose.positions)
+        way = length_along(between(mass, row.places[0]), row.axes)
+        if way < 1e-6:
             continue
-        way = math.sqrt(squared)
-        reach = MASS_REACH * mass_reach(row, chain.mobilities[c], problem) / way
+        reach = MASS_REACH * mass_reach(row, mass, chain.mobilities[c], problem) / way
         part = reach * soft_reach(way / reach, MASS_COMFORT) / way if reach > 1e-9 else 0.0
         for axis in range(row.axes):
-            row.places[1, axis] = point[axis] + part * (row.places[0, axis] - point[axis])
+            row.places[1, axis] = mass[axis] + part * (row.places[0, axis] - mass[axis])
     return found
 
 
@@ -103,12 +99,12 @@ def frees_limbs(row, chain):
 
 
 @kernel
-def mass_reach(row, mobilities, problem):
-    """How far (metres squared) all joints that may help, each turned to its limit, move the centre of mass from
-    the first point of the scratch towards its place, times that way: their levers along it.
+def mass_reach(row, mass, mobilities, problem):
+    """How far (metres squared) all joints that may help, each turned to its limit, move the centre of ``mass`` (3,)
+    towards its place, times that way: their levers along it.
     """
     chain, masses, search, positions = problem.chain, problem.body.masses, problem.search, problem.pose.positions
-    jacobian, point, total = search.rows.jacobian, search.points[0], 0.0
+    jacobian, total = search.rows.jacobian, 0.0
     sum_masses(masses, positions, search.sums)
     set_balance_rows(row.axes, masses, search.sums, chain.joints, positions, jacobian)
     for joint in range(chain.joints.shape[0]):
@@ -118,7 +114,7 @@ def mass_reach(row, mobilities, problem):
         for side in range(3):
             along = 0.0
             for axis in range(row.axes):
-                along += jacobian[axis, joint, side] * (row.places[0, axis] - point[axis])
+                along += jacobian[axis, joint, side] * (row.places[0, axis] - mass[axis])
             squared += along * along
         total += 2.0 * math.atan(chain.limits[joint]) * math.sqrt(squared)
     return total

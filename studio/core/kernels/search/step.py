@@ -6,7 +6,7 @@ Records are those of ``kernels.records``.
 import math
 
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH
+from studio.core.kernels.limbs.limb_tasks import CLOSE_ENOUGH
 from studio.core.kernels.limits.within_limits import NEARLY
 from studio.core.kernels.search.all_joints import refine_step
 from studio.core.kernels.search.joints import set_brakes

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from studio.core.kernels import layout as at
-from studio.core.kernels.algebra.rotation import add_rotated, rotation_vector_to_matrix
+from studio.core.kernels.algebra.rotation import rotation_vector_to_matrix
 from studio.core.kernels.algebra.turns import aimed, product, put_beside, put_turn, turn_by, turn_in, turn_of
 from studio.core.kernels.body.parts import move_all, turn_part
 from studio.core.kernels.compiling import allocating_kernel, kernel
@@ -102,7 +102,7 @@ def put_arm(start, scratch):
     arm, turn = scratch.arm, scratch.turn
     for axis in range(3):
         arm[axis] = 0.0
-    add_rotated(arm, turn, start[0], start[1], start[2], arm)
+    put_beside(arm, turn_in(turn), start[0], start[1], start[2], arm)
 
 
 @kernel

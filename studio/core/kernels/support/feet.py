@@ -15,7 +15,10 @@ from studio.core.kernels.support.gaps import ease_gaps, is_inside
 from studio.core.kernels.support.sole import (
     FLAT,
     HEEL,
+    HEEL_LENGTH,
     TOE,
+    TOE_X,
+    TOE_Y,
     ball_above_heel,
     lying_aside,
     point_down,
@@ -76,7 +79,7 @@ def keep_pitch_on_ground(soles, states, reach, rotations):
         if states[frame] != HEEL and states[frame] != TOE:
             continue
         sole = soles[frame if soles.shape[0] > 1 else 0]
-        length = math.sqrt(sole[0] * sole[0] + sole[1] * sole[1]) + sole[4]
+        length = math.sqrt(sole[TOE_X] * sole[TOE_X] + sole[TOE_Y] * sole[TOE_Y]) + sole[HEEL_LENGTH]
         x, y = rotations[frame, 0, 0], rotations[frame, 1, 0]
         level = max(math.sqrt(x * x + y * y), 1e-9)
         copy_matrix(rotations[frame], turned)

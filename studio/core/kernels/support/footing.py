@@ -10,7 +10,7 @@ from studio.core.kernels.records import Array
 from studio.core.kernels.support.feet import keep_pitch_on_ground, level_soles, level_toes
 from studio.core.kernels.support.heels import find_tiptoe, lift_heels
 from studio.core.kernels.support.planting import plant_ankles
-from studio.core.kernels.support.sole import tip_rise
+from studio.core.kernels.support.sole import ANKLE_HEIGHT, TOE_Z, tip_rise
 
 
 class FootPlan(NamedTuple):
@@ -44,7 +44,7 @@ def plan_foot(states, soles, height, rolls, reach, balls, plan):
         rises = np.empty(count)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]
-            rises[frame] = balls[frame] - height - sole[3] - sole[2]
+            rises[frame] = balls[frame] - height - sole[ANKLE_HEIGHT] - sole[TOE_Z]
         find_tiptoe(soles, states, rises, reach, pitches)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]

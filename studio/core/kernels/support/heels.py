@@ -9,7 +9,7 @@ from studio.core.kernels.algebra.turns import put_turn, turn_by, turn_in
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.support.feet import corrected
 from studio.core.kernels.support.gaps import ease_gaps, fill_gaps, free_feet
-from studio.core.kernels.support.sole import HEEL, TOE, to_pivots
+from studio.core.kernels.support.sole import ANKLE_HEIGHT, HEEL, TOE, TOE_X, TOE_Y, TOE_Z, to_pivots
 
 FOLLOWED = 0.6
 ROLLED = 0.5 * FOLLOWED
@@ -66,7 +66,7 @@ def lift_heels(soles, states, heights, reach, rotations):
         share = smoothstep(min(max((foot[2, 0] - UPRIGHT[1]) / (UPRIGHT[0] - UPRIGHT[1]), 0.0), 1.0))
         if share == 0.0 or foot[2, 2] < 0.0:
             continue
-        missing = pitch_missing(foot, sole, heights[frame] - sole[3] - sole[2])
+        missing = pitch_missing(foot, sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z])
         level = math.asin(min(max(foot[2, 0], -1.0), 0.0))  # no farther up, or the ball would leave the ground
         pitch = share * within_room(foot, max(missing - (1.0 - free[frame]) * left_over[frame], level))
         along = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
@@ -92,7 +92,10 @@ def find_left_over(soles, states, heights, rotations, out_missing):
             gap = math.inf if states[frame] == 0 else gap + 1.0
             if states[frame] & HEEL:
                 sole = soles[frame if soles.shape[0] > 1 else 0]
-                gap, missing = 0.0, pitch_missing(rotations[frame], sole, heights[frame] - sole[3] - sole[2])
+                gap, missing = (
+                    0.0,
+                    pitch_missing(rotations[frame], sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z]),
+                )
             if gap < gaps[frame]:
                 gaps[frame], out_missing[frame] = gap, missing
 
@@ -128,11 +131,11 @@ def pitch_missing(foot, sole, height):
     level = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
     ahead = 0.0
     for axis in range(2):
-        along = foot[axis, 0] * sole[0] + foot[axis, 1] * sole[1] + foot[axis, 2] * sole[2]
+        along = foot[axis, 0] * sole[TOE_X] + foot[axis, 1] * sole[TOE_Y] + foot[axis, 2] * sole[TOE_Z]
         ahead += along * foot[axis, 0] / level
-    over = -(foot[2, 0] * sole[0] + foot[2, 1] * sole[1] + foot[2, 2] * sole[2])
+    over = -(foot[2, 0] * sole[TOE_X] + foot[2, 1] * sole[TOE_Y] + foot[2, 2] * sole[TOE_Z])
     length = max(math.hypot(ahead, over), 1e-9)
-    return (max(height, -sole[2]) - over) / max(ahead, STEEPEST * length)
+    return (max(height, -sole[TOE_Z]) - over) / max(ahead, STEEPEST * length)
 
 
 @allocating_kernel

@@ -1,7 +1,7 @@
 """One foot at one frame: where heel, ball and tip of its sole are, and where it looks.
 
-States of a foot: bit 1 the heel stands, bit 2 the toe stands. A ``sole`` (6,) is the measures of a foot: ankle to toe
-joint in foot axes (3), ankle above the sole, heel behind the ankle, length of the toe.
+States of a foot: bit 1 the heel stands, bit 2 the toe stands. A ``sole`` (6,) is the measures of a foot, by ``TOE_X``
+and so on.
 """
 
 import math
@@ -9,6 +9,8 @@ import math
 from studio.core.kernels.algebra.eases import smoothstep
 from studio.core.kernels.compiling import kernel, small_kernel
 
+TOE_X, TOE_Y, TOE_Z, ANKLE_HEIGHT, HEEL_LENGTH, TOE_LENGTH = range(6)
+"""The numbers of a ``sole``: ankle to toe joint in foot axes, ankle above the sole, heel behind the ankle, toe."""
 HEEL = 1
 TOE = 2
 FLAT = 3
@@ -23,8 +25,8 @@ SOLE_DOWN = 0.5
 @kernel
 def ball_above_heel(rotation, sole):
     """How much higher the ball's sole is than the heel's, in metres; 0 for a level foot."""
-    ball = rotation[2, 0] * sole[0] + rotation[2, 1] * sole[1] + rotation[2, 2] * sole[2] - sole[2]
-    return ball - sole[3] + rotation[2, 0] * sole[4] + rotation[2, 2] * sole[3]
+    ball = rotation[2, 0] * sole[TOE_X] + rotation[2, 1] * sole[TOE_Y] + rotation[2, 2] * sole[TOE_Z] - sole[TOE_Z]
+    return ball - sole[ANKLE_HEIGHT] + rotation[2, 0] * sole[HEEL_LENGTH] + rotation[2, 2] * sole[ANKLE_HEIGHT]
 
 
 @kernel
@@ -72,21 +74,23 @@ def point_down(matrix, pitch):
 def to_toe(rotation, sole, out_offset):
     """Vector (3,) from ankle to toe joint in the world."""
     for axis in range(3):
-        out_offset[axis] = rotation[axis, 0] * sole[0] + rotation[axis, 1] * sole[1] + rotation[axis, 2] * sole[2]
+        out_offset[axis] = (
+            rotation[axis, 0] * sole[TOE_X] + rotation[axis, 1] * sole[TOE_Y] + rotation[axis, 2] * sole[TOE_Z]
+        )
 
 
 @kernel
 def to_pivots(rotation, sole, out_offsets):
     """Vectors (2, 3) in the world from the ankle to what a foot rolls over: the heel's lower edge, the toe joint."""
     for axis in range(3):
-        out_offsets[0, axis] = -rotation[axis, 0] * sole[4] - rotation[axis, 2] * sole[3]
+        out_offsets[0, axis] = -rotation[axis, 0] * sole[HEEL_LENGTH] - rotation[axis, 2] * sole[ANKLE_HEIGHT]
     to_toe(rotation, sole, out_offsets[1])
 
 
 @small_kernel
 def tip_rise(sole, pitch):
     """How much higher than in a flat foot the ball is over the tip of a toe that points down by ``pitch``."""
-    return sole[5] * math.sin(pitch) - (sole[3] + sole[2]) * (1.0 - math.cos(pitch))
+    return sole[TOE_LENGTH] * math.sin(pitch) - (sole[ANKLE_HEIGHT] + sole[TOE_Z]) * (1.0 - math.cos(pitch))
 
 
 @kernel
@@ -95,7 +99,7 @@ def to_tip(rotation, sole, pitch, offsets):
 
     Writes the vector from the ankle to that tip into the last of ``offsets`` (3, 3), the others as from ``to_pivots``.
     """
-    length, thick = sole[5], sole[3] + sole[2]
+    length, thick = sole[TOE_LENGTH], sole[ANKLE_HEIGHT] + sole[TOE_Z]
     c, s = math.cos(pitch), math.sin(pitch)
     along, across = toe_heading(rotation)
     ahead = (length * c - thick * s) / max(math.sqrt(along * along + across * across), 1e-9)
@@ -112,6 +116,6 @@ def sole_height(rotation, toe_drop, sole):
 
     ``toe_drop`` z of the vector ankle to toe in the world.
     """
-    heel = rotation[2, 0] * sole[4] + rotation[2, 2] * sole[3]
-    ball = sole[3] + sole[2] - toe_drop
+    heel = rotation[2, 0] * sole[HEEL_LENGTH] + rotation[2, 2] * sole[ANKLE_HEIGHT]
+    ball = sole[ANKLE_HEIGHT] + sole[TOE_Z] - toe_drop
     return max(heel, ball)

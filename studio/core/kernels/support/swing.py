@@ -9,7 +9,17 @@ import numpy as np
 
 from studio.core.kernels.algebra.eases import lack, smoothstep
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.support.sole import TOE, lying_aside, upright_part
+from studio.core.kernels.support.sole import (
+    ANKLE_HEIGHT,
+    HEEL_LENGTH,
+    TOE,
+    TOE_LENGTH,
+    TOE_X,
+    TOE_Y,
+    TOE_Z,
+    lying_aside,
+    upright_part,
+)
 
 ROOM = 0.2
 """Part of the ankle's height within which of the floor a foot in the air begins to be raised; 3/16 of it is kept."""
@@ -49,10 +59,12 @@ def find_bends(soles, states, ground, rooms, ankles, feet, toes, out_bends):
         upright = upright_part(foot)
         if upright == 0.0 or states[frame] & TOE:
             continue
-        room, thickness = ROOM * max(sole[3], 0.0) * rooms[frame], sole[3] + sole[2]
-        joint = ankles[frame, 2] + foot[2, 0] * sole[0] + foot[2, 1] * sole[1] + foot[2, 2] * sole[2] - ground
+        room, thickness = ROOM * max(sole[ANKLE_HEIGHT], 0.0) * rooms[frame], sole[ANKLE_HEIGHT] + sole[TOE_Z]
+        joint = (
+            ankles[frame, 2] + foot[2, 0] * sole[TOE_X] + foot[2, 1] * sole[TOE_Y] + foot[2, 2] * sole[TOE_Z] - ground
+        )
         joint += lack(joint - foot[2, 2] * thickness, room)  # a ball in the floor raises the ankle
-        out_bends[frame] = bend_of(joint, sole[5], thickness, room, upright, toes[frame])
+        out_bends[frame] = bend_of(joint, sole[TOE_LENGTH], thickness, room, upright, toes[frame])
 
 
 @allocating_kernel
@@ -87,12 +99,14 @@ def raise_foot(soles, states, ground, rooms, ankles, feet, toes):
         upright = upright_part(foot)
         if upright == 0.0 or states[frame] != 0:
             continue
-        room = ROOM * max(sole[3], 0.0) * rooms[frame]
-        joint = ankles[frame, 2] + foot[2, 0] * sole[0] + foot[2, 1] * sole[1] + foot[2, 2] * sole[2] - ground
+        room = ROOM * max(sole[ANKLE_HEIGHT], 0.0) * rooms[frame]
+        joint = (
+            ankles[frame, 2] + foot[2, 0] * sole[TOE_X] + foot[2, 1] * sole[TOE_Y] + foot[2, 2] * sole[TOE_Z] - ground
+        )
         toe = toes[frame]
-        tip = joint + toe[2, 0] * sole[5] - toe[2, 2] * (sole[3] + sole[2])
-        ball = joint - max(foot[2, 2], toe[2, 2]) * (sole[3] + sole[2])
-        heel = ankles[frame, 2] - ground - foot[2, 0] * sole[4] - foot[2, 2] * sole[3]
+        tip = joint + toe[2, 0] * sole[TOE_LENGTH] - toe[2, 2] * (sole[ANKLE_HEIGHT] + sole[TOE_Z])
+        ball = joint - max(foot[2, 2], toe[2, 2]) * (sole[ANKLE_HEIGHT] + sole[TOE_Z])
+        heel = ankles[frame, 2] - ground - foot[2, 0] * sole[HEEL_LENGTH] - foot[2, 2] * sole[ANKLE_HEIGHT]
         ankles[frame, 2] += upright * lack(min(tip, ball, heel), room)
 
 

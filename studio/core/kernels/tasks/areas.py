@@ -6,13 +6,13 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.distance_field import surface_place
 
 HALF_SPACE, BOX, SPHERE, CYLINDER, TABLE, MESH = 0, 1, 2, 3, 4, 5
-"""Shapes, the first of an area's ten numbers: shape, side, centre (3), size (3), cosine and sine of the heading.
-
-After them comes, for a mesh, its field (``kernels.tasks.distance_field``) in the area's own space.
-"""
+"""Shapes of an area."""
 OUTSIDE, INSIDE, ON = 0, 1, 2
 """Sides: where the point may be."""
+SHAPE, SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, COSINE, SINE = range(10)
+"""The numbers of an area; a half-space has its normal for its size, cosine and sine are those of the heading."""
 NUMBERS = 10
+"""After them comes, for a mesh, its field (``kernels.tasks.distance_field``) in the area's own space."""
 
 EDGE = 0.1
 """Metres from a table's edge within which its push turns outwards, so that a hand coming from the side does not pop,
@@ -28,53 +28,56 @@ def put_area(area, centre, turn):
     """
     if math.isnan(centre[0]):
         return
-    area[2], area[3], area[4] = centre[0], centre[1], centre[2]
-    if int(area[0]) == HALF_SPACE:
-        area[5], area[6], area[7], area[8], area[9] = turn[0, 0], turn[1, 0], turn[2, 0], 1.0, 0.0
+    area[CENTRE_X], area[CENTRE_Y], area[CENTRE_Z] = centre[0], centre[1], centre[2]
+    if int(area[SHAPE]) == HALF_SPACE:
+        area[SIZE_X], area[SIZE_Y], area[SIZE_Z], area[COSINE], area[SINE] = (
+            turn[0, 0],
+            turn[1, 0],
+            turn[2, 0],
+            1.0,
+            0.0,
+        )
     else:
-        area[8], area[9] = turn[0, 0], turn[1, 0]
+        area[COSINE], area[SINE] = turn[0, 0], turn[1, 0]
 
 
 @kernel
-def nearest_allowed(area, point, out_place):
-    """Write the nearest place (3,) where the point may be; its distance from there, 0 when it may stay.
+def nearest_allowed(area, point):
+    """(metres, (x, y, z)): how far the nearest place is where the point may be, 0 when it may stay, and that place.
 
     ``area`` (10 or more,) as above; ``point`` (3,) metres.
     """
-    x, y, z = point[0] - area[2], point[1] - area[3], point[2] - area[4]
-    c, s = area[8], area[9]
+    x, y, z = point[0] - area[CENTRE_X], point[1] - area[CENTRE_Y], point[2] - area[CENTRE_Z]
+    c, s = area[COSINE], area[SINE]
     x, y = c * x + s * y, c * y - s * x
-    side = int(area[1])
-    if int(area[0]) == MESH:
+    side = int(area[SIDE])
+    if int(area[SHAPE]) == MESH:
         nx, ny, nz = surface_place(area[NUMBERS:], x, y, z, side)
     else:
         nx, ny, nz = place_of(area, x, y, z, side == INSIDE)
         if side == ON and nx == x and ny == y and nz == z:
             nx, ny, nz = place_of(area, x, y, z, True)
     distance = math.sqrt((nx - x) ** 2 + (ny - y) ** 2 + (nz - z) ** 2)
-    out_place[0] = area[2] + c * nx - s * ny
-    out_place[1] = area[3] + s * nx + c * ny
-    out_place[2] = area[4] + nz
-    return distance
+    return distance, (area[CENTRE_X] + c * nx - s * ny, area[CENTRE_Y] + s * nx + c * ny, area[CENTRE_Z] + nz)
 
 
 @kernel
 def place_of(area, x, y, z, inside):
     """Nearest place on the allowed side of a shape, in the area's own space."""
-    shape = int(area[0])
+    shape = int(area[SHAPE])
     if shape == HALF_SPACE:
         return half_space(area, x, y, z, inside)
     if shape == SPHERE:
-        return round_place(x, y, z, 0.5 * area[5], inside)
+        return round_place(x, y, z, 0.5 * area[SIZE_X], inside)
     if shape == CYLINDER:
-        return upright(x, y, z, 0.5 * area[5], 0.5 * area[7], inside)
-    return box(x, y, z, 0.5 * area[5], 0.5 * area[6], 0.5 * area[7], inside, shape == TABLE)
+        return upright(x, y, z, 0.5 * area[SIZE_X], 0.5 * area[SIZE_Z], inside)
+    return box(x, y, z, 0.5 * area[SIZE_X], 0.5 * area[SIZE_Y], 0.5 * area[SIZE_Z], inside, shape == TABLE)
 
 
 @kernel
 def half_space(area, x, y, z, inside):
-    """Nearest place on the allowed side of the plane through 0 with normal ``area`` 5 to 7."""
-    nx, ny, nz = area[5], area[6], area[7]
+    """Nearest place on the allowed side of the plane through 0 with the normal of an area."""
+    nx, ny, nz = area[SIZE_X], area[SIZE_Y], area[SIZE_Z]
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     nx, ny, nz = nx / length, ny / length, nz / length
     height = x * nx + y * ny + z * nz

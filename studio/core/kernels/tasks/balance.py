@@ -14,13 +14,13 @@ MEETING = 0.005
 
 
 @kernel
-def centre_of_mass(shares, positions, out_point):
-    """Centre of mass (3,) from the ``shares`` (P,) of the body's mass that its points have."""
+def centre_of_mass(shares, positions):
+    """Centre of mass (x, y, z) from the ``shares`` (P,) of the body's mass that its points have."""
     x = y = z = 0.0
     for point in range(shares.shape[0]):
         share, place = shares[point], positions[point]
         x, y, z = x + share * place[0], y + share * place[1], z + share * place[2]
-    out_point[0], out_point[1], out_point[2] = x, y, z
+    return x, y, z
 
 
 @kernel

@@ -1,8 +1,8 @@
 """Signed distance from a triangle mesh: measured on a grid, and asked of it as a smooth field (METHOD 5).
 
-A *field* is one row of numbers: origin (3), cell, count along x, y and z, then the coefficients of a cubic B-spline
-through the distances at the nodes, x slowest. The spline has continuous second derivatives, so a place on the surface
-moves smoothly over edges; it rounds them by a part of a cell.
+A *field* is one row of numbers: where it begins (3), its cell, how many there are along x, y and z, then the
+coefficients of a cubic B-spline through the distances at the nodes, x slowest. The spline has continuous second
+derivatives, so a place on the surface moves smoothly over edges; it rounds them by a part of a cell.
 """
 
 import math
@@ -11,8 +11,8 @@ import numpy as np
 
 from studio.core.kernels.compiling import allocating_kernel, kernel
 
-HEAD = 7
-"""Numbers before the coefficients."""
+BEGIN, CELL, COUNTS, HEAD = 0, 3, 4, 7
+"""The numbers of a field; ``HEAD`` are before the coefficients."""
 STEPS = 12
 """Newton's steps down the slope of a field to its surface, at most."""
 
@@ -134,12 +134,12 @@ def weights_at(t, out_weights):
 @allocating_kernel
 def distance_at(field, x, y, z, weights, out_slope):
     """Signed distance at a place, and its slope (3,). Beyond the grid as at its edge; ``weights`` (3, 2, 4) scratch."""
-    cell = field[3]
-    ny, nz = int(field[5]), int(field[6])
+    cell = field[CELL]
+    ny, nz = int(field[COUNTS + 1]), int(field[COUNTS + 2])
     first = np.empty(3, np.int64)
     for axis in range(3):
-        place = ((x, y, z)[axis] - field[axis]) / cell
-        count = int(field[4 + axis])
+        place = ((x, y, z)[axis] - field[BEGIN + axis]) / cell
+        count = int(field[COUNTS + axis])
         place = min(max(place, 1.0), count - 2.001)
         first[axis] = int(place) - 1
         weights_at(place - (first[axis] + 1), weights[axis])
@@ -185,7 +185,9 @@ def surface_place(field, x, y, z, side):
 @kernel
 def held_within(field, axis, place):
     """A coordinate held within the grid."""
-    return min(max(place, field[axis] + field[3]), field[axis] + field[3] * (field[4 + axis] - 2.0))
+    return min(
+        max(place, field[BEGIN + axis] + field[CELL]), field[BEGIN + axis] + field[CELL] * (field[COUNTS + axis] - 2.0)
+    )
 
 
 @kernel
@@ -193,7 +195,7 @@ def share_within(field, x, y, z, fx, fy, fz):
     """The part of the way from a place f within the grid towards (x, y, z) that lies within it, 1 for all of it."""
     share = 1.0
     for axis in range(3):
-        low, high = field[axis] + field[3], field[axis] + field[3] * (field[4 + axis] - 2.0)
+        low, high = field[BEGIN + axis] + field[CELL], field[BEGIN + axis] + field[CELL] * (field[COUNTS + axis] - 2.0)
         place, begin = (x, y, z)[axis], (fx, fy, fz)[axis]
         if place > high:
             share = min(share, max(high - begin, 0.0) / max(place - begin, 1e-12))

@@ -2,7 +2,8 @@
 
 import math
 
-from studio.core.kernels.algebra.vectors import copy_point
+from studio.core.kernels.algebra.turns import beside, inverse, turn_in
+from studio.core.kernels.algebra.vectors import ORIGIN, between
 from studio.core.kernels.body.parts import body_point
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.tasks.task import ACTIVE, GIVEN_UP
@@ -38,16 +39,19 @@ def turns_segment(row):
 
 
 @small_kernel
-def end_place(row, end, pose, out_point):
-    """Where one end of a constraint (a record of ``kernels.tasks.task``) is now, (3,)."""
-    body_point(row.points[end], row.segments[end], row.offsets[end], pose.positions, pose.rotations, out_point)
+def end_place(row, end, pose):
+    """Where one end of a constraint (a record of ``kernels.tasks.task``) is now, (x, y, z)."""
+    return body_point(row.points[end], row.segments[end], row.offsets[end], pose.positions, pose.rotations)
 
 
 @small_kernel
-def ease_goal(start, target, share, out_goal):
-    """Goal (3,) between where a point is and where it is to be (METHOD 5, (12): interpolate the target)."""
-    for axis in range(3):
-        out_goal[axis] = start[axis] + share * (target[axis] - start[axis])
+def ease_goal(start, target, share):
+    """Goal (x, y, z) between where a point is and where it is to be (METHOD 5, (12): interpolate the target)."""
+    return (
+        start[0] + share * (target[0] - start[0]),
+        start[1] + share * (target[1] - start[1]),
+        start[2] + share * (target[2] - start[2]),
+    )
 
 
 @kernel
@@ -72,17 +76,16 @@ def part_to(first, second, distance, shares, out_goals):
 
 
 @kernel
-def second_place(row, pose, out_point):
-    """Where the other point of a distance is now, (3,): on the body, or the place outside."""
+def second_place(row, pose):
+    """Where the other point of a distance is now, (x, y, z): on the body, or the place outside."""
     if row.points[1] >= 0:
-        end_place(row, 1, pose, out_point)
-    else:
-        copy_point(row.places[1], out_point)
+        return end_place(row, 1, pose)
+    return row.places[1, 0], row.places[1, 1], row.places[1, 2]
 
 
 @kernel
-def gaze_goal(start, target, eye, share, out_direction):
-    """Unit direction (3,) that is ``share`` of the way from ``start`` to the line from ``eye`` to ``target``."""
+def gaze_goal(start, target, eye, share):
+    """Unit direction (x, y, z) that is ``share`` of the way from ``start`` to the line from ``eye`` to ``target``."""
     x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
     length = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     x, y, z = x / length, y / length, z / length
@@ -92,20 +95,14 @@ def gaze_goal(start, target, eye, share, out_direction):
     keep, take = 1.0 - share, share
     if sine > 1e-6:
         keep, take = math.sin((1.0 - share) * angle) / sine, math.sin(share * angle) / sine
-    out_direction[0] = keep * start[0] + take * x
-    out_direction[1] = keep * start[1] + take * y
-    out_direction[2] = keep * start[2] + take * z
+    return keep * start[0] + take * x, keep * start[1] + take * y, keep * start[2] + take * z
 
 
 @kernel
-def place_as_followed(row, search, pose, out_place):
-    """Where a constraint has its first point, (3,) in the axes of what it follows on its own body, or in the world."""
-    point, other = search.points[0], search.points[1]
-    end_place(row, 0, pose, point)
-    copy_point(point, out_place)
-    if row.points[1] >= 0:
-        end_place(row, 1, pose, other)
-        axes = pose.rotations[row.segments[1]]
-        x, y, z = point[0] - other[0], point[1] - other[1], point[2] - other[2]
-        for axis in range(3):
-            out_place[axis] = axes[0, axis] * x + axes[1, axis] * y + axes[2, axis] * z
+def place_as_followed(row, pose):
+    """Where a constraint has its first point: in the axes of what it follows on its own body, or in the world."""
+    point = end_place(row, 0, pose)
+    if row.points[1] < 0:
+        return point
+    x, y, z = between(end_place(row, 1, pose), point)
+    return beside(ORIGIN, inverse(turn_in(pose.rotations[row.segments[1]])), x, y, z)

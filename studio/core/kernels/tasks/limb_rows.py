@@ -6,9 +6,11 @@ Records are those of ``kernels.records``.
 import math
 from typing import NamedTuple
 
-from studio.core.kernels.algebra.vectors import copy_point, distance
+from studio.core.kernels.algebra.vectors import between, distance
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH, limb_indices
+from studio.core.kernels.limbs.limb_limits import bent_point
+from studio.core.kernels.limbs.limb_tasks import CLOSE_ENOUGH
 from studio.core.kernels.search.joints import add_point_row, add_turn_row
 from studio.core.kernels.search.priorities import LONGEST_ERROR
 from studio.core.kernels.tasks.goals import POSITION, end_place
@@ -20,7 +22,7 @@ HARDLY_MISSED = 2.5 * STRICT
 MISSED = 10.0 * STRICT
 """Metres of miss from which on the root of a limb that falls short is held by levels below."""
 SWIVELS = 0.01
-"""Metres that a radian of swivel has to bring a limb's second wish for it to be held by that."""
+"""Metres that a radian of swivel has to bring a limb's secondary task for it to be held by that."""
 STEEP = 2.0
 """By how much more than what carries the limb it swivels: as (17) fades half turns, between 0 and some 3."""
 
@@ -60,23 +62,6 @@ def add_point_rows(point, segment, x, y, z, owner, count, problem):
 
 
 @kernel
-def aim_limb(row, end, is_held, holds_end, points, pose):
-    """Where the limb itself must bring what it bends: the goal, or the wrist's or ankle's part of it, as (x, y, z).
-
-    ``points[0]`` becomes the point that the limb moves there.
-    """
-    wanted = row.kept_places[end] if is_held else row.places[end]
-    root, upper = limb_indices(row.limbs[end], pose.positions.shape[0] - 23)
-    point, tip = points[0], pose.positions[root + 2]
-    end_place(row, end, pose, point)
-    x, y, z = wanted[0], wanted[1], wanted[2]
-    if holds_end and row.segments[end] >= upper + 2:
-        x, y, z = x + tip[0] - point[0], y + tip[1] - point[1], z + tip[2] - point[2]
-        copy_point(tip, point)
-    return x, y, z
-
-
-@kernel
 def add_reach_rows(c, row, end, owner, is_held, count, problem):
     """A limb as a link of variable length: its root nears the goal by what the limb falls short (METHOD 6, (18)).
 
@@ -86,17 +71,17 @@ def add_reach_rows(c, row, end, owner, is_held, count, problem):
     """
     pose, limits, ends = problem.pose, problem.body.limits, problem.search.ends
     limb = row.limbs[end]
-    root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
-    shoulder = pose.positions[root]
-    goal = aim_limb(row, end, is_held, limb >= 2 or ends[limb] >= 0, problem.search.points, pose)
-    x, y, z = goal[0] - shoulder[0], goal[1] - shoulder[1], goal[2] - shoulder[2]
+    carrier, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
+    shoulder, wanted = pose.positions[root], row.kept_places[end] if is_held else row.places[end]
+    point, goal = bent_point(row, end, wanted, limb >= 2 or ends[limb] >= 0, pose)
+    x, y, z = between(shoulder, goal)
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     per = 1.0 / span
     reach, fold = row.reaches[end], min(row.folds[end], row.reaches[end])
-    second = row.second and row.kept_miss <= HARDLY_MISSED
-    if limits.shape[0] > 0 and (limits[limb].acts == c + 1 or (second and limits[limb].acts > 0)):
+    second = row.secondary and row.kept_miss <= HARDLY_MISSED
+    if limits.shape[0] > 0 and (limits[limb].blocks == c or (second and limits[limb].blocks >= 0)):
         before = count
-        count = add_limited_row(row, end, owner, is_held, count, goal, problem)
+        count = add_limited_row(row, end, owner, is_held, count, (point, goal), problem)
         if not is_held:
             return count
         if count > before and row.kept_miss <= CLOSE_ENOUGH and reach - fold > CLOSE_ENOUGH:
@@ -104,7 +89,7 @@ def add_reach_rows(c, row, end, owner, is_held, count, problem):
     if row.stiff:
         fold = max(fold, row.own[end] - row.most[end, 1])
         reach = max(min(reach, row.own[end] + row.most[end, 1]), fold)
-    link = Link(root, 0 if limb >= 2 else upper - 1, (per * x, per * y, per * z), span, fold, reach)
+    link = Link(root, carrier, (per * x, per * y, per * z), span, fold, reach)
     if not is_held:
         return add_link_row(link, row.slack[end], owner, count, problem)
     if row.kept_miss > HARDLY_MISSED:
@@ -167,12 +152,9 @@ def add_apart_row(c, owner, count, problem):
     limits keep them from more, as if stiff.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
-    points, task_rows, limits = problem.search.points, problem.search.rows, problem.body.limits
-    row, first, second = tasks[c], points[0], points[1]
-    end_place(row, 0, pose, first)
-    end_place(row, 1, pose, second)
-    goal = row.places[0] if row.kind == POSITION else second
-    x, y, z = goal[0] - first[0], goal[1] - first[1], goal[2] - first[2]
+    row, task_rows, limits = tasks[c], problem.search.rows, problem.body.limits
+    points = end_place(row, 0, pose), end_place(row, 1, pose)
+    x, y, z = between(points[0], row.places[0]) if row.kind == POSITION else between(points[0], points[1])
     size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     more = size if row.kind == POSITION else size - row.distance
     scale = math.copysign(1.0 / size, more)
@@ -180,9 +162,10 @@ def add_apart_row(c, owner, count, problem):
     begin_row(task_rows, count, owner, abs(more) - row.kept_miss)
     for end in range(2):
         point, carrier, limb = points[end], row.segments[end], row.limbs[end]
-        if limb >= 0 and row.freedoms[end, 0] > 0.0 and not (limits.shape[0] > 0 and limits[limb].acts == c + 1):
-            root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
-            point, carrier = pose.positions[root], (0 if limb >= 2 else upper - 1)
+        if limb >= 0 and row.freedoms[end, 0] > 0.0 and not (limits.shape[0] > 0 and limits[limb].blocks == c):
+            carrier, _, root = limb_parts(limb, pose.positions.shape[0] - 23)
+            shoulder = pose.positions[root]
+            point = shoulder[0], shoulder[1], shoulder[2]
         part = 1.0 if end == 0 else -(row.share if row.kind == POSITION else 1.0)
         add_point_row(
             point, part * x, part * y, part * z, carrier, chain.joints, pose.positions, task_rows.jacobian[count]
@@ -192,7 +175,7 @@ def add_apart_row(c, owner, count, problem):
 
 @kernel
 def first_of(c, tasks):
-    """The place that the limb of a second wish has to bring its point to first, -1 for none."""
+    """The place that the limb of a secondary task has to bring its point to first, -1 for none."""
     for before in range(c):
         first = tasks[before]
         same = first.kind == POSITION and first.status == ACTIVE and first.limbs[0] == tasks[c].limbs[0]
@@ -202,16 +185,15 @@ def first_of(c, tasks):
 
 
 @kernel
-def add_second_row(c, owner, count, problem):
-    """A limb's second wish for its elbow or knee: the root nears its place by what the upper bone does not span.
+def add_secondary_row(c, owner, count, problem):
+    """A limb's secondary task for its elbow or knee: the root nears its place by what the upper bone does not span.
 
-    The place is the nearest to what is wanted that is as far from the first wish's point as the bone between them is
+    The place is the nearest to what is wanted that is as far from the primary task's point as the bone between them is
     long: the swivel about the axis to there (16) does the rest.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
-    points, task_rows = problem.search.points, problem.search.rows
-    row, point, held, first = tasks[c], points[0], points[1], first_of(c, tasks)
-    root, upper = limb_indices(row.limbs[0], pose.positions.shape[0] - 23)
+    row, task_rows, first = tasks[c], problem.search.rows, first_of(c, tasks)
+    carrier, upper, root = limb_parts(row.limbs[0], pose.positions.shape[0] - 23)
     if (
         first < 0
         or row.segments[0] != upper
@@ -221,8 +203,7 @@ def add_second_row(c, owner, count, problem):
     ):
         return count
     shoulder, goal = pose.positions[root], row.places[0]
-    end_place(row, 0, pose, point)
-    end_place(tasks[first], 0, pose, held)
+    point, held = end_place(row, 0, pose), end_place(tasks[first], 0, pose)
     part = distance(point, held) / max(distance(goal, held), 1e-9)
     x = held[0] + part * (goal[0] - held[0]) - shoulder[0]
     y = held[1] + part * (goal[1] - held[1]) - shoulder[1]
@@ -231,7 +212,7 @@ def add_second_row(c, owner, count, problem):
     error = span - distance(point, shoulder)
     if abs(error) < CLOSE_ENOUGH:
         return count
-    x, y, z, carrier = x / span, y / span, z / span, 0 if row.limbs[0] >= 2 else upper - 1
+    x, y, z = x / span, y / span, z / span
     begin_row(task_rows, count, owner, error)
     add_point_row(shoulder, x, y, z, carrier, chain.joints, pose.positions, task_rows.jacobian[count])
     pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
@@ -241,29 +222,24 @@ def add_second_row(c, owner, count, problem):
 
 @kernel
 def add_swivel_row(c, end, owner, count, problem):
-    """Hold what a limb's second wish misses, where the swivel that its first leaves was not to be had.
+    """Hold what a limb's secondary task misses, where the swivel that its first leaves was not to be had.
 
     It begins at the motion's own and ends at limits: it goes with what carries the limb about the axis from its root to
     its first point.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
-    points, task_rows = problem.search.points, problem.search.rows
-    row, point, held = tasks[c], points[0], points[1]
-    limb, goal = row.limbs[end], row.places[end]
-    end_place(tasks[first_of(c, tasks)], 0, pose, held)
-    root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
-    origin = pose.positions[root]
-    end_place(row, end, pose, point)
-    ax, ay, az = held[0] - origin[0], held[1] - origin[1], held[2] - origin[2]
-    x, y, z = goal[0] - point[0], goal[1] - point[1], goal[2] - point[2]
-    px, py, pz = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
+    row, task_rows = tasks[c], problem.search.rows
+    carrier, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
+    origin, point = pose.positions[root], end_place(row, end, pose)
+    ax, ay, az = between(origin, end_place(tasks[first_of(c, tasks)], 0, pose))
+    x, y, z = between(point, row.places[end])
+    px, py, pz = between(origin, point)
     size = math.sqrt(x * x + y * y + z * z)
     scale = STEEP / max((ax * ax + ay * ay + az * az) * size, 1e-12)
     arm = scale * (ax * (py * z - pz * y) + ay * (pz * x - px * z) + az * (px * y - py * x))
     if arm * arm * (ax * ax + ay * ay + az * az) < SWIVELS**2:
         return count
     begin_row(task_rows, count, owner, size - row.kept_miss)
-    carrier = 0 if limb >= 2 else upper - 1
     add_turn_row(0, arm * ax, carrier, chain.joints, task_rows.jacobian[count])
     add_turn_row(1, arm * ay, carrier, chain.joints, task_rows.jacobian[count])
     add_turn_row(2, arm * az, carrier, chain.joints, task_rows.jacobian[count])
@@ -271,29 +247,27 @@ def add_swivel_row(c, end, owner, count, problem):
 
 
 @kernel
-def add_limited_row(row, end, owner, is_held, count, wanted, problem):
+def add_limited_row(row, end, owner, is_held, count, aim, problem):
     """Carry a limb that lies at a limit along what it misses (29): to the first order as if it were stiff.
 
-    Held, it keeps the miss that it had. ``points[0]`` is the point that is to be at ``wanted`` (3,).
+    Held, it keeps the miss that it had. ``aim`` as of ``bent_point``.
     """
-    chain, pose, points, task_rows = problem.chain, problem.pose, problem.search.points, problem.search.rows
-    limb, point, goal = row.limbs[end], points[0], row.places[end]
-    x, y, z, kept = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2], 0.0
+    chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
+    (point, wanted), kept = aim, 0.0
+    x, y, z = between(point, wanted)
     if is_held and row.kept_miss > CLOSE_ENOUGH:
-        end_place(row, end, pose, points[1])
-        x, y, z, kept = goal[0] - points[1, 0], goal[1] - points[1, 1], goal[2] - points[1, 2], row.kept_miss
+        x, y, z = between(end_place(row, end, pose), row.places[end])
+        kept = row.kept_miss
     size = math.sqrt(x * x + y * y + z * z)
     if size < CLOSE_ENOUGH:
         return count
-    root, upper = limb_indices(limb, pose.positions.shape[0] - 23)
-    carrier = 0 if limb >= 2 else upper - 1
+    carrier, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)
     x, y, z, error = x / size, y / size, z / size, size - kept
     begin_row(task_rows, count, owner, error)
     add_point_row(point, x, y, z, carrier, chain.joints, pose.positions, task_rows.jacobian[count])
     pull = min(max(error, -LONGEST_ERROR), LONGEST_ERROR)
     radius = radius_of_reach(x, y, z, point, pose.positions[root])
-    centre = points[1]
-    centre[0], centre[1], centre[2] = point[0] - radius * x, point[1] - radius * y, point[2] - radius * z
+    centre = point[0] - radius * x, point[1] - radius * y, point[2] - radius * z
     note_pull(task_rows.pulls[count], pull * x, pull * y, pull * z, radius + size, centre, carrier)
     return count + 1
 

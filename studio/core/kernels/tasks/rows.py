@@ -5,13 +5,13 @@ Records are those of ``kernels.records``.
 
 import math
 
-from studio.core.kernels.algebra.vectors import distance
+from studio.core.kernels.algebra.vectors import between, distance, length
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.limbs.limb_constraints import limb_indices
-from studio.core.kernels.limits.root_reach import leash_of
+from studio.core.kernels.limits.root_reach import root_reach_of
 from studio.core.kernels.search.joints import add_point_row, add_turn_row, may_turn
-from studio.core.kernels.search.means import within_means
 from studio.core.kernels.search.placing import turn_error
+from studio.core.kernels.search.reachability import reachable_place
 from studio.core.kernels.tasks.balance import let_arm_reach, set_balance_rows, sum_masses
 from studio.core.kernels.tasks.goals import (
     AREA,
@@ -29,7 +29,7 @@ from studio.core.kernels.tasks.limb_rows import (
     add_apart_row,
     add_point_rows,
     add_reach_rows,
-    add_second_row,
+    add_secondary_row,
     add_swivel_row,
     holds_already,
 )
@@ -43,16 +43,16 @@ AWAY = 1.0
 
 @kernel
 def add_feet_rows(owner, count, problem):
-    """Bounds of both legs: their hips go no further from the ankles than the leash. The new number of rows."""
+    """Bounds of both legs: their hips go no further from the ankles than these reach. The new number of rows."""
     chain, body, task_rows, positions = problem.chain, problem.body, problem.search.rows, problem.pose.positions
     ankles = body.legs.ankles
     spine_count = positions.shape[0] - 23
     for side in range(2):
-        if body.leashes[side] == math.inf:
+        if body.root_reaches[side] == math.inf:
             continue
         point = spine_count + 13 + 5 * side
         hip, ankle = positions[point], ankles[side]
-        length, room = leash_of(side, body, problem.start)
+        length, room = root_reach_of(side, body, problem.start)
         span = max(distance(hip, ankle), 1e-9)
         begin_row(task_rows, count, owner, span - length)
         task_rows.roles[count], task_rows.rooms[count] = BOUND, room
@@ -73,8 +73,8 @@ def add_rows(c, level, owner, is_held, count, problem):
     first = count
     if row.kind == AREA and not row.engaged:
         return count
-    if row.second and not is_held:
-        return add_second_row(c, owner, count, problem)
+    if row.secondary and not is_held:
+        return add_secondary_row(c, owner, count, problem)
     if row.kind == UPRIGHT and row.limbs[0] < 0:
         count = add_upright_rows(row, owner, is_held, count, problem)
     elif turns_segment(row):
@@ -95,7 +95,7 @@ def add_rows(c, level, owner, is_held, count, problem):
                 continue
             aims = not row.stiff or row.parts[end, 0] == 1.0
             if free and aims:
-                if row.second and row.kept_miss > HARDLY_MISSED:
+                if row.secondary and row.kept_miss > HARDLY_MISSED:
                     count = add_swivel_row(c, end, owner, count, problem)
                 count = add_reach_rows(c, row, end, owner, is_held, count, problem)
             elif free or (row.kind != DISTANCE and end == 0):
@@ -122,27 +122,26 @@ def add_turn_rows(row, owner, is_held, count, problem):
     A look that is held keeps what it misses of its target, wherever the eyes go, unless it looks away.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
-    turn, vector, segment = problem.search.turns[0], problem.search.points[0], row.segments[0]
+    segment = row.segments[0]
     if row.limbs[0] >= 0:
         if not is_held or row.kept_miss <= HARDLY_MISSED:
             return count
-        turn_error(row.turn, pose.rotations[segment], turn, vector)
-        size = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+        error = turn_error(row.turn, pose.rotations[segment])
+        size = length(error)
         begin_row(task_rows, count, owner, TURN_ARM * (size - row.kept_miss))
         for axis in range(3):
             add_turn_row(
-                axis, TURN_ARM * vector[axis] / max(size, 1e-9), segment, chain.joints, task_rows.jacobian[count]
+                axis, TURN_ARM * error[axis] / max(size, 1e-9), segment, chain.joints, task_rows.jacobian[count]
             )
         return count + 1
     if is_held and row.kind == LOOK_AT and row.kept_miss < AWAY:
-        turn_error(row.turn, pose.rotations[segment], turn, vector)
-        size = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
-        part = 1.0 - row.kept_miss / max(size, 0.5 * row.kept_miss, 1e-9)
-        vector[0], vector[1], vector[2] = part * vector[0], part * vector[1], part * vector[2]
+        x, y, z = turn_error(row.turn, pose.rotations[segment])
+        part = 1.0 - row.kept_miss / max(length((x, y, z)), 0.5 * row.kept_miss, 1e-9)
+        error = part * x, part * y, part * z
     else:
-        turn_error(row.kept_turn if is_held else row.turn, pose.rotations[segment], turn, vector)
+        error = turn_error(row.kept_turn if is_held else row.turn, pose.rotations[segment])
     for axis in range(3):
-        begin_row(task_rows, count, owner, TURN_ARM * vector[axis])
+        begin_row(task_rows, count, owner, TURN_ARM * error[axis])
         add_turn_row(axis, TURN_ARM, segment, chain.joints, task_rows.jacobian[count])
         count += 1
     return count
@@ -164,11 +163,11 @@ def add_balance_rows(row, level, owner, is_held, count, problem):
     set_balance_rows(row.axes, masses, sums, chain.joints, positions, rows)
     for c in range(tasks.shape[0]):
         other = tasks[c]
-        if other.kind == POSITION and other.status == ACTIVE and other.rank <= level and not other.second:
+        if other.kind == POSITION and other.status == ACTIVE and other.rank <= level and not other.secondary:
             limb = other.limbs[0]
             if not 0 <= limb < 2 or other.freedoms[0, 0] == 0.0:
                 continue
-            if not may_turn(down_to, limb_indices(limb, spine_count)[1], chain):
+            if not may_turn(down_to, limb_parts(limb, spine_count)[1], chain):
                 let_arm_reach(limb, row.axes, other.places[0], other.reaches[0], sums, chain.joints, positions, rows)
     return count
 
@@ -180,16 +179,15 @@ def add_idle_row(c, level, end, owner, count, problem):
     Where another constraint poses it, what that does to the miss is only seen in the end.
     """
     tasks, chain, pose, task_rows = problem.tasks, problem.chain, problem.pose, problem.search.rows
-    row, point = tasks[c], problem.search.points[0]
+    row = tasks[c]
     if row.kind != POSITION or row.limbs[end] >= 2:
         return count
     for other in tasks:
         poses = other.limbs[0] == row.limbs[end] or other.limbs[1] == row.limbs[end]
         if poses and other.status == ACTIVE and other.rank <= level:
             return count
-    end_place(row, end, pose, point)
-    goal = row.places[end]
-    x, y, z = goal[0] - point[0], goal[1] - point[1], goal[2] - point[2]
+    point = end_place(row, end, pose)
+    x, y, z = between(point, row.places[end])
     size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     begin_row(task_rows, count, owner, size - row.kept_miss)
     add_point_row(
@@ -202,31 +200,29 @@ def add_idle_row(c, level, end, owner, count, problem):
 @kernel
 def add_place_rows(row, end, owner, is_held, count, problem):
     """Three rows that bring a point of the trunk, or of a limb that is not free, to its place."""
-    chain, pose, points, task_rows = problem.chain, problem.pose, problem.search.points, problem.search.rows
-    point = points[0]
-    end_place(row, end, pose, point)
-    wanted = row.kept_places[end] if is_held else row.places[end]
-    segment = row.segments[end]
+    chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
+    point, segment = end_place(row, end, pose), row.segments[end]
     first, follows = count, row.kind == POSITION and row.points[1] >= 0
     if is_held and not follows and holds_already(point, segment, count, task_rows):
         return count
-    if row.kind == POSITION and end == 0 and not is_held:
-        wanted = points[1]
-        within_means(row, wanted)
-    x, y, z = wanted[0] - point[0], wanted[1] - point[1], wanted[2] - point[2]
+    if is_held:
+        x, y, z = between(point, row.kept_places[end])
+    elif row.kind == POSITION and end == 0:
+        x, y, z = between(point, reachable_place(row))
+    else:
+        x, y, z = between(point, row.places[end])
     if is_held and follows:
-        now, kept, share = points[1], row.kept_places[1], row.share
-        end_place(row, 1, pose, now)
-        x, y, z = x + share * (now[0] - kept[0]), y + share * (now[1] - kept[1]), z + share * (now[2] - kept[2])
+        share, (dx, dy, dz) = row.share, between(row.kept_places[1], end_place(row, 1, pose))
+        x, y, z = x + share * dx, y + share * dy, z + share * dz
     count = add_point_rows(point, segment, x, y, z, owner, count, problem)
     if not (is_held and follows):
         note_pull(task_rows.pulls[first], x, y, z, 0.0, point, segment)
     if follows:
-        end_place(row, 1, pose, point)
+        followed = end_place(row, 1, pose)
         for axis in range(3):
             x, y, z = (1.0 if axis == 0 else 0.0), (1.0 if axis == 1 else 0.0), (1.0 if axis == 2 else 0.0)
             x, y, z = -row.share * x, -row.share * y, -row.share * z
             add_point_row(
-                point, x, y, z, row.segments[1], chain.joints, pose.positions, task_rows.jacobian[first + axis]
+                followed, x, y, z, row.segments[1], chain.joints, pose.positions, task_rows.jacobian[first + axis]
             )
     return count

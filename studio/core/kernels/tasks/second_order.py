@@ -2,6 +2,7 @@
 
 import math
 
+from studio.core.kernels.algebra.vectors import between
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.search.joints import ROOT
 
@@ -100,12 +101,6 @@ def bend(push, pull, held, count, joints, equations, positions):
     weight = push * pull.weight
     stretch = weight * size / pull.span if pull.span > 0.0 else 0.0
     add_bends(weight, stretch, unit, own, scratch, equations.normal)
-
-
-@small_kernel
-def between(start, end):
-    """From one point (3,) to another."""
-    return end[0] - start[0], end[1] - start[1], end[2] - start[2]
 
 
 @kernel

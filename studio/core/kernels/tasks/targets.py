@@ -1,7 +1,8 @@
-"""What is to be at a frame: between the unsolved pose and the wish, by activation (METHOD 5)."""
+"""What is to be at a frame: between the unsolved pose and the target, by activation (METHOD 5)."""
 
 import math
 
+from studio.core.kernels.algebra.turns import put_turn, turn_in
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, distance
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.search.placing import ease_turn, follow_body
@@ -29,14 +30,14 @@ than within 0.2 mm, for a search ends when its weighted errors are small.
 
 @kernel
 def set_goals(least, frame, activations, targets, problem):
-    """What is to be at this frame: between the unsolved pose and the wish, by activation. False when nothing acts.
+    """What is to be at this frame: between the unsolved pose and the target, by activation. False when nothing acts.
 
     What ``kernels.time.activation_blend`` blends is wholly wanted, or, where its activation is below ``least``, not at
     all.
     """
-    tasks, areas, body, search, pose = problem.tasks, problem.areas, problem.body, problem.search, problem.start
+    tasks, areas, body, pose = problem.tasks, problem.areas, problem.body, problem.start
     places, turns, distances = targets
-    acts, point, other, turn = False, search.points[0], search.points[1], search.turns[0]
+    acts = False
     for c in range(tasks.shape[0]):
         row, share = tasks[c], activations[c, frame]
         if share < 1.0 and row.blends:
@@ -45,36 +46,32 @@ def set_goals(least, frame, activations, targets, problem):
         if share <= 0.0:
             continue
         acts = True
-        wish = places[c, frame if places.shape[1] > 1 else 0]
+        target = places[c, frame if places.shape[1] > 1 else 0]
         if row.kind == ORIENTATION:
             wanted = turns[c, frame if turns.shape[1] > 1 else 0]
-            ease_turn(pose.rotations[row.segments[0]], wanted, share, turn, point, row.turn)
+            put_turn(ease_turn(turn_in(pose.rotations[row.segments[0]]), turn_in(wanted), share), row.turn)
         elif row.kind == BALANCE:
-            centre_of_mass(body.shares, pose.positions, point)
-            copy_point(point, row.begin)
+            copy_point(centre_of_mass(body.shares, pose.positions), row.begin)
             for axis in range(3):
-                way = 0.0 if math.isnan(wish[axis]) else wish[axis] - point[axis]
-                row.places[0, axis] = point[axis] + share * way
+                way = 0.0 if math.isnan(target[axis]) else target[axis] - row.begin[axis]
+                row.places[0, axis] = row.begin[axis] + share * way
         elif row.kind == LOOK_AT:
-            copy_point(wish, row.places[0])
+            copy_point(target, row.places[0])
             for axis in range(3):
                 row.places[1, axis] = pose.rotations[row.segments[0], axis, 0]
             row.distance = share
         elif row.kind == UPRIGHT:
-            begin_upright(row, wish, distances[c, frame if distances.shape[1] > 1 else 0], pose)
+            begin_upright(row, target, distances[c, frame if distances.shape[1] > 1 else 0], pose)
         elif row.kind == AREA:
             row.distance = share
             copy_matrix(turns[c, frame if turns.shape[1] > 1 else 0], row.turn)
-            put_area(areas[c], wish, row.turn)
+            put_area(areas[c], target, row.turn)
         elif row.kind == DISTANCE:
-            copy_point(wish, row.places[1])
-            end_place(row, 0, pose, point)
-            second_place(row, pose, other)
-            now = distance(point, other)
+            copy_point(target, row.places[1])
+            now = distance(end_place(row, 0, pose), second_place(row, pose))
             row.distance = now + share * (distances[c, frame if distances.shape[1] > 1 else 0] - now)
         else:
-            end_place(row, 0, pose, point)
-            ease_goal(point, wish, share, row.places[0])
+            copy_point(ease_goal(end_place(row, 0, pose), target, share), row.places[0])
         if row.kind != DISTANCE and row.points[1] >= 0:
             follow_body(row, areas[c], pose, problem)
     return acts

@@ -6,21 +6,31 @@ constraints, then without the one that acts least, and so on until what is wholl
 blended with the one before, joint by joint. Those that both have then get back what the blend has cost them.
 
 The pose before is the ``kept`` state and turns of a ``Search``, that just solved its ``before`` and ``solved_turns``,
-and the blend its ``state`` and ``hung_turns``; misses are ``blended`` in the records of the tasks.
+and the blend its ``state`` and ``blended_turns``; misses are ``blended`` in the records of the tasks.
 """
 
 import math
 
-from studio.core.kernels.algebra.rotation import multiply, rotation_vector_to_matrix
-from studio.core.kernels.algebra.vectors import blend_points, copy_matrix, copy_point, copy_points, distance
+from studio.core.kernels.algebra.turns import put_turn, turn_between, turn_in
+from studio.core.kernels.algebra.vectors import (
+    between,
+    blend_points,
+    copy_matrix,
+    copy_point,
+    copy_points,
+    distance,
+    length,
+    length_along,
+)
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.limb_constraints import CLOSE_ENOUGH, HUNG
-from studio.core.kernels.limits.joint_limits import limb_parts
+from studio.core.kernels.limbs.limb_limits import bent_point
+from studio.core.kernels.limbs.limb_tasks import BLENDED, CLOSE_ENOUGH
 from studio.core.kernels.search.levels import disturbance, mend, note_kept
-from studio.core.kernels.search.placing import carry_body, miss_of, place_limbs, turn_error
+from studio.core.kernels.search.placing import carry_body, ease_turn, miss_of, place_limbs, turn_error
 from studio.core.kernels.search.step import KEPT
-from studio.core.kernels.tasks.goals import BALANCE, ORIENTATION, POSITION, TURN_ARM, turns_segment
-from studio.core.kernels.tasks.limb_rows import MISSED, aim_limb
+from studio.core.kernels.tasks.goals import BALANCE, ORIENTATION, POSITION, TURN_ARM, ease_goal, turns_segment
+from studio.core.kernels.tasks.limb_rows import MISSED
 from studio.core.kernels.tasks.task import ACTIVE, FREE, INACTIVE, ON_EDGE, PINNED, STRICT
 
 GIVEN_UP_THERE = 2
@@ -47,12 +57,12 @@ def keep_solution(first, problem):
     copy_points(search.state, search.kept)
     note_turns(search.kept_turns, pose)
     for limb in range(4):
-        search.hung[limb] = 0
+        search.blended[limb] = 0
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if first:
-            row.blended = miss_of(c, problem) if row.status != INACTIVE else 0.0
-        note_hung(row, GIVEN_UP_THERE, search.hung)
+            row.blended_miss = miss_of(c, problem) if row.status != INACTIVE else 0.0
+        mark_blended(row, GIVEN_UP_THERE, search.blended)
 
 
 @kernel
@@ -61,17 +71,17 @@ def note_turns(out_turns, pose):
     for limb in range(4):
         before, upper, _ = limb_parts(limb, pose.positions.shape[0] - 23)
         for bone in range(3 if limb < 2 else 4):
-            turn_between(pose.rotations[before], pose.rotations[upper + bone], out_turns[4 * limb + bone])
+            put_turn(turn_between(pose.rotations[before], pose.rotations[upper + bone]), out_turns[4 * limb + bone])
             before = upper + bone
 
 
 @kernel
-def note_hung(row, how, out_hung):
+def mark_blended(row, how, out_blended):
     """A limb whose constraint is given up, or on its edge, is not to be solved anew from the motion."""
     if row.status > ACTIVE and row.kind != BALANCE:
         for end in range(2):
             if row.limbs[end] >= 0 and row.freedoms[end, 0] > 0.0:
-                out_hung[row.limbs[end]] = how
+                out_blended[row.limbs[end]] = how
 
 
 @kernel
@@ -83,8 +93,8 @@ def note_blended(part, problem):
     for c in range(tasks.shape[0]):
         row = tasks[c]
         now = miss_of(c, problem) if row.status != INACTIVE else 0.0
-        row.apart = abs(row.blended - now)
-        row.blended = part * row.blended + (1.0 - part) * now
+        row.miss_change = abs(row.blended_miss - now)
+        row.blended_miss = part * row.blended_miss + (1.0 - part) * now
 
 
 @kernel
@@ -98,23 +108,9 @@ def blend_kept(part, search):
 @kernel
 def blend_limb(part, limb, search):
     """``blend_kept`` of one limb alone."""
-    turn, vector = search.turns[0], search.points[7]
     for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
-        turn_error(search.kept_turns[bone], search.solved_turns[bone], turn, vector)
-        rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
-        multiply(turn, search.solved_turns[bone], search.hung_turns[bone])
-
-
-@kernel
-def turn_between(carrier, segment, out_turn):
-    """Rotation of a segment in the axes of what carries it, all (3, 3)."""
-    for row in range(3):
-        for column in range(3):
-            out_turn[row, column] = (
-                carrier[0, row] * segment[0, column]
-                + carrier[1, row] * segment[1, column]
-                + carrier[2, row] * segment[2, column]
-            )
+        solved, kept = turn_in(search.solved_turns[bone]), turn_in(search.kept_turns[bone])
+        put_turn(ease_turn(solved, kept, part), search.blended_turns[bone])
 
 
 @kernel
@@ -130,10 +126,10 @@ def pose_between(part, frame, activations, problem):
     if loses(problem):
         blend_kept(1.0 if part >= 0.5 else 0.0, search)
         for limb in range(4):
-            search.hung[limb] = HUNG
+            search.blended[limb] = BLENDED
         carry_body(problem)
         for limb in range(4):
-            search.hung[limb] = 0
+            search.blended[limb] = 0
 
 
 @kernel
@@ -143,7 +139,7 @@ def loses(problem):
     lost = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        may = STRICT + (row.blended if row.pinned == FREE else row.apart)
+        may = STRICT + (row.blended_miss if row.pinned == FREE else row.miss_change)
         lost = lost or (row.status == ACTIVE and miss_of(c, problem) > may)
     return lost
 
@@ -155,7 +151,7 @@ def note_misses(frame, problem, out_residuals):
     for c in range(tasks.shape[0]):
         out_residuals[c, frame] = math.nan
         if tasks[c].status == ON_EDGE:
-            out_residuals[c, frame] = tasks[c].blended
+            out_residuals[c, frame] = tasks[c].blended_miss
         elif tasks[c].status != INACTIVE:
             out_residuals[c, frame] = miss_of(c, problem)
 
@@ -169,19 +165,19 @@ def pose_kept(frame, activations, problem):
     """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     level = chain.mobilities.shape[0] - tasks.shape[0]
-    hung = search.hung
+    blended = search.blended
     for c in range(tasks.shape[0]):
         row = tasks[c]
         on_edge = row.status == INACTIVE and 0.0 < activations[c, frame] < 1.0
-        both = row.apart < math.inf  # else it is eased, and there is no other pose
-        missed = max(row.blended, row.apart if both else 0.0) * (TURN_ARM if turns_segment(row) else 1.0)
+        both = row.miss_change < math.inf  # else it is eased, and there is no other pose
+        missed = max(row.blended_miss, row.miss_change if both else 0.0) * (TURN_ARM if turns_segment(row) else 1.0)
         if on_edge or (row.status == ACTIVE and row.pinned == FREE and missed > MISSED):
             row.status = ON_EDGE
-        note_hung(row, HUNG, hung)
+        mark_blended(row, BLENDED, blended)
         if both and row.status != INACTIVE and not on_edge and has_own_goal(row):
             row.status, row.pinned = ACTIVE, PINNED
     for limb in range(4):
-        hung[limb] = HUNG if hung[limb] else 0
+        blended[limb] = BLENDED if blended[limb] else 0
     carry_body(problem)
     note_kept(0, level, problem)
     for c in range(tasks.shape[0]):
@@ -191,11 +187,11 @@ def pose_kept(frame, activations, problem):
     mend_kept(level, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        missed = row.pinned == FREE and row.blended > KEPT
-        if row.status == ACTIVE and missed and row.limbs[0] >= 0 and hung[row.limbs[0]]:
+        missed = row.pinned == FREE and row.blended_miss > KEPT
+        if row.status == ACTIVE and missed and row.limbs[0] >= 0 and blended[row.limbs[0]]:
             row.status = ON_EDGE  # its place was where the blend has it, and not where it wants to be
     for limb in range(4):
-        hung[limb] = 0
+        blended[limb] = 0
 
 
 @kernel
@@ -220,56 +216,43 @@ def has_own_goal(row):
 def note_held(row, problem):
     """What both poses have keeps what it asks, or as much of it as they brought."""
     search, pose = problem.search, problem.pose
-    turn, vector, hung = search.turns[0], search.points[7], search.hung
+    blended = search.blended
     pinned = row.pinned != FREE and has_own_goal(row)
-    row.kept_miss, left = (0.0, row.blended) if pinned else (row.blended, 0.0)
+    row.kept_miss, left = (0.0, row.blended_miss) if pinned else (row.blended_miss, 0.0)
     part = min(max(1.1 * (1.0 - row.kept_miss * (TURN_ARM if turns_segment(row) else 1.0) / MISSED), 0.0), 1.0)
     if turns_segment(row):
-        turn_error(row.turn, pose.rotations[row.segments[0]], turn, vector)
-        part *= 1.0 - left / max(length_of(vector, 3), left, 1e-9)
-        rotation_vector_to_matrix(part * vector[0], part * vector[1], part * vector[2], turn)
-        multiply(turn, pose.rotations[row.segments[0]], row.kept_turn)
-        if pinned or (row.limbs[0] >= 0 and hung[row.limbs[0]]):
+        now = pose.rotations[row.segments[0]]
+        part *= 1.0 - left / max(length(turn_error(row.turn, now)), left, 1e-9)
+        put_turn(ease_turn(turn_in(now), turn_in(row.turn), part), row.kept_turn)
+        if pinned or (row.limbs[0] >= 0 and blended[row.limbs[0]]):
             copy_matrix(row.kept_turn, row.turn)
         return
     for end in range(2):
-        wish, way = row.places[1 if row.kind == BALANCE else end], vector
-        for axis in range(3):
-            way[axis] = wish[axis] - row.kept_places[end, axis]
-        more = part * (1.0 - left / max(length_of(way, row.axes if row.kind == BALANCE else 3), 1e-9))
-        for axis in range(3):
-            row.kept_places[end, axis] += more * way[axis]
-        if row.kind == POSITION and row.limbs[end] >= 0 and hung[row.limbs[end]]:
+        wanted = row.places[1 if row.kind == BALANCE else end]
+        way = length_along(between(row.kept_places[end], wanted), row.axes if row.kind == BALANCE else 3)
+        more = part * (1.0 - left / max(way, 1e-9))
+        copy_point(ease_goal(row.kept_places[end], wanted, more), row.kept_places[end])
+        if row.kind == POSITION and row.limbs[end] >= 0 and blended[row.limbs[end]]:
             copy_point(row.kept_places[end], row.places[end])
             row.comforts[end], row.easings[end] = 1.0, 0.0
             if row.longest[end] > 0.0:  # a shoulder has no limb before it
-                note_stretch(row, end, row.limbs[end] >= 2 or search.ends[row.limbs[end]] >= 0, search.points, pose)
+                note_stretch(row, end, row.limbs[end] >= 2 or search.ends[row.limbs[end]] >= 0, pose)
     if pinned:
         copy_point(row.kept_places[0], row.places[0])
         copy_point(row.kept_places[0], row.places[1])
 
 
-@small_kernel
-def length_of(vector, axes):
-    """The length of the first ``axes`` numbers of a vector."""
-    squared = 0.0
-    for axis in range(axes):
-        squared += vector[axis] ** 2
-    return math.sqrt(squared)
-
-
 @kernel
-def note_stretch(row, end, holds_end, points, pose):
+def note_stretch(row, end, holds_end, pose):
     """How far a limb that was blended is to stretch for its place: the straighter it is, the less it does.
 
     With d of its length to spare as it was blended, and w for its place, it keeps d s(w) / s(d) (``softly``); what that
     is beside w is for the trunk (METHOD (31)).
     """
     root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - 23)[2], row.longest[end]
-    x, y, z = aim_limb(row, end, False, holds_end, points, pose)
+    point, goal = bent_point(row, end, row.places[end], holds_end, pose)
     shoulder, edge = pose.positions[root], STRAIGHT * longest
-    span = math.sqrt((x - shoulder[0]) ** 2 + (y - shoulder[1]) ** 2 + (z - shoulder[2]) ** 2)
-    spare = max(longest - distance(points[0], shoulder), 0.0)
+    span, spare = distance(goal, shoulder), max(longest - distance(point, shoulder), 0.0)
     row.reaches[end] = longest - spare * softly(longest - span, edge) / softly(spare, edge)
     row.folds[end] = row.reaches[end]
 

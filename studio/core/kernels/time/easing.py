@@ -2,11 +2,11 @@
 
 import math
 
-from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, copy_points, distance
+from studio.core.kernels.algebra.vectors import ORIGIN, copy_matrix, copy_point, copy_points, distance, plus
 from studio.core.kernels.body.parts import copy_pose
 from studio.core.kernels.compiling import kernel, pack
-from studio.core.kernels.limbs.limb_constraints import HUNG
-from studio.core.kernels.limits.clearance_stages import measure_rooms
+from studio.core.kernels.limbs.limb_tasks import BLENDED
+from studio.core.kernels.limits.clearance_tiers import measure_rooms
 from studio.core.kernels.limits.clearing import clear_after
 from studio.core.kernels.limits.root_reach import keep_feet_in_reach
 from studio.core.kernels.records import Pose
@@ -47,7 +47,7 @@ def ease_frame(frame, waited, clip, problem):
     for joint in range(search.state.shape[0]):
         put_state(easing.states[frame, joint], chain.limits[joint], search.state[joint])
     for turn in range(16):
-        copy_matrix(easing.turns[frame, turn], search.hung_turns[turn])
+        copy_matrix(easing.turns[frame, turn], search.blended_turns[turn])
     pull_root(problem)
     if easing.above.back[frame] == 1.0:
         lost[0] = pose_as_above(frame, clip, problem, above)
@@ -68,7 +68,7 @@ def pose_eased(frame, meets, waited, clip, problem, above):
     misses, level = clip.easing.misses, clip.easing.level[0]
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        row.blended, row.apart = misses[c, frame] if misses[c, frame] > 0.0 else 0.0, math.inf
+        row.blended_miss, row.miss_change = misses[c, frame] if misses[c, frame] > 0.0 else 0.0, math.inf
         if activations[c, frame] > 0.0 and row.rank < level.rank:
             pin(c, row.rank < level.contacts, above)
         elif row.status == ACTIVE and not meets:
@@ -124,14 +124,14 @@ def change_above(frame, clip, problem, above):
         for c in range(tasks.shape[0]):
             tasks[c].engaged = 0
             if tasks[c].rank < level.rank and tasks[c].status != INACTIVE:
-                tasks[c].blended = miss_of(c, above)
+                tasks[c].blended_miss = miss_of(c, above)
     follow(tasks.shape[0], False, problem)
     most = 0.0
     for c in range(tasks.shape[0]):
         row = tasks[c]
         row.engaged = 0
         if row.rank < level.rank and row.status != INACTIVE:
-            before = row.blended if edges else misses[c, frame]
+            before = row.blended_miss if edges else misses[c, frame]
             most = max(most, abs(miss_of(c, problem) - before))
     for q in range(level.clears, clearance.wanted.shape[0]):
         if clearance.activations[q, frame] > 0.0:
@@ -147,7 +147,7 @@ def tell_misses(frame, clip, problem):
     edges = has_edge(frame, tasks, activations)
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        row.blended = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
+        row.blended_miss = misses[c, frame] if misses[c, frame] > 0.0 else 0.0
         if edges and row.rank < clip.easing.level[0].rank and row.status != INACTIVE:
             row.status = ON_EDGE
     note_misses(frame, problem, clip.residuals)
@@ -163,33 +163,30 @@ def has_edge(frame, tasks, activations):
 def pin(c, stands, above):
     """Ask of a constraint, or of what ``stands``, what it has in the pose ``above``."""
     row, search, pose = above.tasks[c], above.search, above.pose
-    point, other = search.points[0], search.points[1]
-    row.status, row.pinned, row.blended, row.apart = ACTIVE, PINNED, 0.0, 0.0
+    row.status, row.pinned, row.blended_miss, row.miss_change = ACTIVE, PINNED, 0.0, 0.0
     if row.kind == DISTANCE:
-        end_place(row, 0, pose, point)
-        second_place(row, pose, other)
-        row.distance = distance(point, other)
+        row.distance = distance(end_place(row, 0, pose), second_place(row, pose))
     elif row.kind == POSITION:
-        place_as_followed(row, search, pose, row.relative[0] if row.points[1] >= 0 else row.places[0])
+        copy_point(place_as_followed(row, pose), row.relative[0] if row.points[1] >= 0 else row.places[0])
     elif row.kind == ORIENTATION and row.points[1] < 0:
         copy_matrix(pose.rotations[row.segments[0]], row.turn)
     elif row.kind == UPRIGHT:
         pin_upright(row, pose)
     elif row.kind == BALANCE and row.points[1] < 0:
-        centre_of_mass(above.body.shares, pose.positions, row.places[0])
+        copy_point(centre_of_mass(above.body.shares, pose.positions), row.places[0])
         copy_point(row.places[0], row.places[1])
     else:
         row.engaged = 0
         follow(row.rank, False, above)
-        row.blended = miss_of(c, above)
+        row.blended_miss = miss_of(c, above)
         row.pinned = PINNED if row.kind == LOOK_AT else FREE
-        if row.kind == LOOK_AT and row.blended >= AWAY:
-            row.pinned, row.blended = PINNED_TURN, 0.0
+        if row.kind == LOOK_AT and row.blended_miss >= AWAY:
+            row.pinned, row.blended_miss = PINNED_TURN, 0.0
             copy_matrix(pose.rotations[row.segments[0]], row.turn)
     for end in range(2):
         limb = row.limbs[end]
         if row.kind != BALANCE and limb >= 0 and row.freedoms[end, 0] > 0.0 and not (stands and limb >= 2):
-            search.hung[limb] = HUNG  # legs that stand are placed on their ankles
+            search.blended[limb] = BLENDED  # legs that stand are placed on their ankles
 
 
 @kernel
@@ -205,14 +202,11 @@ def put_state(state, most, out_state):
 def pull_root(problem):
     """Bring the root back to where planted feet are in reach."""
     search, root = problem.search, problem.chain.slots[-1]
-    state, way = search.state, search.points[7]
     if root < 0:
         return
     carry_body(problem)
-    way[0] = way[1] = way[2] = 0.0
-    keep_feet_in_reach(problem.body, problem.start, search.carried, state[root], way)
-    for axis in range(3):
-        state[root, axis] += way[axis]
+    way = keep_feet_in_reach(problem.body, problem.start, search.carried, search.state[root], ORIGIN)
+    copy_point(plus(search.state[root], way), search.state[root])
 
 
 @kernel

@@ -8,9 +8,9 @@ greatest of each at each frame, in radians a second squared. Bones of a limb tha
 
 import math
 
-from studio.core.kernels.algebra.turns import inverse, product, turn_in
+from studio.core.kernels.algebra.turns import inverse, product, turn_between, turn_in
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limits.joint_limits import limb_parts
 from studio.core.kernels.search.joints import ROOT
 from studio.core.kernels.tasks.goals import TURN_ARM
 
@@ -103,7 +103,7 @@ def carried(frame, carrier, segment, rotations):
     """Turn of a segment at a frame in the axes of its carrier, or in the world's."""
     if carrier < 0:
         return turn_in(rotations[frame, segment])
-    return between(rotations[frame, carrier], rotations[frame, segment])
+    return turn_between(rotations[frame, carrier], rotations[frame, segment])
 
 
 @kernel
@@ -145,16 +145,10 @@ def limb_jolt(limb, middle, rotations):
 def joint_jolt(middle, carrier, segment, rotations):
     """``change_of_pace`` of a segment in what carries it."""
     return change_of_pace(
-        between(rotations[middle - 1, carrier], rotations[middle - 1, segment]),
-        between(rotations[middle, carrier], rotations[middle, segment]),
-        between(rotations[middle + 1, carrier], rotations[middle + 1, segment]),
+        turn_between(rotations[middle - 1, carrier], rotations[middle - 1, segment]),
+        turn_between(rotations[middle, carrier], rotations[middle, segment]),
+        turn_between(rotations[middle + 1, carrier], rotations[middle + 1, segment]),
     )
-
-
-@small_kernel
-def between(carrier, segment):
-    """Turn of a segment in the axes of what carries it, of their matrices (3, 3)."""
-    return product(inverse(turn_in(carrier)), turn_in(segment))
 
 
 @small_kernel

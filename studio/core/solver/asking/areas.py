@@ -36,6 +36,5 @@ def area_row(constraint: AreaConstraint, centre: FloatArray = ORIGIN, heading: f
 
 def nearest_place(constraint: AreaConstraint, point: ArrayLike) -> FloatArray:
     """(3,) metres: where ``point`` (3,) may be, nearest to it; itself where it may stay. The area is a fixed one."""
-    place, row = np.empty(3), area_row(constraint, np.array(constraint.centre), float(np.array(constraint.heading)))
-    areas.nearest_allowed(row, np.array(point, dtype=np.float64), place)
-    return place
+    row = area_row(constraint, np.array(constraint.centre), float(np.array(constraint.heading)))
+    return np.array(areas.nearest_allowed(row, np.array(point, dtype=np.float64))[1])

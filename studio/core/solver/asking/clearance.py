@@ -19,7 +19,7 @@ from studio.core.normalized.realize import realize
 from studio.core.solver.request import AdaptedMotion
 
 if TYPE_CHECKING:
-    from studio.core.solver.adapt import Standing
+    from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 
@@ -73,21 +73,21 @@ def pack_clearance(
         misses,
         own,
         ways,
-        _stages([each.priority for each in asked], np.concatenate([np.full(held, -1), priorities])),
+        _tiers([each.priority for each in asked], np.concatenate([np.full(held, -1), priorities])),
     )
 
 
-def _stages(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Stages of ``clearance_stages`` by priorities: 0 down to the highest of ``clears``, then one each."""
+def _tiers(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Tiers of ``clearance_tiers`` by priorities: 0 down to the highest of ``clears``, then one each."""
     priorities = np.maximum(np.concatenate([clears, others]), min(clears))
     return np.asarray(np.searchsorted(np.unique(priorities), priorities), dtype=np.int64)
 
 
-def down_to_stages(activations: FloatArray, clearance: Clearance) -> FloatArray:
-    """``activations`` (C, F) as the kernels take them, (K, C, F): of what stands down to each of K stages."""
-    stages = clearance.stages
-    others = stages[len(stages) - len(activations) :]
-    return np.where(others[:, None] <= np.arange(stages.max() + 1)[:, None, None], activations, 0.0)
+def down_to_tiers(activations: FloatArray, clearance: Clearance) -> FloatArray:
+    """``activations`` (C, F) as the kernels take them, (K, C, F): of what stands down to each of K tiers."""
+    tiers = clearance.tiers
+    others = tiers[len(tiers) - len(activations) :]
+    return np.where(others[:, None] <= np.arange(tiers.max() + 1)[:, None, None], activations, 0.0)
 
 
 @cache
@@ -96,9 +96,9 @@ def _nothing(others: int) -> Clearance:
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
     none, rooms = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
     above = np.empty((0, others), np.int64)
-    wanted, ways, stages = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
+    wanted, ways, tiers = np.empty((0, *rooms.shape)), np.empty((*rooms.shape, 3)), np.zeros(others, np.int64)
     arms, freedoms = np.empty((0, 2)), np.empty(0)
-    return Clearance(packed(volume), stages[:0], wanted, none, arms, freedoms, above, none, rooms, ways, stages)
+    return Clearance(packed(volume), tiers[:0], wanted, none, arms, freedoms, above, none, rooms, ways, tiers)
 
 
 def rooms(adapted: AdaptedMotion) -> FloatArray:

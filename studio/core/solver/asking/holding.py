@@ -79,7 +79,7 @@ def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
 
 
 def place_held(rows: Rows, held: Sequence[Held], window: slice) -> None:
-    """Give the first of packed constraints, those of ``held``, their wish a frame.
+    """Give the first of packed constraints, those of ``held``, their target at every frame.
 
     ``window`` are the frames of the answer.
     """

@@ -79,11 +79,11 @@ class Rows:
         return records.Targets(_stacked(self.places, 3), _stacked(self.turns, 3, 3), _stacked(self.distances))
 
 
-def _stacked(wishes: Sequence[FloatArray], *shape: int) -> FloatArray:
-    """(C, F or 1, ...) of C wishes (F or 1, ...)."""
-    stacked = np.empty((len(wishes), max(map(len, wishes), default=1), *shape))
-    for c, wish in enumerate(wishes):
-        stacked[c] = wish
+def _stacked(targets: Sequence[FloatArray], *shape: int) -> FloatArray:
+    """(C, F or 1, ...) of C targets (F or 1, ...)."""
+    stacked = np.empty((len(targets), max(map(len, targets), default=1), *shape))
+    for c, target in enumerate(targets):
+        stacked[c] = target
     return stacked
 
 
@@ -151,7 +151,7 @@ def _put_end(row: np.void, end: int, point: BodyPoint, chain: Chain, layout: Bod
     row["points"][end], row["segments"][end] = point_indices(point, layout)
     row["limbs"][end] = limb
     row["offsets"][end] = point.offset
-    helped, parts, freedom = _means_of(point.part, chain)
+    helped, parts, freedom = _freedoms_of(point.part, chain)
     row["freedoms"][end] = freedom, chain.end_segment
     if limb >= 0:
         row["helped"] |= helped
@@ -260,7 +260,7 @@ _WRITERS: dict[type[Constraint], Callable[[Rows, int, Any], None]] = {
 
 
 @lru_cache(maxsize=1024)
-def _means_of(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
+def _freedoms_of(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
     """Whether a chain helps the limb of a part by what carries it, the weights of its bones, and how free it is."""
     limb = limb_of(part)
     if limb < 0:

@@ -26,7 +26,7 @@ def limb_freedoms(
     before.
 
     ``limbs`` (C, 2) those on which each constraint has a point, ``ranks`` (C,), ``activations`` (C, F). However little
-    is asked, it is to be exactly there: so a limb is back in the motion's own pose when its wish begins.
+    is asked, it is to be exactly there: so a limb is back in the motion's own pose when its task begins.
     """
     taken = np.zeros((int(ranks.max(initial=-1)) + 1, 4, activations.shape[1]), dtype=np.bool_)
     for limb in range(4):

@@ -17,6 +17,7 @@ from studio.core.captures.contacts import ContactInterval, Touch, contact_mask
 from studio.core.captures.touching import Spots, spots
 from studio.core.kernels import layout as at
 from studio.core.kernels.limits import clearance as clearing
+from studio.core.kernels.limits.clearance import SWIVEL
 from studio.core.kernels.limits.hands import find_ways_out, join_hands, move_arms, rest_hands
 from studio.core.kernels.records import ActorRooms
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
@@ -145,14 +146,14 @@ class SelfContact:
         if not moves.any():
             return
         chest = rotations[:, self.body.layout.spine_count - 1]
-        out = np.einsum("fij,fsi->fsj", chest, moves[:, :, :3])
+        out = np.einsum("fij,fsi->fsj", chest, moves[:, :, :SWIVEL])
         lengths = np.linalg.norm(out, axis=2, keepdims=True)
         both = (lengths * out).sum(axis=1, keepdims=True) / np.maximum(lengths.sum(axis=1, keepdims=True), 1e-9)
         out = eased_ways(out + firm[:, None, None] * (both - out), self.frame_rate)
         least = free[:, :, 0].min(axis=1, keepdims=True)
         wrists = free[:, :, 0] + firm[:, None] * (least - free[:, :, 0])
-        moves[:, :, :3] = np.einsum("fij,fsj->fsi", chest, out) * wrists[:, :, None]
-        moves[:, :, 3:] = eased_ways(moves[:, :, 3:], self.frame_rate) * free[:, :, 1:]
+        moves[:, :, :SWIVEL] = np.einsum("fij,fsj->fsi", chest, out) * wrists[:, :, None]
+        moves[:, :, SWIVEL:] = eased_ways(moves[:, :, SWIVEL:], self.frame_rate) * free[:, :, 1:]
         move_arms(moves, positions, rotations)
 
 

@@ -1,7 +1,7 @@
 """Where what was solved jolts it is eased in time: less exact for a moment, but smooth (METHOD (36) to (38)).
 
 Every frame is solved from its own pose alone; a limb that changes sides, or a level that is given up, may so jump
-between two frames. What nowhere jolts beyond what the motion itself and its moving wishes bring is left as it is.
+between two frames. What nowhere jolts beyond what the motion itself and its moving targets bring is left as it is.
 Elsewhere what constraints have changed is averaged over the frames around, level by level from the highest: each is
 solved with what those above it have become. Then it is met again; where that jolts it is left as the average has it;
 and where those above cannot be held so either, it is left for them altogether: priorities are strict before all is
@@ -10,7 +10,6 @@ smooth.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +22,11 @@ from studio.core.kernels.search.joints import ROOT
 from studio.core.kernels.time.easing import HELD
 from studio.core.kernels.time.jolts import ADDED, WHOLE, note_eased_jolts
 from studio.core.quality.metrics import QUIET
+from studio.core.runs import runs_of
 from studio.core.solver.smoothing.limb_charts import LimbCharts
-from studio.core.solver.smoothing.root_leash import RootLeash
+from studio.core.solver.smoothing.root_reach import RootReach
 from studio.core.solver.standing.blends import LOOK_AHEAD, hann_window
-
-if TYPE_CHECKING:
-    from studio.core.solver.adapt import Standing
+from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -71,7 +69,7 @@ _NO_TURNS, _NO_MISSES, _NO_POSE = (
 
 @dataclass(eq=False)
 class Solve:
-    """What ``kernels.adapt.solve_frames`` notes of a stretch of F frames, and is given to pose some of them anew.
+    """What ``kernels.adapt.solve_frames`` notes of F frames, and is given to pose some of them anew.
 
     ``joints`` (N,) of the search, ``limbs`` (4,) that constraints are about, ``states`` (F, N, 3) of the search, and as
     in ``kernels.time.jolts`` the ``sharp`` jolts (F, 3) and the ``peaks`` (3,) of the same in the unsolved motion.
@@ -87,18 +85,18 @@ class Solve:
     held: int
 
     @staticmethod
-    def of(standing: "Standing", frames: int, joints: NDArray[np.void], limbs: IntArray, held: int) -> "Solve":
+    def of(standing: Standing, frames: int, joints: NDArray[np.void], limbs: IntArray, held: int) -> "Solve":
         """Of some ``frames``; ``limbs`` (C, 2) of the constraints' ends, -1 none; the first ``held`` levels are
         contacts'.
         """
         named = set(limbs.ravel().tolist())
-        wished = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
+        named_limbs = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
         layout, rate = standing.morphology.layout, standing.motion.frame_rate
         peaks, states = (
             own_peaks(standing, joints["segment"], 2 in named or 3 in named),
             np.empty((frames, len(joints), 3)),
         )
-        return Solve(layout, rate, joints, wished, states, peaks, np.zeros((frames, 3)), held)
+        return Solve(layout, rate, joints, named_limbs, states, peaks, np.zeros((frames, 3)), held)
 
     def easing(
         self,
@@ -125,7 +123,7 @@ class Solve:
         return self.easing(np.arange(len(self.states)), _NO_TURNS, (0, 0), False, False, _NO_MISSES, _NO_POSE)
 
     def jolts(self, brings: float | FloatArray = 0.0) -> bool:
-        """Whether anything turns more sharply than the motion does and wishes bring (F,), radians a second squared."""
+        """Whether anything turns more sharply than the motion does and targets bring (F,), radians a second squared."""
         allowed = self.peaks + np.reshape(brings, (-1, 1))
         return bool((self.sharp > EASED[0] * allowed).any())
 
@@ -139,7 +137,7 @@ class Solve:
         return sharp
 
 
-def own_peaks(standing: "Standing", searched: IntArray, legs_asked: bool) -> FloatArray:
+def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> FloatArray:
     """(3,) what ``Solve.jolts_of`` tells at most of the unsolved motion, of a search of segments ``searched`` (N,).
 
     Legs count where a constraint is about them; root and searched joints then have at least what legs have.
@@ -192,15 +190,15 @@ class Easing:
         pose: Run,
         solved: tuple[FloatArray, ...],
         charts: LimbCharts,
-        leash: RootLeash,
+        root_reach: RootReach,
         rooms: FloatArray,
     ) -> None:
         """``pose`` some frames anew with the constraints down to a level, into ``solved``, which is as
         ``Level.solved``; ``rooms`` (L, F) of all levels.
         """
         self._levels, self._pose, self._solved, self._rooms = levels, pose, solved, rooms
-        self._charts, self._leash = charts, leash
-        self._stretches = [stretches_of(room > 0.0) for room in rooms]
+        self._charts, self._root_reach = charts, root_reach
+        self._runs = [runs_of(room > 0.0) for room in rooms]
         frames, joints, _ = levels[0].solve.states.shape
         values = charts.unturned
         self._eased: Pose = np.zeros((frames, joints, 3)), values
@@ -272,11 +270,11 @@ class Easing:
         return self._spread(number, changed, FALLING)
 
     def _spread(self, number: int, share: FloatArray, seconds: float) -> FloatArray:
-        """``_around`` within each stretch that has room: which there are below must not join others."""
+        """``_around`` within each run of frames that has room: which there are below must not join others."""
         spread = np.zeros(len(share))
         if (share > 0.0).any():
-            for stretch in self._stretches[number]:
-                spread[stretch] = _around(share[stretch], self._levels[number].solve.rate, seconds)
+            for first, past in self._runs[number]:
+                spread[first:past] = _around(share[first:past], self._levels[number].solve.rate, seconds)
         return spread
 
     def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
@@ -298,7 +296,7 @@ class Easing:
             states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
             values = self._charts.within(values)
         joints = level.solve.joints
-        back = self._leash.pulled(states, joints, round(LOOK_AHEAD * level.solve.rate)) * (room > 0.0)[:, None]
+        back = self._root_reach.pulled(states, joints, round(LOOK_AHEAD * level.solve.rate)) * (room > 0.0)[:, None]
         self._touched = np.maximum(self._touched, back.any(axis=1))
         states[:, joints["segment"] == ROOT] += back[:, None]
         return states, values
@@ -334,9 +332,3 @@ def _blend(first: FloatArray, second: FloatArray, share: FloatArray) -> FloatArr
 def _mean(values: FloatArray, width: int) -> FloatArray:
     """Means of ``values`` (F, ...) over ``width`` frames on either side, by Hann's window."""
     return np.asarray(convolve1d(values, hann_window(width), axis=0, mode="nearest"))
-
-
-def stretches_of(mask: NDArray[np.bool_]) -> list[slice]:
-    """The stretches of frames where ``mask`` (F,) is true."""
-    edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
-    return [slice(begin, end) for begin, end in edges.tolist()]

@@ -12,7 +12,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.limbs.legs import hip_heights
 from studio.core.kernels.limbs.limb import COMFORT, OWN_COMFORT
-from studio.core.kernels.limits.root_reach import LEASH
+from studio.core.kernels.limits.root_reach import HALF_FREE_REACH
 from studio.core.kernels.support.footing import FootPlan, plan_foot
 from studio.core.kernels.support.gaps import fill_gaps
 from studio.core.kernels.support.heels import roll_feet
@@ -56,10 +56,10 @@ class Footing:
     drops: FloatArray
 
     @property
-    def leashes(self) -> FloatArray:
+    def root_reaches(self) -> FloatArray:
         """(2, F) part of its length to which the root may stretch each leg; inf where its foot is free.
 
-        A standing foot holds the root within the leg's comfort; on the way there and away the leash runs out smoothly.
+        A standing foot holds the root within the leg's comfort; on the way there and away its reach grows smoothly.
         """
         return self.comforts + self.runs
 
@@ -292,5 +292,5 @@ def leg_stretches(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[
 
 
 def run_out(free: FloatArray) -> FloatArray:
-    """(F,) how far a leash has run out that leaves hold smoothly, parts of a limb's length; all the way where free."""
-    return np.asarray(np.divide(LEASH * free, 1.0 - free, out=np.full(free.shape, np.inf), where=free < 1.0))
+    """(F,) how far the reach of a root has grown that is let go smoothly, parts of a limb's length; inf if free."""
+    return np.asarray(np.divide(HALF_FREE_REACH * free, 1.0 - free, out=np.full(free.shape, np.inf), where=free < 1.0))

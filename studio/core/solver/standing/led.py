@@ -15,12 +15,12 @@ from scipy.spatial.transform import Rotation
 from studio.core.kernels.adapt import place_frames
 from studio.core.kernels.support.sole import HEEL
 from studio.core.normalized.transition import pace_left, place_left
-from studio.core.solver.smoothing.stretch import legs_of
 from studio.core.solver.standing.blends import GOES_ALONG
+from studio.core.solver.standing.stand import legs_of
 from studio.core.solver.standing.swing import HURRIED
 
 if TYPE_CHECKING:
-    from studio.core.solver.adapt import Standing
+    from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from studio.core.solver.adapt import Standing
+    from studio.core.solver.standing.stand import Standing
 
 FloatArray = NDArray[np.float64]
 

@@ -57,9 +57,11 @@ def keep_posture(
         shoulders, line = positions[:, wrist - 2], normalized(positions[:, wrist] - positions[:, wrist - 2])
         now = _across(positions[:, wrist - 1] - shoulders, line)
         upper, lower = np.moveaxis(normalized(arms.bones[side]), 1, 0)
-        wish = _across(upper - lower, line)
-        angles = _angles(line, now, wish) * _outright(now)
-        angles *= smoothstep(np.minimum(np.linalg.norm(wish, axis=1), 1.0))  # a straight arm's elbow may look anywhere
+        wanted = _across(upper - lower, line)
+        angles = _angles(line, now, wanted) * _outright(now)
+        angles *= smoothstep(
+            np.minimum(np.linalg.norm(wanted, axis=1), 1.0)
+        )  # a straight arm's elbow may look anywhere
         angles *= smoothstep(np.minimum(2.0 - 2.0 * np.abs(angles) / np.pi, 1.0))
         angles *= 1.0 - freedom(arms.standing[side], frame_rate, GOES_ALONG)
         _turn_arm(side, body, angles[:, None] * line, positions, rotations)

@@ -43,7 +43,7 @@ RAISES = 3
 SWINGING_ARM = 0.95
 """Part of its length to which an arm on its way to or from the ground stretches freely."""
 KNEE_PLAY = 0.1
-"""Part of a leash's run by which a knee that is let go may be nearer to its hip, or farther, than its thigh is long."""
+"""Part of the growth of its root's reach by which the hip of a knee that is let go may be off its thigh's length."""
 FOLDED_ROOM = 0.01
 """Part of its length by which a limb's ends stay further apart than when it is folded."""
 MOVES = 5
@@ -135,9 +135,9 @@ def _settled(
     if kneeling:
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
     links = _Links([], [], [], [])
-    for side, leash in enumerate(footing.leashes):
+    for side, root_reach in enumerate(footing.root_reaches):
         hip, legs = positions[:, layout.hip(side)], leg_rows(body, side)
-        links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), leash * legs.sum(axis=1))
+        links.add(hip - roots, footing.ankles[side, :, :3], _shortest(legs), root_reach * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:
             knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
             play = KNEE_PLAY * run_out(1.0 - firm) * legs.sum(axis=1)
@@ -339,16 +339,16 @@ def _eased_off(comforts: FloatArray, share: FloatArray) -> FloatArray:
 
 
 def _on_both(
-    first: FloatArray, first_radius: FloatArray, second: FloatArray, second_radius: FloatArray, wish: FloatArray
+    first: FloatArray, first_radius: FloatArray, second: FloatArray, second_radius: FloatArray, wanted: FloatArray
 ) -> FloatArray:
-    """(F, 3) the points nearest to ``wish`` at given distances from two points; between them where there are none."""
+    """(F, 3) the points nearest to ``wanted`` at given distances from two points; between them where there are none."""
     line = second - first
     apart = np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
     along = line / apart
     share = (apart**2 + first_radius**2 - second_radius**2) / (2.0 * apart)
     middle = first + share * along
     radius = np.sqrt(np.maximum(first_radius**2 - share**2, 0.0))
-    away = wish - middle
+    away = wanted - middle
     away = away - np.sum(away * along, axis=1, keepdims=True) * along
     return np.asarray(middle + radius * normalized(away))
 

@@ -7,8 +7,9 @@ import math
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb import soft_reach
-from studio.core.kernels.limits.root_reach import leash_of
+from studio.core.kernels.limits.root_reach import root_reach_of
 from studio.core.kernels.search.joints import FREE_PART, ROOT
+from studio.core.kernels.tasks.goals import ease_goal
 
 AROUND = 0.25
 """Metres that a root may go round what a leg that is stretched allows it."""
@@ -18,7 +19,7 @@ SPREAD = 0.02
 
 
 @kernel
-def means_of(c, x, y, z, point, carrier, problem):
+def reachable_way(c, x, y, z, point, carrier, problem):
     """Metres by which all joints of constraint ``c`` together bring a ``point`` (3,) of segment ``carrier`` along the
     unit (x, y, z); inf where the root goes free.
 
@@ -55,14 +56,14 @@ def is_alone(c, carrier, chain):
 
 @kernel
 def travel_of(x, y, z, body, pose):
-    """About how far, in metres, the root can go along the unit (x, y, z) before the leashes of its legs run out."""
+    """About how far, in metres, the root can go along the unit (x, y, z) as far as its legs let it."""
     ankles, total = body.legs.ankles, 0.0
     spine_count = pose.positions.shape[0] - 23
     for side in range(2):
-        if body.leashes[side] == math.inf:
+        if body.root_reaches[side] == math.inf:
             continue
         hip, ankle = pose.positions[spine_count + 13 + 5 * side], ankles[side]
-        length, _ = leash_of(side, body, pose)
+        length, _ = root_reach_of(side, body, pose)
         hx, hy, hz = hip[0] - ankle[0], hip[1] - ankle[1], hip[2] - ankle[2]
         along = hx * x + hy * y + hz * z
         over = length * length - hx * hx - hy * hy - hz * hz
@@ -82,19 +83,18 @@ def soft_way(way, able):
 
 
 @kernel
-def note_means(c, row, problem):
+def note_reachable(c, row, problem):
     """Note in ``slack`` what of the way from ``begin``, its first point in the unsolved ``pose``, is not asked."""
     place, point = row.places[0], row.begin
     x, y, z = place[0] - point[0], place[1] - point[1], place[2] - point[2]
     way = math.sqrt(x * x + y * y + z * z)
     row.slack[0] = 0.0
     if way > 1e-9:
-        able = means_of(c, x / way, y / way, z / way, point, row.segments[0], problem)
+        able = reachable_way(c, x / way, y / way, z / way, point, row.segments[0], problem)
         row.slack[0] = 1.0 - soft_way(way, able) / way
 
 
 @kernel
-def within_means(row, out_place):
-    """The place (3,) on the way from ``begin`` to that of its first point that is asked of the joints."""
-    for axis in range(3):
-        out_place[axis] = row.places[0, axis] + row.slack[0] * (row.begin[axis] - row.places[0, axis])
+def reachable_place(row):
+    """The place (x, y, z) on the way from ``begin`` to that of its first point that is asked of the joints."""
+    return ease_goal(row.places[0], row.begin, row.slack[0])

@@ -1,4 +1,4 @@
-"""How sharply wishes themselves move and come and go: what joints must turn with to follow them (METHOD (36))."""
+"""How sharply targets themselves move and come and go: what joints must turn with to follow them (METHOD (36))."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,9 @@ from studio.core.solver.standing.support import mass_path
 FloatArray = NDArray[np.float64]
 
 FARTHEST = 0.8
-"""Metres that a wish brings its point at most: what is farther off is no more than a direction."""
+"""Metres that a target brings its point at most: what is farther off is no more than a direction."""
 NEAR = 0.1
-"""Seconds around a frame within which what a wish brings may show in the joints."""
+"""Seconds around a frame within which what a target brings may show in the joints."""
 
 
 def brought(
@@ -27,7 +27,7 @@ def brought(
     body: Morphology,
     rate: float,
 ) -> FloatArray:
-    """(2, C, F) radians a second squared that wishes, from row ``first`` on, bring by what they ask and by their edges.
+    """(2, C, F) radians a second squared that targets, from row ``first`` on, bring by their ways and by their edges.
 
     (a + v^2 / l) / l over l metres, v and a of what each asks beside where the unsolved poses have what it is for; and
     what a radian has by its activation (C, F), with which joints come and go.
@@ -52,9 +52,9 @@ def _sharp(path: FloatArray, lever: float, rate: float) -> FloatArray:
 def _path(
     c: int, rows: Rows, positions: FloatArray, rotations: FloatArray, body: Morphology
 ) -> tuple[FloatArray, float]:
-    """What one wish asks (F, n), and the lever over which it turns a bone."""
+    """What one constraint asks (F, n), and the lever over which it turns a bone."""
     row, count = rows.asked[c], len(positions)
-    wish = np.broadcast_to(rows.places[c], (count, 3))
+    target = np.broadcast_to(rows.places[c], (count, 3))
     (point, other), (segment, axes) = row["points"], row["segments"]
     place = positions[:, point] + rotations[:, segment] @ row["offsets"][0]
     followed = positions[:, other] + rotations[:, axes] @ row["offsets"][1]
@@ -63,16 +63,16 @@ def _path(
         errors = turns @ np.swapaxes(rotations[:, segment], 1, 2)
         return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
     if row["kind"] == goals.LOOK_AT:
-        way = (wish if other < 0 else followed) - place
+        way = (target if other < 0 else followed) - place
         way = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
         return way - rotations[:, segment, :, 0], 1.0
     if row["kind"] == goals.UPRIGHT:
         axes = rotations[:, segment] @ row["offsets"][1]
-        lean = np.arccos(np.clip(np.sum(axes * wish, axis=1, keepdims=True), -1.0, 1.0))
-        return (wish - axes) * np.maximum(lean - rows.distances[c][:, None], 0.0) / np.maximum(lean, 1e-9), 1.0
+        lean = np.arccos(np.clip(np.sum(axes * target, axis=1, keepdims=True), -1.0, 1.0))
+        return (target - axes) * np.maximum(lean - rows.distances[c][:, None], 0.0) / np.maximum(lean, 1e-9), 1.0
     if row["kind"] == goals.DISTANCE:
-        now = np.linalg.norm(place - (wish if other < 0 else followed), axis=1, keepdims=True)
+        now = np.linalg.norm(place - (target if other < 0 else followed), axis=1, keepdims=True)
         return rows.distances[c][:, None] - now, goals.TURN_ARM
     begin = mass_path(positions, body) if row["kind"] == goals.BALANCE else place
-    way = (followed if other >= 0 else np.where(np.isnan(wish), begin, wish)) - begin
+    way = (followed if other >= 0 else np.where(np.isnan(target), begin, target)) - begin
     return way / np.sqrt(1.0 + (np.linalg.norm(way, axis=1, keepdims=True) / FARTHEST) ** 2), goals.TURN_ARM

@@ -19,7 +19,7 @@ SWEEPS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class RootLeash:
+class RootReach:
     """What holds the root of F unsolved poses: its ``places`` (F, 3), the ``hips`` from there (2, F, 3), the ``ankles``
     (2, F, 3) on which they stand and the ``lengths`` (2, F) metres to which legs stretch, inf where they are free.
     """
@@ -31,15 +31,15 @@ class RootLeash:
 
     @staticmethod
     def of(
-        positions: FloatArray, measures: FloatArray, layout: BodyLayout, ankles: FloatArray, leashes: FloatArray
-    ) -> "RootLeash":
-        """Of unsolved ``positions`` (F, P, 3); ``leashes`` (2, F) parts of the legs, which let hips be where
+        positions: FloatArray, measures: FloatArray, layout: BodyLayout, ankles: FloatArray, root_reaches: FloatArray
+    ) -> "RootReach":
+        """Of unsolved ``positions`` (F, P, 3); ``root_reaches`` (2, F) parts of the legs, which let hips be where
         the motion itself has them.
         """
         hips = np.stack([positions[:, layout.hip(side)] for side in range(2)])
         legs = measures[:, at.M_LEG : at.M_LEG + 4].reshape(-1, 2, 2).sum(axis=2).T
         own = np.linalg.norm(hips - ankles[..., :3], axis=2)
-        return RootLeash(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(leashes * legs, own))
+        return RootReach(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(root_reaches * legs, own))
 
     def pulled(self, states: FloatArray, joints: NDArray[np.void], width: int) -> FloatArray:
         """(F, 3) by how much the root must come back when joints (N, 5) are at ``states`` (F, N, 3).

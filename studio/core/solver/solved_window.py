@@ -1,8 +1,8 @@
-"""A stretch of a standing motion with its constraints: packed for the kernels, solved, and eased where that jolts."""
+"""A window of a standing motion with its constraints: packed for the kernels, solved, and eased where that jolts."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,40 +17,54 @@ from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.errors import StudioError
 from studio.core.kernels import records
 from studio.core.kernels.adapt import solve_frames
-from studio.core.kernels.records import Asked, BodyFrames, Legs, Motion, Recruits
+from studio.core.kernels.records import Asked, BodyFrames, Motion, Recruits
 from studio.core.kernels.tasks.goals import AREA
-from studio.core.normalized.motion import NormalizedMotion
+from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import carrying_chain, free_joints, point_masses, segment_masses
-from studio.core.solver.asking.clearance import down_to_stages, lowest_first, pack_clearance
+from studio.core.solver.asking.clearance import down_to_tiers, lowest_first, pack_clearance
 from studio.core.solver.asking.holding import held_points, place_held, release_hands
 from studio.core.solver.asking.packing import in_order, limb_of, pack
 from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
 from studio.core.solver.asking.self_contact import arms_asked
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
 from studio.core.solver.performers.following import own_track
-from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Solve, stretches_of
+from studio.core.solver.smoothing.easing import WIDTHS, Easing, Level, Solve
 from studio.core.solver.smoothing.limb_charts import LimbCharts
-from studio.core.solver.smoothing.root_leash import RootLeash
-from studio.core.solver.smoothing.wished import brought
-from studio.core.solver.standing.footing import Footing
+from studio.core.solver.smoothing.root_reach import RootReach
+from studio.core.solver.smoothing.target_motion import brought
+from studio.core.solver.standing.stand import Standing, legs_of
 from studio.core.solver.standing.support import mass_path, standing_points, support_path
-
-if TYPE_CHECKING:
-    from studio.core.solver.adapt import Bound, Standing
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-class Stretch:
+@dataclass(frozen=True)
+class Bound:
+    """By what a body is bound beside its constraints."""
+
+    by_contacts: bool = True
+    by_limits: bool = True
+
+
+BOUND = Bound()
+
+
+class SolvedWindow:
     """Constraints on the frames of ``window``; nothing else depends on how wide that is."""
 
     def __init__(
-        self, standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks, bound: "Bound"
+        self,
+        standing: Standing,
+        constraints: Sequence[Constraint],
+        activations: FloatArray,
+        tracks: Tracks,
+        bound: Bound,
+        window: slice,
     ) -> None:
-        """``tracks`` over the whole motion; StudioError where something is followed that they do not have."""
+        """``activations`` (C, F) and ``tracks`` of the whole motion; StudioError where these lack what is followed."""
         body, footing = standing.morphology, standing.footing
-        self.standing, self.window, self._asked = standing, window, (constraints, tracks, bound)
+        self.standing, self.window, self._asked = standing, window, (constraints, activations, tracks, bound)
         self._unsolved = standing.positions[window], standing.rotations[window]
         self._positions, self._rotations = self._unsolved[0].copy(), self._unsolved[1].copy()
         holds = standing.holds if bound.by_contacts else ()
@@ -60,8 +74,7 @@ class Stretch:
         asked, cleared = [constraints[c] for c in self._order], [constraints[c] for c in self._clear]
         everything = [*(each.constraint for each in held), *asked]
         self._rows = pack(everything, body.layout, targets_of(standing, constraints, window, tracks), self._held)
-        activations = constraint_activations([*asked, *cleared], standing)
-        acts = activations[: len(asked), window]
+        acts = activations[self._order, window]
         if held:
             place_held(self._rows, held, window)
             stands = np.array([each.standing[window] for each in held])
@@ -69,29 +82,31 @@ class Stretch:
         self._activations, self._targets = np.ascontiguousarray(acts), self._rows.stacked_targets
         joints = free_joints(tuple(map(carrying_chain, everything)), self._rows.ranks, body.layout)
         self._joints = joints if bound.by_limits else joints.without_limits
-        self._freedoms = self._find_freedoms(activations[: len(asked)])
+        self._freedoms = self._find_freedoms(activations[self._order])
         self._missed = np.empty((len(everything) + len(cleared), len(self._positions)))
         self._clearance = pack_clearance(
-            cleared, everything, self._held, activations[len(asked) :, window], self._missed[len(everything) :],
+            cleared, everything, self._held, activations[self._clear, window], self._missed[len(everything) :],
             standing, window,
         )  # fmt: skip
         if cleared:
             self._unsolved = self._positions.copy(), self._rotations.copy()
-        leash = footing.leashes[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
-        self._leash = np.ascontiguousarray(leash)
+        root_reach = (
+            footing.root_reaches[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
+        )
+        self._root_reach = np.ascontiguousarray(root_reach)
         self._legs = legs_of(footing, standing.motion, window)
         limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
         masses, shares = segment_masses(body.layout), point_masses(body.layout)
         measures = at_frames(body.rows, window)
-        self._body = BodyFrames(measures, masses, self._leash, self._legs, limits, shares)
+        self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, shares)
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
         """(L, n, F) how far each limb that may be recruited is a balance's of a level to turn, of what acts (C, F)."""
         if not len(self._joints.limbs):
             return np.zeros((0, 0, 1))
-        standing, wishes, (_, _, bound) = self.standing, self._rows.asked[self._held :], self._asked
-        contacts, limbs = standing.contacts if bound.by_contacts else (), wishes["limbs"]
-        free = limb_freedoms(limbs, wishes["rank"], activations, contacts, standing.motion.frame_rate)
+        standing, tasks, bound = self.standing, self._rows.asked[self._held :], self._asked[-1]
+        contacts, limbs = standing.contacts if bound.by_contacts else (), tasks["limbs"]
+        free = limb_freedoms(limbs, tasks["rank"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
         free[:, :2] *= arm_lever(standing.morphology, standing.positions, self.window)
         free[:, 2:] *= leg_room(standing.morphology, standing.ground, standing.positions, self.window)
@@ -112,13 +127,13 @@ class Stretch:
         """Whether a level may jolt that does not with those below it: where arms are kept clear, points enter areas and
         leave them, or where only these are about legs, by which more is allowed.
         """
-        wishes = self._rows.asked[self._held :]
+        tasks = self._rows.asked[self._held :]
         if self._clear:
             return True
-        if wishes["rank"][0] == wishes["rank"][-1]:
+        if tasks["rank"][0] == tasks["rank"][-1]:
             return False
-        legs, first = wishes["limbs"] >= 2, wishes["rank"] == wishes["rank"][0]
-        return bool((wishes["kind"] == AREA).any() or (legs.any() and not legs[first].any()))
+        legs, first = tasks["limbs"] >= 2, tasks["rank"] == tasks["rank"][0]
+        return bool((tasks["kind"] == AREA).any() or (legs.any() and not legs[first].any()))
 
     @cached_property
     def _ranks(self) -> IntArray:
@@ -144,9 +159,9 @@ class Stretch:
             if self._clear:
                 shares = np.where(stands[count:, None], clearance.activations, 0.0)
                 clearance = clearance._replace(activations=shares)
-        staged = down_to_stages(acts, self._clearance) if self._clear else acts[None]
+        tiered = down_to_tiers(acts, self._clearance) if self._clear else acts[None]
         recruits = Recruits(joints.recruited, usual, self._freedoms)
-        asked = Asked(rows.asked, rows.areas, chain, recruits, self._targets, staged)
+        asked = Asked(rows.asked, rows.areas, chain, recruits, self._targets, tiered)
         motion = Motion(*self._unsolved, self._positions, self._rotations)
         solve_frames(asked, self._body, motion, clearance, easing, self._missed[: len(rows.asked)])
 
@@ -165,8 +180,7 @@ class Stretch:
     def _runs(self, window: slice) -> list[tuple[int, int]]:
         """First and past the last row of each run of frames that have to do with each other and touch ``window``."""
         first, last = window.start - self.window.start, window.stop - self.window.start
-        runs = stretches_of(self._rooms[-1] > 0.0)
-        return [(run.start, run.stop) for run in runs if run.start < last and run.stop > first]
+        return [run for run in runs_of(self._rooms[-1] > 0.0) if run[0] < last and run[1] > first]
 
     def with_runs(self, window: slice) -> slice:
         """``window`` and all frames that have to do with how any of it is eased, as far as they are solved here."""
@@ -184,7 +198,7 @@ class Stretch:
             if frames == self.window:
                 self._ease(self._solved_levels, self._rooms)
                 return
-            run = Stretch(self.standing, self._asked[0], frames, *self._asked[1:])
+            run = SolvedWindow(self.standing, *self._asked, frames)
             run._ease([level.within(wide) for level in self._solved_levels], self._rooms[:, wide])
             for mine, theirs in zip(self._solved, run._solved, strict=True):
                 mine[begin:end] = theirs[begin - wide.start : end - wide.start]
@@ -225,8 +239,8 @@ class Stretch:
     def _level(self, number: int, solve: Solve) -> Level:
         """A level that was just solved."""
         down = self._ranks <= number
-        wishes = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
-        acting, ranks = np.reshape(wishes, (-1, len(self._positions))) > 0.0, self._ranks[self._held :]
+        shares = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
+        acting, ranks = np.reshape(shares, (-1, len(self._positions))) > 0.0, self._ranks[self._held :]
         acts, own = (np.asarray(acting[each].any(axis=0)) for each in (ranks <= number, ranks == number))
         solved, above = tuple(each.copy() for each in self._solved), self._ranks < number
         clears = int(np.count_nonzero(~above[len(self._activations) :]))
@@ -234,7 +248,7 @@ class Stretch:
         return Level(solve, solved, above, (self._rank_of(number), clears), acts, own, allowed)
 
     def _brings_of(self, down: NDArray[np.bool_]) -> FloatArray:
-        """(F,) what the wishes ``down`` (C + Q,) to a level bring, radians a second squared."""
+        """(F,) what the constraints ``down`` (C + Q,) to a level bring, radians a second squared."""
         push, edges = self._brings[:, down[: len(self._activations)]]
         return np.asarray(push.sum(axis=0) + edges.max(axis=0, initial=0.0))
 
@@ -248,9 +262,9 @@ class Stretch:
     def _ease(self, levels: Sequence[Level], rooms: FloatArray) -> None:
         measures, limits, ankles = self._body.measures, self._body.limits, self._legs.ankles
         layout = self.standing.morphology.layout
-        leash = RootLeash.of(self.standing.positions[self.window], measures, layout, ankles, self._leash)
+        root_reach = RootReach.of(self.standing.positions[self.window], measures, layout, ankles, self._root_reach)
         charts = LimbCharts(layout, self._unsolved[1], limits, levels[-1].solve.limbs)
-        Easing(levels, self._pose, self._solved, charts, leash, rooms).ease()
+        Easing(levels, self._pose, self._solved, charts, root_reach, rooms).ease()
 
     @property
     def _solved(self) -> tuple[FloatArray, ...]:
@@ -282,7 +296,7 @@ class Stretch:
         return residuals
 
 
-def targets_of(standing: "Standing", constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
+def targets_of(standing: Standing, constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
     """What gives the constraints' targets their numbers: all that is known before anything is solved."""
     motion, body = standing.motion, standing.morphology.still
     known: dict[Follow | OwnPlace | Support, Track] = {}
@@ -306,13 +320,7 @@ def targets_of(standing: "Standing", constraints: Sequence[Constraint], window: 
     return Targets(motion.times[window], known, partial(mass_path, standing.positions[window], body))
 
 
-def legs_of(footing: Footing, motion: NormalizedMotion, window: slice) -> Legs:
-    """How legs stand in a stretch of frames, as kernels want it: contiguous."""
-    stance = footing.comforts, footing.ankles, footing.feet, footing.toes
-    return Legs(motion.channels[window], *(np.ascontiguousarray(each[:, window]) for each in stance))
-
-
-def constraint_activations(constraints: Sequence[Constraint], standing: "Standing") -> FloatArray:
+def constraint_activations(constraints: Sequence[Constraint], standing: Standing) -> FloatArray:
     """(C, F) in [0, 1]; a constraint on a limb yields to that limb's contacts, which stand above all."""
     motion = standing.motion
     activations = np.empty((len(constraints), motion.frame_count))

@@ -1,9 +1,9 @@
-"""Strict priorities where what keeps clear stands above wishes: a frame is solved stage by stage (METHOD 6).
+"""Strict priorities where what keeps clear stands above tasks: a frame is solved tier by tier (METHOD 6).
 
-Stage 0 is the highest that keep clear and all above and beside them, and every priority below is a stage of its own. A
-frame is solved and cleared down to each stage in which something acts, and what has come to be is kept (``KeptStage``).
+Tier 0 is the highest that keep clear and all above and beside them, and every priority below is a tier of its own. A
+frame is solved and cleared down to each tier in which something acts, and what has come to be is kept (``KeptTier``).
 
-Where a stage changes what one above it misses, it goes but a part of its way from there: its arms alone where that
+Where a tier changes what one above it misses, it goes but a part of its way from there: its arms alone where that
 does, for it is they that are kept clear, else all but neck and head, which keep no arm clear, else the whole body.
 """
 
@@ -12,13 +12,13 @@ import math
 import numpy as np
 
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point, copy_points
+from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limbs.limb_constraints import HUNG
+from studio.core.kernels.limbs.limb_tasks import BLENDED
 from studio.core.kernels.limits.clearance import place_capsules
 from studio.core.kernels.limits.clearing import measure_side, note_lacking
-from studio.core.kernels.limits.joint_limits import limb_parts
-from studio.core.kernels.records import KeptStage
-from studio.core.kernels.search.joints import hang_limb
+from studio.core.kernels.records import KeptTier
+from studio.core.kernels.search.joints import pose_limb
 from studio.core.kernels.search.placing import carry_body, follow, miss_of
 from studio.core.kernels.search.retreat import AIM, NEAR, begin_retreat, note_disturbance, tries_share
 from studio.core.kernels.search.step import KEPT
@@ -28,7 +28,7 @@ from studio.core.kernels.time.activation_blend import blend_kept, blend_limb, no
 ARMS, ALL_BUT_HEAD, BODY = range(3)
 """What of the body goes back, tried in this order."""
 LEFT = 0.8
-"""Part of what a stage may change that it may where it is back wholly: stages above may have left it little."""
+"""Part of what a tier may change that it may where it is back wholly: tiers above may have left it little."""
 
 
 @allocating_kernel
@@ -36,7 +36,7 @@ def make_kept(clearance, constraints, joints):
     """Room for what is kept, none where nothing keeps clear."""
     clears = clearance.wanted.shape[0]
     count = constraints if clears > 0 else 0
-    return KeptStage(
+    return KeptTier(
         np.empty((joints if clears > 0 else 0, 3)),
         np.empty((16 if clears > 0 else 0, 3, 3)),
         np.empty(count + clears),
@@ -46,39 +46,39 @@ def make_kept(clearance, constraints, joints):
 
 
 @kernel
-def next_stage(stage, frame, clip):
-    """The first ``stage`` from one on that is to be solved at this frame, past the last where there is none.
+def next_tier(tier, frame, clip):
+    """The first ``tier`` from one on that is to be solved at this frame, past the last where there is none.
 
     Something of it acts, and something that keeps clear does above it or in it. Where nothing keeps clear now, it is
     the last, with all that acts.
     """
-    shares, stages, activations = clip.clearance.activations, clip.clearance.stages, clip.asked.activations
+    shares, tiers, activations = clip.clearance.activations, clip.clearance.tiers, clip.asked.activations
     count, last, first = shares.shape[0], activations.shape[0] - 1, activations.shape[0]
     for q in range(count):
         if shares[q, frame] > 0.0:
-            first = min(first, stages[q])
+            first = min(first, tiers[q])
     if first > last:
-        return max(stage, last)
-    found, stage = last + 1, max(stage, first)
-    for each in range(stages.shape[0]):
+        return max(tier, last)
+    found, tier = last + 1, max(tier, first)
+    for each in range(tiers.shape[0]):
         share = shares[each, frame] if each < count else activations[last, each - count, frame]
-        if share > 0.0 and stages[each] >= stage:
-            found = min(found, stages[each])
+        if share > 0.0 and tiers[each] >= tier:
+            found = min(found, tiers[each])
     return found
 
 
 @kernel
-def keep_stage(stage, first, frame, clip, problem):
-    """Note the pose of a stage and its misses, which are to stay as they are: the ``first`` has those of all above."""
-    kept, tasks, stages = clip.kept, problem.tasks, clip.clearance.stages
+def keep_tier(tier, first, frame, clip, problem):
+    """Note the pose of a tier and its misses, which are to stay as they are: the ``first`` has those of all above."""
+    kept, tasks, tiers = clip.kept, problem.tasks, clip.clearance.tiers
     count, clears = tasks.shape[0], clip.clearance.wanted.shape[0]
     copy_points(problem.search.state, kept.state)
     note_turns(kept.turns, problem.pose)
     note_now(frame, clip)
     for each in range(count + clears):
-        own = stages[clears + each if each < count else each - count]
+        own = tiers[clears + each if each < count else each - count]
         kept.first[each] = kept.now[each]
-        if first or own == stage:
+        if first or own == tier:
             kept.own[each] = kept.now[each]
 
 
@@ -93,42 +93,42 @@ def note_now(frame, clip):
 
 
 @kernel
-def change_of(stage, frame, clip):
-    """By how much what stands above a stage is missed otherwise than when its own was kept, metres or radians."""
+def change_of(tier, frame, clip):
+    """By how much what stands above a tier is missed otherwise than when its own was kept, metres or radians."""
     tasks, clearance, own = clip.asked.tasks, clip.clearance, clip.kept.own
     count, clears, most = tasks.shape[0], clearance.wanted.shape[0], 0.0
     for c in range(count):
-        if tasks[c].status != INACTIVE and clearance.stages[clears + c] < stage:
+        if tasks[c].status != INACTIVE and clearance.tiers[clears + c] < tier:
             most = max(most, abs(clip.residuals[c, frame] - own[c]))
     for q in range(clears):
-        if clearance.activations[q, frame] > 0.0 and clearance.stages[q] < stage:
+        if clearance.activations[q, frame] > 0.0 and clearance.tiers[q] < tier:
             most = max(most, abs(clearance.misses[q, frame] - own[count + q]))
     return most
 
 
 @kernel
-def hold_above(stage, frame, clip, problem):
-    """Where a stage changes what stands above it, go but as far as it does not; in the end that is no way at all."""
-    change = change_of(stage, frame, clip)
+def hold_above(tier, frame, clip, problem):
+    """Where a tier changes what stands above it, go but as far as it does not; in the end that is no way at all."""
+    change = change_of(tier, frame, clip)
     if change < KEPT:
         return
     note_ways(frame, clip, problem)
     what = ARMS
-    back = go_part(0.0, what, stage, frame, clip, problem)
+    back = go_part(0.0, what, tier, frame, clip, problem)
     while back >= LEFT * KEPT and what < BODY:
         what += 1
-        back = go_part(0.0, what, stage, frame, clip, problem)
+        back = go_part(0.0, what, tier, frame, clip, problem)
     if back > (AIM - NEAR) * KEPT:
         return
     retreat = problem.search.retreat[0]
     begin_retreat(back, change, KEPT, retreat)
     while tries_share(retreat):
-        note_disturbance(go_part(retreat.share, what, stage, frame, clip, problem), retreat)
+        note_disturbance(go_part(retreat.share, what, tier, frame, clip, problem), retreat)
 
 
 @kernel
 def note_ways(frame, clip, problem):
-    """Note where a stage begins, and where it would get."""
+    """Note where a tier begins, and where it would get."""
     search = problem.search
     copy_points(search.state, search.before)
     copy_points(clip.kept.state, search.kept)
@@ -139,8 +139,8 @@ def note_ways(frame, clip, problem):
 
 
 @kernel
-def go_part(share, what, stage, frame, clip, problem):
-    """Pose the body where ``what`` of it has gone a ``share`` of a stage's way, and tell all misses; by how much those
+def go_part(share, what, tier, frame, clip, problem):
+    """Pose the body where ``what`` of it has gone a ``share`` of a tier's way, and tell all misses; by how much those
     above it change.
     """
     joints, search, start, pose = problem.chain.joints, problem.search, problem.start, problem.pose
@@ -152,21 +152,21 @@ def go_part(share, what, stage, frame, clip, problem):
                 copy_point(search.before[joint], search.state[joint])
     if what != ARMS:
         for limb in range(4):
-            search.hung[limb] = HUNG if limb < 2 or is_named(limb, problem.tasks) else 0
+            search.blended[limb] = BLENDED if limb < 2 or is_named(limb, problem.tasks) else 0
         carry_body(problem)
         for limb in range(4):
-            search.hung[limb] = 0
+            search.blended[limb] = 0
     for side in range(2):
         if what == ARMS:
             blend_limb(1.0 - share, side, search)
         carrier, upper, root = limb_parts(side, spine_count)
-        hang_limb(carrier, upper, root, 4 * side, search.hung_turns, start, pose)
-    return tell(share, stage, frame, clip, problem)
+        pose_limb(carrier, upper, root, 4 * side, search.blended_turns, start, pose)
+    return tell(share, tier, frame, clip, problem)
 
 
 @kernel
-def tell(share, stage, frame, clip, problem):
-    """Tell all misses where a stage has gone a ``share`` of its way; by how much those above it change."""
+def tell(share, tier, frame, clip, problem):
+    """Tell all misses where a tier has gone a ``share`` of its way; by how much those above it change."""
     tasks, kept, residuals = problem.tasks, clip.kept, clip.residuals
     follow(tasks.shape[0], True, problem)
     measure_rooms(frame, clip, problem.pose)
@@ -174,9 +174,9 @@ def tell(share, stage, frame, clip, problem):
         if tasks[c].status != INACTIVE:
             miss = miss_of(c, problem)
             if tasks[c].status == ON_EDGE:
-                miss = told_between(share, clip.asked.activations[stage, c, frame] * miss, kept.first[c], kept.now[c])
+                miss = told_between(share, clip.asked.activations[tier, c, frame] * miss, kept.first[c], kept.now[c])
             residuals[c, frame] = miss
-    return change_of(stage, frame, clip)
+    return change_of(tier, frame, clip)
 
 
 @kernel
