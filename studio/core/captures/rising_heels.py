@@ -24,8 +24,8 @@ def rising_heels(
     """
     rising = np.zeros(len(heights), dtype=np.bool_)
     for first, last in heels:
-        span = slice(first, last + 1)
-        above = heights[span] - np.quantile(heights[span], LYING)
-        for begin, end in spans_of(toe[span] & (above > RISES * leg_length)):
-            rising[first + begin : first + end + 1] = above[begin : end + 1].max() > RISEN * leg_length
+        above = heights - np.quantile(heights[first : last + 1], LYING)
+        for begin, end in spans_of(toe & (above > RISES * leg_length)):  # they go on to rise after the contact
+            own = slice(max(begin, first), min(end, last) + 1)
+            rising[own] |= above[begin : end + 1].max() > RISEN * leg_length
     return rising
