@@ -22,6 +22,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray
 from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, freedom, hann_window, smooth_drops
 from studio.core.solver.standing.footprints import drape, find_footprints
+from studio.core.solver.standing.obliquity import dip_pelvis
 from studio.core.solver.standing.swing import Sole, led_clear
 from studio.core.windows import smoothed
 
@@ -107,10 +108,13 @@ def find_footing(
         foot.plan(*pose, plan)
     if ground.is_level:
         off = ankles - positions[:, [morphology.layout.ankle(side) for side in range(2)]].transpose(1, 0, 2)
-        goes = followed(off, states, motion.frame_rate) * (1.0 if carried is None else carried[:, None])
+        share = np.ones(count) if carried is None else carried
+        dips = dip_pelvis(off, states, share, morphology, motion.frame_rate, positions, rotations)
+        goes = followed(off - dips, states, motion.frame_rate) * share[:, None]
         positions += goes[:, None]
         for side, planted in enumerate(states != 0):
-            ankles[side] += freedom(planted, motion.frame_rate, GOES_ALONG)[:, None] * (goes - off[side])
+            free = freedom(planted, motion.frame_rate, GOES_ALONG)[:, None]
+            ankles[side] += free * (goes + dips[side] - off[side])
         for foot, comfort, plan in zip(standing, comforts, plans, strict=True):
             foot.roll(comfort, positions, plan)
         drops = np.zeros(count)
