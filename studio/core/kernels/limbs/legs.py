@@ -123,7 +123,17 @@ def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
         per = 1.0 / distance
         frame = aimed(frame, per * x, per * y, per * z)
     reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
-    return frame, reach, channels[at.LIMB_OFF_PLANE + 2 + side] * length
+    off_plane, own = channels[at.LIMB_OFF_PLANE + 2 + side] * length, length * (1.0 - channels[at.LIMB_SLACK + 2 + side])
+    if reach > own:  # straighter: the knee keeps its side, where at one place it would turn right round
+        off_plane *= knee_radius(upper, lower, reach) / max(knee_radius(upper, lower, own), 1e-9)
+    return frame, reach, off_plane
+
+
+@small_kernel
+def knee_radius(upper, lower, distance):
+    """How far a knee is from the line of its hip and ankle, which are ``distance`` apart, in metres (METHOD (5))."""
+    z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
+    return math.sqrt(max(0.0, upper * upper - z * z))
 
 
 @allocating_kernel
@@ -165,8 +175,7 @@ def face_knees(channels, measures, side, comforts, angles, hips, pelvises, ankle
 @small_kernel
 def natural_knee(upper, lower, distance, off_plane):
     """Where a leg's knee is in its frame, across the line of hip and ankle, and how far from that line (METHOD (5))."""
-    z = (upper * upper - lower * lower + distance * distance) / (2.0 * distance)
-    radius = math.sqrt(max(0.0, upper * upper - z * z))
+    radius = knee_radius(upper, lower, distance)
     x = min(max(off_plane, -radius), radius)
     return x, math.sqrt(max(0.0, radius * radius - x * x)), radius
 
