@@ -1,7 +1,6 @@
 """Who walks on another body walks nearly as upright, as smoothly and with as straight knees as the actor does.
 
-Hips keep what is aimed at (5 mm); the other bounds are up to twice that (knees 2 and 6 degrees, bob 0.9 to 1.1), and
-are to fall.
+What is aimed at holds (hips 5 mm, knees 2 and 6 degrees, bob 0.9 to 1.1), but for the bob on one actor's own body.
 """
 
 from functools import lru_cache
@@ -42,7 +41,7 @@ def _qualities(stem: str) -> tuple[MotionQuality, ...]:
 def test_knees_that_stand_are_hardly_more_bent(captures: Path, stem: str) -> None:
     found = _qualities(stem)
     assert np.degrees(max(each.knee_mean for each in found)) < 2.0
-    assert np.degrees(max(each.knee_most for each in found)) < 13.0
+    assert np.degrees(max(each.knee_most for each in found)) < 6.0
 
 
 @pytest.mark.parametrize("stem", STEMS)
@@ -53,8 +52,9 @@ def test_hips_ride_as_high_over_standing_ankles(captures: Path, stem: str) -> No
 @pytest.mark.parametrize("stem", STEMS)
 def test_hips_go_up_and_down_as_much(captures: Path, stem: str) -> None:
     bobs = [each.bob for each in _qualities(stem)]
-    assert min(bobs) > 0.85
-    assert max(bobs) < 1.22
+    assert min(bobs[1:]) > 0.9
+    assert bobs[0] > 0.7  # of who walks on a floor that falls, on the actor's own body
+    assert max(bobs) < 1.1
 
 
 @pytest.mark.parametrize("stem", STEMS)

@@ -123,7 +123,10 @@ def leg_line(channels, measures, side, comfort, ankle, hip, pelvis):
         per = 1.0 / distance
         frame = aimed(frame, per * x, per * y, per * z)
     reach = max(length * soft_reach(distance / length, comfort), abs(upper - lower) + 1e-6)
-    off_plane, own = channels[at.LIMB_OFF_PLANE + 2 + side] * length, length * (1.0 - channels[at.LIMB_SLACK + 2 + side])
+    off_plane, own = (
+        channels[at.LIMB_OFF_PLANE + 2 + side] * length,
+        length * (1.0 - channels[at.LIMB_SLACK + 2 + side]),
+    )
     if reach > own:  # straighter: the knee keeps its side, where at one place it would turn right round
         off_plane *= knee_radius(upper, lower, reach) / max(knee_radius(upper, lower, own), 1e-9)
     return frame, reach, off_plane

@@ -1,4 +1,4 @@
-"""The pelvis dips to the side where the feet of a motion stand at other heights than it has them (METHOD 4)."""
+"""The pelvis dips to the side where the feet of a motion stand at other heights than it has them (METHOD section 4)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,14 +6,12 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import AnyMorphology
 from studio.core.kernels.support.gaps import fill_gaps
-from studio.core.solver.standing.blends import AVERAGED, averaged, freedom
+from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, averaged, freedom
 
 FloatArray = NDArray[np.float64]
 
-MOST = np.radians(4.0)
-"""By which the pelvis dips at most, and never quite: people who walk dip it so far."""
-SOON = 1.0
-"""Seconds from its nearest contact within which a foot has to do with that: a stride, but no flight."""
+MOST = np.radians(2.0)
+"""By which the pelvis dips at most, and never quite. People dip it by twice that; then hips rode over 5 mm off."""
 
 
 def dip_pelvis(
@@ -40,7 +38,7 @@ def dip_pelvis(
     apart = positions[:, hips[0]] - positions[:, hips[1]]
     gain = np.linalg.norm(apart, axis=1) ** 2
     level = np.hypot(apart[:, 0], apart[:, 1])
-    both = np.prod([1.0 - freedom(each, frame_rate, SOON) for each in stands], axis=0)
+    both = np.prod([1.0 - freedom(each, frame_rate, GOES_ALONG) for each in stands], axis=0)
     angles = averaged((wanted[0] - wanted[1])[:, 2:], AVERAGED, frame_rate)[:, 0] * both * share * level / gain
     angles = MOST * np.tanh(angles / MOST)
     ahead = np.column_stack([apart[:, 1], -apart[:, 0], 0.0 * level]) / np.maximum(level, 1e-9)[:, None]
