@@ -44,7 +44,7 @@ bench: .venv/.ready-to-run
 	.venv/bin/python -m benchmarks.window
 
 quality: .venv/.ready-to-run
-	.venv/bin/python benchmarks/motion_tables.py $(FOLDER)
+	.venv/bin/python benchmarks/quality_tables.py $(FOLDER) $(if $(CHARACTERS),--characters $(CHARACTERS))
 
 soak: .venv/.ready-to-test
 	.venv/bin/python -m tests.soak

@@ -1,13 +1,17 @@
 """Arms stay out of their own body: laws of the steps, and what they make of bodies of every width."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
+from studio.core.body.character_skeleton import t_pose_rotations
 from studio.core.body.morphology import Morphology
 from studio.core.body.rest_pose import rest_pose
+from studio.core.body.standing import standing_points
 from studio.core.constraints.activation import ActivationCurve
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
@@ -15,8 +19,8 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.limits import clearance as kernel
 from studio.core.kernels.limits.clearing import make_clearing
 from studio.core.kernels.records import CAPSULE, ActorRooms, Pose, Volume
-from studio.core.mesh.skin import fit_skin
-from studio.core.mesh.volume import BodyVolume, usual_volume
+from studio.core.mesh.skin import fit_skin, skin_vertices
+from studio.core.mesh.volume import BodyVolume, fitted_volume, usual_volume
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.asking.clearance import rooms
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -69,6 +73,18 @@ def test_a_body_without_a_skin_is_as_thick_as_bodies_of_its_length_are() -> None
         fitted, usual = character.volume, usual_volume(character.morphology)
         assert np.array_equal(fitted.segments[6:], usual.segments[6:])
         assert np.abs(np.log(fitted.radii / usual.radii)).max() < np.log(2.0)
+
+
+@pytest.mark.parametrize("name", CHARACTERS)
+def test_an_arm_is_as_thick_in_whatever_pose_its_skin_is_bound(name: str) -> None:
+    """Characters of others come with their arms stretched out."""
+    character = CHARACTERS[name]
+    body, skin, t_pose = character.build, character.skin, t_pose_rotations(character.build)
+    vertices, normals = skin_vertices(skin, body, body, standing_points(body, t_pose), t_pose)
+    bound = replace(skin, vertices=vertices, normals=normals, centres=vertices, stance=t_pose, hands=None)
+    stretched, at_ease = (fitted_volume(mesh, body, body) for mesh in (bound, skin))
+    assert stretched.girths == pytest.approx(at_ease.girths, rel=0.1)
+    assert stretched.radii == pytest.approx(at_ease.radii, rel=0.1)
 
 
 def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:

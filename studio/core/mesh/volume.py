@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import FloatArray, Morphology
 from studio.core.body.rest_pose import rest_pose
-from studio.core.mesh.skin import SkinnedMesh, fit_vertices
+from studio.core.mesh.skin import SkinnedMesh, bound_pose, fit_vertices
 
 LEVELS = (0.03, 0.30, 0.58, 0.80)
 """Heights at which the trunk is measured, parts of the way from the hips to the neck base."""
@@ -64,12 +64,12 @@ class BodyVolume:
 
 @lru_cache(maxsize=64)
 def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> BodyVolume:
-    """The volume of a skin of ``build`` that stands in the rest pose of ``morphology`` (``skin.fit_skin``).
+    """The volume of a skin of ``build`` fitted to ``morphology``, as it is bound there (``skin.bound_pose``).
 
     Where the mesh has no vertices to measure, the body's proportions say what is usual.
     """
     usual, girth_unit = _Usual(morphology), _girth_unit(morphology)
-    positions, rotations = rest_pose(morphology)
+    positions, rotations = bound_pose(mesh, morphology)
     layout, main, vertices = morphology.layout, mesh.segments[:, 0], fit_vertices(mesh, build, morphology)
     of_trunk = np.where(mesh.segments < layout.spine_count, mesh.weights, 0.0).sum(axis=1) > 0.5
     origins = positions[list(layout.proximal_points())]
@@ -112,7 +112,7 @@ def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) 
         (hand, 0.3, 0.6, 0.25), (hand, 0.7, 1.0, 0.25),
     )  # fmt: skip
     arms = [girth(*band, usual.arm(k)) for k, band in enumerate(bands)]
-    return _assembled(morphology, section, thighs, head(), arms)
+    return _assembled(morphology, positions, rotations, section, thighs, head(), arms)
 
 
 @lru_cache(maxsize=64)
@@ -120,7 +120,8 @@ def usual_volume(morphology: Morphology) -> BodyVolume:
     """The volume of a body of which only the measures are known: as thick as bodies of its length usually are."""
     usual = _Usual(morphology)
     arms = [usual.arm(k) for k in range(len(PROBES))]
-    return _assembled(morphology, usual.section, [usual.thigh(0), usual.thigh(1)], usual.head(), arms)
+    thighs = [usual.thigh(0), usual.thigh(1)]
+    return _assembled(morphology, *rest_pose(morphology), usual.section, thighs, usual.head(), arms)
 
 
 @dataclass(frozen=True)
@@ -158,13 +159,17 @@ def _spine_at(morphology: Morphology, height: float) -> float:
 
 def _assembled(
     morphology: Morphology,
+    positions: FloatArray,
+    rotations: FloatArray,
     section: Callable[[int, float], tuple[float, float, float]],
     thighs: list[float],
     head: tuple[float, float, float, float],
     arms: list[float],
 ) -> BodyVolume:
-    """Two capsules side by side from each level of the trunk to the next, then the head and both thighs."""
-    positions, rotations = rest_pose(morphology)
+    """Two capsules side by side from each level of the trunk to the next, then the head and both thighs.
+
+    ``positions`` and ``rotations`` are those in which the trunk's sections were measured.
+    """
     layout = morphology.layout
     spine, hips = positions[: layout.neck_base + 1], positions[layout.hip(0), 2]
     ends = []
