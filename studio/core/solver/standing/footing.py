@@ -108,9 +108,10 @@ def find_footing(
         foot.plan(*pose, plan)
     if ground.is_level:
         off = ankles - positions[:, [morphology.layout.ankle(side) for side in range(2)]].transpose(1, 0, 2)
-        share = np.ones(count) if carried is None else carried
-        dips = dip_pelvis(off, states, share, morphology, motion.frame_rate, positions, rotations)
-        goes = followed(off - dips, states, motion.frame_rate) * share[:, None]
+        dips = np.zeros_like(off)
+        if carried is None:  # hands, knees and seat that stand leave the pelvis no room
+            dips = dip_pelvis(off, states, morphology, motion.frame_rate, positions, rotations)
+        goes = followed(off - dips, states, motion.frame_rate) * (1.0 if carried is None else carried[:, None])
         positions += goes[:, None]
         for side, planted in enumerate(states != 0):
             free = freedom(planted, motion.frame_rate, GOES_ALONG)[:, None]

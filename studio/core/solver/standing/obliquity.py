@@ -17,7 +17,6 @@ MOST = np.radians(2.0)
 def dip_pelvis(
     off: FloatArray,
     states: NDArray[np.int64],
-    share: FloatArray | float,
     body: AnyMorphology,
     frame_rate: float,
     positions: FloatArray,
@@ -26,7 +25,7 @@ def dip_pelvis(
     """(2, F, 3) metres by which hips move where the pelvis alone is turned about its heading, in place, trunk upright.
 
     Feet that stand ``off`` (2, F, 3) want their hips at different heights; two straight legs have no other way to both.
-    ``share`` (F,) of the body's weight that they carry; ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
+    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
     """
     hips, legs = [body.layout.hip(side) for side in range(2)], body.layout.hip(0)
     stands = states != 0
@@ -39,7 +38,7 @@ def dip_pelvis(
     gain = np.linalg.norm(apart, axis=1) ** 2
     level = np.hypot(apart[:, 0], apart[:, 1])
     both = np.prod([1.0 - freedom(each, frame_rate, GOES_ALONG) for each in stands], axis=0)
-    angles = averaged((wanted[0] - wanted[1])[:, 2:], AVERAGED, frame_rate)[:, 0] * both * share * level / gain
+    angles = averaged((wanted[0] - wanted[1])[:, 2:], AVERAGED, frame_rate)[:, 0] * both * level / gain
     angles = MOST * np.tanh(angles / MOST)
     ahead = np.column_stack([apart[:, 1], -apart[:, 0], 0.0 * level]) / np.maximum(level, 1e-9)[:, None]
     turns = Rotation.from_rotvec(angles[:, None] * ahead).as_matrix()
