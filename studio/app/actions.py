@@ -192,7 +192,7 @@ CONSTRAINT = (
            enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
     Action("put_down_prop", "Constraint", "Put prop down at playhead", props.put_down,
            tooltip="From here on the selected prop lies where it is", enabled=props.is_held),
-    Action("find_strike", "Constraint", "Find a strike…", show_strikes, ("Ctrl+F",),
+    Action("find_strike", "Constraint", "Find a strike in the library…", show_strikes, ("Ctrl+F",),
            "Which clip of the motion library hits a box best, and why", _performing),
     Action("label_strike", "Constraint", "Label strike…", label_strike,
            tooltip="Confirm or correct where the chosen strike is cut, when it hits, limb and kind",
