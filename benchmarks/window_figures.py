@@ -93,8 +93,8 @@ class Watch:
     def _painted(self, painter: QPainter) -> None:
         viewport = self._window.bench.viewport
         self._paint_over(painter)
-        if viewport._pixels is not self._last:
-            self._last = viewport._pixels
+        if viewport._image is not self._last:
+            self._last = viewport._image
             points = {key: (pose.frame, pose.motion.positions[pose.row]) for key, pose in viewport.posed.items()}
             self.pictures.append(Picture(time.monotonic(), queued(), self._asked_at, points))
             if self._film is not None:
