@@ -1,9 +1,11 @@
 """Sets the scene before Qt, VTK or numba are imported: no display, no user's folders, kernels that last."""
 
 import atexit
+import gc
 import os
 import sys
 import tempfile
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
@@ -39,6 +41,13 @@ def pytest_sessionstart() -> None:
     first_run = import_module("studio.cli.first_run")
     first_run.run()
     first_run.run_seldom()
+
+
+@pytest.fixture(autouse=True)
+def collected() -> Iterator[None]:
+    """A window takes over from Python's collector for good; here others come after it."""
+    yield
+    gc.enable()
 
 
 @pytest.fixture(scope="session")

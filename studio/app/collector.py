@@ -13,7 +13,8 @@ INTERVAL = 200
 class Collector(QObject):
     """Takes over from Python's collector, which looks in whatever thread happens to make an object.
 
-    A worker that finds a part of the window there would end it, and Qt ends its things on their own thread only.
+    A worker that finds a part of the window there would end it, and Qt ends its things on their own thread only. It is
+    not given back: the window closes with the program, which ends threads and window at once.
     """
 
     def __init__(self, window: MainWindow) -> None:
@@ -22,7 +23,6 @@ class Collector(QObject):
         timer = QTimer(self, interval=INTERVAL)
         timer.timeout.connect(collect_what_is_due)
         timer.start()
-        window.closed.connect(gc.enable)
 
 
 def collect_what_is_due() -> None:

@@ -20,7 +20,7 @@ from studio.core.stage.placement import Placement
 from studio.engine.performance import row_at
 from studio.io.importing import GUESS_ALL
 from studio.library.clips import Kind, Limb
-from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, OF_A_POSE, READY, Strikes
+from studio.panels.strikes import EMPTY, NO_TARGET, NOTHING, OF_A_POSE, OWN_FACE, READY, UNSOLVED, Strikes
 from studio.resources_folder import bundled_strikes_folder
 
 # Here and below: what searches loads the solver, which takes longer than a window.
@@ -49,12 +49,15 @@ class Striking:
         self.listed: list[LibraryClip] = []
         """The clips that the panel lists: those found, or all while there is no target."""
         self._sought: tuple[Asked, Placement] | None = None
+        self._waits = False
+        """Whether a search goes on as soon as a body is solved."""
         self.panel.folder_wanted.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
         self.panel.wanted.connect(self.search)
         self.panel.chosen.connect(self.play)
         self.panel.looked_at.connect(self.look_at)
         bench.document.entity_changed.connect(self._entity_changed)
         bench.document.project_opened.connect(self._offer_targets)
+        bench.live.adapted.connect(lambda _: self.search() if self._waits else None)
         self._offer_targets()
         self.panel.opened.connect(lambda place: self.labelling.open(self.listed[place]))
 
@@ -206,12 +209,21 @@ class Striking:
         self.found = [] if asked is None else tried(find(library, asked), asked)
         if asked is not None and active is not None:
             self._sought = asked, Placement.of(self.bench.document.project.performers[active])
-        self._show(NO_TARGET if asked is None else READY if self.found else NOTHING)
+        hint = self._unasked(active or "") if asked is None else READY if self.found else NOTHING
+        self._waits = hint == UNSOLVED
+        self._show(hint)
 
-    def _show(self, hint: str = READY) -> None:
+    def _unasked(self, performer_id: str) -> str:
+        """Why nothing is ranked."""
+        target = self.panel.target.value
+        if not isinstance(target, StrikeTarget):
+            return NO_TARGET
+        return OWN_FACE if target == StrikeTarget("performers", performer_id) else UNSOLVED
+
+    def _show(self, hint: str) -> None:
         self.listed = [each.found.clip for each in self.found]
         texts = [(each.found.clip.name, ", ".join(each.reasons)) for each in self.found]
-        if hint == NO_TARGET and self.library is not None:
+        if hint not in (READY, NOTHING) and self.library is not None:
             self.listed = [clip for clip in self.library.clips if self._is_wanted(clip)]
             texts = [(clip.name, _state(clip)) for clip in self.listed]
         self.panel.show_results(texts, hint if self.library and self.library.clips else EMPTY, bool(self.found))
@@ -227,13 +239,13 @@ class Striking:
         self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
 
     def _posed(self, performer_id: str, time: float) -> "Asked | None":
-        """A body as it is at ``time``, with no place to hit; None while it plays nothing."""
+        """A body as it is at ``time``, with no place to hit; None while it plays nothing, or nothing can be solved."""
         from studio.core.normalized.encode import encode
         from studio.library.searching import Asked
 
         project, adapted = self.bench.document.project, self.bench.live.result(performer_id)
         performer = project.performers.get(performer_id)
-        if adapted is None or performer is None or not performer.clips:
+        if adapted is None or performer is None or not performer.clips or not self.bench.live.ready:
             return None
         row = row_at(adapted, timing_of(project, performer), time)
         rows = slice(row, row + 1)

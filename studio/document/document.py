@@ -190,7 +190,11 @@ class Document(EditedProject):
             mark_recovered(session)
 
     def close(self) -> None:
-        """Stop playback, end the journal, give back the lock. Unsaved edits stay in their journal."""
+        """Stop playback, end the journal, give back the lock, for good. Unsaved edits stay in their journal."""
+        self._end_session()
+        self._folder = None  # what a late answer still opens is neither kept for recovery nor locked
+
+    def _end_session(self) -> None:
         self.playhead.pause()
         self._rest.stop()
         if self.journal is not None:
@@ -210,7 +214,7 @@ class Document(EditedProject):
         read_only: str,
         unsaved: bool = False,
     ) -> None:
-        self.close()
+        self._end_session()
         self._path, self._document_id, self._stamp = path, document_id, stamp
         self._read_only, self._unsaved_base, self.opened = read_only, unsaved, None
         self._show_other(project)

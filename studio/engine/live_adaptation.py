@@ -109,7 +109,7 @@ class LiveAdaptation(QObject):
         self._scheduler, self._beside = SolveScheduler(self, workers), SolveScheduler(self, workers=1)
         self._hear_workers()
         # Several changes of one event-loop turn (a group, a cascade) ask for one solve.
-        self.play = LivePlay(document, self._prepare, self, lambda: warm_up is None or warm_up.ready)
+        self.play = LivePlay(document, self._prepare, self, lambda: self.ready)
         self.play.running_changed.connect(self._play_changed)
         self._turn = QTimer(self, singleShot=True, interval=0)
         self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))
@@ -149,6 +149,11 @@ class LiveAdaptation(QObject):
             return None
         return self._frames.asked_at(performer_id) or self._asked_at.get(performer_id)
 
+    @property
+    def ready(self) -> bool:
+        """Whether the kernels are there: who calls one before waits seconds for it to be compiled."""
+        return self._warm_up is None or self._warm_up.ready
+
     def failure(self, performer_id: str) -> str:
         """As ``Live.failure``."""
         return self._failures.get(performer_id, "")
@@ -159,7 +164,7 @@ class LiveAdaptation(QObject):
 
     def bring(self, seconds: float) -> None:
         """As ``Live.bring``."""
-        if self._warm_up is not None and not self._warm_up.ready:
+        if not self.ready:
             return
         project = self._document.project
         self.driven.bring(project, seconds, self._results)

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnimatedMorphology
+from studio.core.captures.contacts import FOOT_POINTS, on_ground
 from studio.core.constraints.activation import ActivationCurve, ease
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import COMING
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, go_on
+from studio.core.normalized.compose import Composite, by_itself, go_on
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import Piece
@@ -106,8 +107,13 @@ def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: 
     seen = _last_seen(before, frame, pieces[0].start)
     composite = go_on(_shown(before, seen, pieces[0].start), _played(before, frame), pieces)
     first = round(composite.timing.frame_at(pieces[0].start))
-    playing = _playing(project, key, composite, prepare)
-    playing = replace(playing, standing=led_from(playing.standing, first, Stance.of(before.standing, seen)))
+    # who is carried by hands, knees or seat as well may turn over meanwhile: that blend is set on the ground itself
+    carried = any(each.point not in FOOT_POINTS for each in on_ground(composite.contacts))
+    stands = composite if carried else by_itself(composite)
+    standing = standing_of(unasked_request(project, key, stands, prepare))
+    standing = led_from(standing, first, Stance.of(before.standing, seen), pieces[0].ease)
+    composite = replace(composite, contacts=standing.contacts)
+    playing = Playing(composite, standing, _asked(project, key, composite, standing, frozenset()))
     begins = playing.time_of(first)
     kept = _kept(before, frame, project, key, playing, begins)
     going = _going(before, frame, kept, tracks, begins)

@@ -169,8 +169,11 @@ class LiveStage:
         """Go on with the project as it is now."""
         given, seen = self.project, self._seen
         players = {key: each for key, each in given.performers.items() if _plays(given, each)}
-        for key in self._parts.keys() - players.keys():
-            del self._parts[key]
+        for key, part in list(self._parts.items()):
+            if key not in players or (part.act and part.act.clip.motion_id not in given.motions):
+                del self._parts[key]  # of who plays on without its act, the row begins again
+            elif part.wish and part.wish.clip.motion_id not in given.motions:
+                part.wish = None
         if given is seen and players.keys() == self._parts.keys():
             return
         if self._recorded is not None:

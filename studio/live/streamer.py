@@ -45,11 +45,12 @@ class Shown:
 class Broadcast:
     """Sends the newest picture's bodies from a thread of its own: ``show`` never waits, and what is late is left out.
 
-    ``problem`` is why nothing arrives, in a sentence; empty while all goes well.
+    ``problem`` is why nothing arrives, in a sentence; empty while all goes well. ``close`` does not wait either:
+    whether there is a host of the name ``address`` may take seconds to find out.
     """
 
     def __init__(self, address: str = LOOPBACK) -> None:
-        self.address, self.problem, self.sent = address, "", 0
+        self.problem, self.sent, self._address = "", 0, address
         self._newest: tuple[float, list[Shown]] | None = None
         self._waiting, self._stopped = threading.Event(), False
         self._thread = threading.Thread(target=self._send, name="live-output", daemon=True)
@@ -61,28 +62,32 @@ class Broadcast:
         self._waiting.set()
 
     def close(self) -> None:
-        """Send no more."""
+        """Send no more frames."""
         self._stopped = True
         self._waiting.set()
-        self._thread.join()
 
     def _send(self) -> None:
+        host = ""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
-            while not self._stopped:
+            while True:
                 self._waiting.wait()
                 self._waiting.clear()
-                seconds, bodies = self._newest or (0.0, [])
-                for each in bodies:
-                    self._send_one(out, each, seconds)
+                if self._stopped:
+                    return
+                try:
+                    host = host or socket.gethostbyname(self._address)
+                    self._send_all(out, host)
+                except (OSError, OverflowError, UnicodeError) as error:
+                    self.problem = f"Nothing can be sent to {self._address}: {error}."
+                else:
+                    self.problem = ""
 
-    def _send_one(self, out: socket.socket, body: Shown, seconds: float) -> None:
-        try:
+    def _send_all(self, out: socket.socket, host: str) -> None:
+        seconds, bodies = self._newest or (0.0, [])
+        for body in bodies:
             for packet in packets_of(body.positions, body.rotations, body.body, seconds):
-                out.sendto(packet, (self.address, body.port))
-        except (OSError, OverflowError) as error:
-            self.problem = f"Nothing can be sent to {self.address}:{body.port}: {error}."
-            return
-        self.problem, self.sent = "", self.sent + 1
+                out.sendto(packet, (host, body.port))
+            self.sent += 1
 
 
 class Streamer:

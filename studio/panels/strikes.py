@@ -15,6 +15,8 @@ EMPTY = "No clips yet. Add a folder of captures: strikes are found in them by th
 READY = "Point at a strike to see it. Drag it onto a body or a row of the timeline, or use it at the playhead."
 NOTHING = "No clip of the library is of that limb and kind."
 OF_A_POSE = "Clips that pass through the pose that you chose on the map, the one with most of it first."
+UNSOLVED = "All strikes of the library. They are ranked as soon as this body and what is to be hit are solved."
+OWN_FACE = "All strikes of the library. Nobody strikes at its own face: choose another target."
 NO_TARGET = "All strikes of the library. To rank them, choose what is to be hit: a box, or somebody's face."
 
 

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import PLAIN, Seen, Sight
-from studio.viewport.sharpness import Sharpness
+from studio.viewport.sharpness import DRAGGED, PLAYED, Sharpness
 
 if TYPE_CHECKING:
     from studio.viewport.scene import Pixels, StageScene
@@ -45,7 +45,7 @@ class Canvas(QWidget):
         self._scene: StageScene | None = None
         self._still: Still | None = None
         self._image = QImage()
-        self._sharpness = Sharpness()
+        self._sharp_in_hand, self._sharp_at_play = Sharpness(DRAGGED), Sharpness(PLAYED)
         self._stale = True
         self._stopped = False
         self._frame_timer = self._single_shot(0, self._draw)
@@ -61,6 +61,11 @@ class Canvas(QWidget):
     @property
     def moving(self) -> bool:
         """Whether the next picture will soon be another one, so that smoothing this one is of no use."""
+        return False
+
+    @property
+    def in_hand(self) -> bool:
+        """Whether a hand waits for each picture that moves."""
         return False
 
     def start(self) -> None:
@@ -180,9 +185,10 @@ class Canvas(QWidget):
         """What is seen now, in fewer pixels as long as something moves and drawing takes long."""
         if not self.moving:
             return self.sight.render(scene, self.camera, self._device_size())
+        sharpness = self._sharp_in_hand if self.in_hand else self._sharp_at_play
         begun = time.monotonic()
-        pixels = self.sight.render(scene, self.camera, self._sharpness.size(self._device_size()))
-        self._sharpness.took(time.monotonic() - begun)
+        pixels = self.sight.render(scene, self.camera, sharpness.size(self._device_size()))
+        sharpness.took(time.monotonic() - begun)
         return pixels
 
     def _take(self, pixels: Pixels) -> None:
@@ -202,7 +208,8 @@ class Canvas(QWidget):
         if self._still is not None and self._still.complete:
             return
         if self._still is None:
-            self._sharpness.rest()
+            self._sharp_in_hand.rest()
+            self._sharp_at_play.rest()
         self._smooth()
         if self._still is not None and self._still.complete:
             self._take(self._still.pixels)

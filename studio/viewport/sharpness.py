@@ -2,17 +2,21 @@
 
 SHARES = (1.0, 2 / 3, 1 / 2)
 """Of the width and the height."""
-SLOW = 0.012
-"""Seconds of drawing above which fewer pixels are drawn from then on."""
-PATIENCE = 2
-"""Slow pictures in a row before that."""
+DRAGGED, PLAYED = 0.012, 0.022
+"""Seconds of drawing above which fewer pixels are drawn from then on: a hand waits for each picture, and what plays
+needs 30 of them a second, of which drawing may take two thirds."""
+PATIENCE = 6
+"""How many more pictures were slow than quick before that, so that a hiccup of the machine changes nothing."""
+RETRY = 60
+"""Pictures so quick that more pixels should do as well, before that is tried; twice as many each time it failed."""
 
 
 class Sharpness:
-    """Hears how long each picture took that was drawn while something moved."""
+    """Hears how long each picture took that was drawn while something moved; above ``slow`` seconds is too long."""
 
-    def __init__(self) -> None:
-        self._step = self._slow = 0
+    def __init__(self, slow: float) -> None:
+        self._limit, self._retry = slow, RETRY
+        self._step = self._slow = self._quick = 0
 
     def size(self, full: tuple[int, int]) -> tuple[int, int]:
         """Pixels of the next picture that moves; at rest all are drawn."""
@@ -21,10 +25,19 @@ class Sharpness:
 
     def took(self, seconds: float) -> None:
         """One picture was drawn."""
-        self._slow = self._slow + 1 if seconds > SLOW else 0
+        self._slow = max(self._slow + (1 if seconds > self._limit else -1), 0)
+        finer = SHARES[max(self._step - 1, 0)] / SHARES[self._step]  # as its time is: half of it is not of the pixels
+        self._quick = max(self._quick + (1 if seconds * finer < self._limit else -1), 0)
         if self._slow >= PATIENCE and self._step < len(SHARES) - 1:
-            self._step, self._slow = self._step + 1, 0
+            self._go(self._step + 1)
+            self._retry *= 2
+        elif self._quick >= self._retry and self._step > 0:
+            self._go(self._step - 1)
 
     def rest(self) -> None:
         """Nothing moves: the next time a little more is tried."""
-        self._step, self._slow = max(self._step - 1, 0), 0
+        self._go(max(self._step - 1, 0))
+        self._retry = RETRY
+
+    def _go(self, step: int) -> None:
+        self._step, self._slow, self._quick = step, 0, 0

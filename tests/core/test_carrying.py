@@ -176,6 +176,22 @@ def test_corrections_hold_where_they_are_known_and_fade_away_from_it(seed: int) 
     assert (filled[away > 0.4 * RATE] == 0.0).all()
 
 
+@given(seeds)
+def test_what_goes_from_one_place_to_the_next_goes_beyond_neither(seed: int) -> None:
+    """A hand that was led on as fast as the ground took it back overshot, and pulled the body after it."""
+    random = np.random.default_rng(seed)
+    known = np.repeat(random.integers(0, 2, 12), random.integers(1, 40, 12)).astype(bool)
+    assume(known.any())
+    corrections = np.where(known[:, None], np.cumsum(random.normal(size=(len(known), 3)), axis=0), 0.0)
+    filled = eased(corrections, known, RATE)
+    stands = np.flatnonzero(known)
+    for frame in np.flatnonzero(~known):
+        ends = [corrections[stands[stands < frame][-1:]], corrections[stands[stands > frame][:1]], np.zeros((1, 3))]
+        either = np.concatenate(ends)
+        assert (filled[frame] <= either.max(axis=0) + 1e-12).all()
+        assert (filled[frame] >= either.min(axis=0) - 1e-12).all()
+
+
 class _Links:
     """Random limbs round a root, all of which a small move brings into reach."""
 

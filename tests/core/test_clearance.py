@@ -22,7 +22,8 @@ from studio.core.kernels.records import CAPSULE, ActorRooms, Pose, Volume
 from studio.core.mesh.skin import fit_skin, skin_vertices
 from studio.core.mesh.volume import BodyVolume, fitted_volume, usual_volume
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.asking.clearance import rooms
+from studio.core.solver.asking.clearance import rest_rooms, rooms
+from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
 from tests.core.motions import walk
@@ -155,6 +156,17 @@ def test_arms_of_a_wide_body_come_out_of_it_and_nothing_else_moves() -> None:
     arms = [layout.collar(side) + bone for side in range(2) for bone in (2, 3, 4)]
     rest = [point for point in range(layout.point_count) if point not in arms]
     assert np.array_equal(after.positions[:, rest], before.positions[:, rest])
+
+
+def test_arms_are_not_asked_farther_out_than_their_body_has_them_at_rest() -> None:
+    thick = replace(STOCKY.volume, girths=6.0 * STOCKY.volume.girths)
+    at_rest = rest_rooms(STOCKY.morphology, thick)
+    assert at_rest.min() < -0.05
+    actor = CHARACTERS["tall_man"].morphology
+    contact = self_contact_of(WALK, STOCKY.morphology, (), thick, actor, clears=True)
+    assert contact is not None
+    assert contact.rooms is not None
+    assert (contact.rooms[0] <= at_rest).all()
 
 
 def test_any_window_gives_what_the_whole_clip_gives() -> None:

@@ -23,6 +23,7 @@ seeds = st.integers(0, 2**32 - 1)
 drops = arrays(np.float64, st.integers(1, 80), elements=st.floats(-0.2, 0.5))
 BODY = make_morphology(leg_scale=1.1)
 WALK, CONTACTS = walk(120)
+POSITIONS, _ = realize(WALK, BODY)
 
 
 @given(drops, st.sampled_from([24.0, 60.0, 120.0]))
@@ -164,8 +165,30 @@ def test_a_body_goes_along_with_the_one_foot_that_stands() -> None:
     off = np.zeros((2, 120, 3))
     off[0] = [0.02, -0.01, 0.03]
     off[1] = [-0.01, 0.0, 0.0]
-    went = followed(off, states, 60.0)
+    went = followed(off, states, 60.0, POSITIONS, BODY)
     assert np.allclose(went[:40], off[0, 0], atol=1e-9)
     assert np.allclose(went[110:], off[1, 0], atol=1e-9)
     assert np.abs(np.diff(went, axis=0)).max() < 0.005
-    assert not followed(off, np.zeros_like(states), 60.0).any()
+    assert not followed(off, np.zeros_like(states), 60.0, POSITIONS, BODY).any()
+
+
+@given(st.floats(-0.05, 0.05), st.floats(-0.02, 0.02))
+def test_hips_over_two_flat_feet_go_where_legs_that_lean_keep_their_lengths(nearer: float, higher: float) -> None:
+    """Beside the middle between what both ask, where a foot set down 2 cm too high bends the straight leg over it."""
+    positions = np.repeat(POSITIONS[:1], 60, axis=0)
+    ankles, hips = ([row(side) for side in range(2)] for row in (BODY.layout.ankle, BODY.layout.hip))
+    off, legs = np.zeros((2, 60, 3)), positions[:, ankles] - positions[:, hips]
+    legs[:, :, 1] = [0.3, -0.3]
+    positions[:, ankles] = positions[:, hips] + legs
+    off[:, :, 1], off[:, :, 2] = [[-nearer], [nearer]], [[higher], [-higher]]
+    went = followed(off, np.full((2, 60), 3), 60.0, positions, BODY)
+    moved = legs.transpose(1, 0, 2) + off
+    own, before = (np.linalg.norm(each, axis=-1) for each in (legs.transpose(1, 0, 2), moved))
+    missed, in_the_middle = np.linalg.norm(moved - went, axis=-1) - own, before - own
+    assert (np.linalg.norm(missed, axis=0) <= 0.9 * np.linalg.norm(in_the_middle, axis=0) + 1e-4).all()
+    assert np.abs(went[:, :2]).max() < 0.1
+    assert np.abs(went[:, 2]).max() < 0.02
+
+
+def test_hips_over_feet_that_stand_as_in_the_motion_stay() -> None:
+    assert not followed(np.zeros((2, 120, 3)), np.full((2, 120), 3), 60.0, POSITIONS, BODY).any()

@@ -344,6 +344,19 @@ def test_who_saves_over_what_another_window_has_open_is_told_first(make_document
     assert path.read_bytes() != before
 
 
+def test_what_a_closed_window_still_opens_is_neither_locked_nor_kept(make_document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "walk.studio"
+    late, other = make_document(), make_document()
+    other.save(path)
+    other.close()
+    late.close()
+    late.open(path)
+    assert late.journal is None
+    after = make_document()
+    after.open(path)
+    assert not after.read_only
+
+
 def test_a_recovered_session_does_not_save_over_what_was_saved_since(make_document: Any, tmp_path: Path) -> None:
     path = tmp_path / "walk.studio"
     document = make_document()

@@ -8,8 +8,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
 
+from studio.app.strike_target import StrikeTarget
 from studio.core.constraints.position import PositionConstraint
 from studio.core.stage.prop import Prop
+from studio.engine.live_adaptation import LiveAdaptation
 from studio.library.clips import Limb
 from studio.panels import strikes
 from studio.resources_folder import example_captures_folder
@@ -89,6 +91,24 @@ def test_without_a_box_it_says_that_one_is_needed(striking, window, qtbot):
     assert striking.panel.hint.text() == strikes.NO_TARGET
     add_box(window)
     assert striking.panel.target.currentText() == "Target"
+
+
+def test_strikes_are_ranked_as_soon_as_the_body_is_solved(striking, window, qtbot, monkeypatch):
+    add_box(window)
+    with monkeypatch.context() as patch:
+        patch.setattr(LiveAdaptation, "ready", False)  # what searches is still being compiled
+        striking.search()
+        assert striking.panel.hint.text() == strikes.UNSOLVED
+        assert striking.panel.results.count() == 14
+    window.bench.live.adapted.emit(window.bench.document.active_performer_id)
+    assert striking.panel.hint.text() == strikes.READY
+    assert "from the target" in striking.panel.results.item(0).text()
+
+
+def test_who_aims_at_its_own_face_is_told_to_choose_another_target(striking, window):
+    striking.panel.target.show_value(StrikeTarget("performers", window.bench.document.active_performer_id))
+    striking.search()
+    assert striking.panel.hint.text() == strikes.OWN_FACE
 
 
 def test_a_folder_without_use_is_told_and_nothing_changes(striking, window, qtbot, tmp_path):

@@ -4,6 +4,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
+from studio.core.project import Project
 from tests.gui.viewport_use import LEFT, NONE, chip, joint_pixel, select_performer, settle, targets_of, wrists
 
 
@@ -45,6 +46,14 @@ def test_each_body_has_the_new_target_at_its_own_joint(studio):
     places = targets_of(viewport, constraint_id)
     for performer_id, wrist in wrists(viewport).items():
         assert places[performer_id] == pytest.approx(wrist)
+
+
+def test_nothing_is_asked_of_a_body_whose_motion_went_since_the_last_picture(studio):
+    viewport, document, _ = studio
+    wrist = joint_pixel(viewport, "performer 0", "right wrist")
+    document.new(Project())
+    QTest.mouseDClick(viewport, LEFT, NONE, wrist)
+    assert not document.project.constraints
 
 
 def test_a_click_on_a_held_target_picks_the_joint_under_it_too_so_that_more_can_be_asked_of_it(studio):

@@ -1,6 +1,7 @@
 """What comes in live: a body on another one with what is asked of it, senders, floods, recordings, and the way out."""
 
 import socket
+import threading
 import time
 
 import numpy as np
@@ -21,7 +22,7 @@ from studio.live.osc import encode_message
 from studio.live.planting import Planted
 from studio.live.recording import Recorder, Replay, read_recording
 from studio.live.streamer import Broadcast, Shown, packets_of
-from studio.live.tracker import Inbox, UdpInput
+from studio.live.tracker import LOOPBACK, Inbox, UdpInput
 from studio.live.vmc import TRACKER
 from tests.core.motions import walk
 
@@ -156,9 +157,23 @@ def test_several_bodies_go_out_each_to_its_own_port_and_who_cannot_be_reached_is
         assert eventually(lambda: all(ReceivedPose(inbox)() is not None for inbox in inboxes))
         heights = [inbox.place(["Head"])[2] for inbox in inboxes]
         assert heights[0] < heights[1]
-        out.address = "not an address"
-        assert eventually(lambda: out.show(bodies, 0.0) or "Nothing can be sent" in out.problem)
     finally:
         out.close()
         for listener in listeners:
             listener.close()
+    nowhere = Broadcast("not an address")
+    nowhere.show(bodies, 0.0)
+    assert eventually(lambda: "Nothing can be sent to not an address" in nowhere.problem)
+    nowhere.close()
+
+
+def test_the_window_does_not_wait_for_a_host_that_is_looked_for(monkeypatch):
+    found = threading.Event()
+    monkeypatch.setattr(socket, "gethostbyname", lambda _: found.wait(20.0) and LOOPBACK)
+    out = Broadcast("far.example")
+    begun = time.monotonic()
+    out.show([], 0.0)
+    time.sleep(0.05)
+    out.close()
+    assert time.monotonic() - begun < 2.0
+    found.set()

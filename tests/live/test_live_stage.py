@@ -356,6 +356,19 @@ def test_who_comes_or_goes_is_taken_in_while_it_plays():
     assert set(stage.step(STEP)) == {"one", "two"}
 
 
+def test_whose_motion_is_taken_away_plays_its_own_row_again():
+    project = staged(clip_of("walk_turn"))
+    stage = LiveStage(project, prepare)
+    stage.step(0.0)
+    stage.start("one", clip_of("front_kick"))
+    stage.step(STEP)
+    stage.start("one", clip_of("straight_punch"))  # and who has not begun it yet does not
+    stage.project = replace(project, motions={"walk_turn": project.motions["walk_turn"]}, contacts={})
+    for _ in range(3):
+        assert "one" in stage.step(STEP)
+        assert [clip.motion_id for clip in stage.staged.performers["one"].clips] == ["walk_turn"]
+
+
 def of_two(states, transitions, distance: float = 3.0) -> LiveStage:
     performers = {
         "one": Performer("One", "adult_woman", (clip_of("straight_punch", 60),)),

@@ -136,7 +136,6 @@ class Soak:
         for each in QApplication.topLevelWidgets():
             if each is not window and each.isVisible():
                 each.close()
-        window.closed.connect(gc.disable)  # as before a window: another thread that collects would end things of Qt
         window.leave()
         self.measure("closing")
         window.deleteLater()

@@ -31,6 +31,7 @@ FILES = {
     "on the belly": ("more_captures/accad_male2_A11_Crawl.bvh", 0, 372),
     "on all fours": ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 0, 500),
     "lying down": ("captures/bvh/varied/accad_female1_A11_CrawlForward.bvh", 501, 600),
+    "cartwheel": ("captures/bvh/varied/mass_cart.bvh", 0, 285),
 }
 
 
@@ -92,7 +93,8 @@ def test_arms_keep_their_posture_but_for_moments(captures: Path, kind: str, name
 
 @pytest.mark.parametrize("kind", FILES)
 def test_nothing_jumps(captures: Path, kind: str) -> None:
-    assert _adapted(kind)[2] < 1.6
+    """A hand in the air pulls no body along, and has all the time that the actor's has for its way."""
+    assert _adapted(kind)[2] < 1.55
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -53,6 +53,16 @@ def test_the_actors_own_arms_stay_as_they_are():
 
 
 @pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize(
+    "stem", ["accad_male2_E4_CrossRight", "accad_male2_E1_JabLeft", "accad_male2_E13_BodyCrossLeft"]
+)
+def test_a_guard_beside_wide_ribs_is_opened_and_not_lifted(stem, body):
+    """An elbow that comes out takes the wrist along, instead of tipping the forearm over."""
+    kept, through = (rises(_adapted(stem, body, clears)) for clears in (True, False))
+    assert np.degrees(np.abs(kept - through)).max() < 30.0
+
+
+@pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("stem", TAKES)
 def test_coming_out_of_the_body_jolts_no_segment(stem, body):
     first = taken(named(stem))[0].first_frame

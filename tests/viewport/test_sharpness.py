@@ -1,36 +1,57 @@
 """How many pixels a picture has while something moves."""
 
-from studio.viewport.sharpness import PATIENCE, SHARES, SLOW, Sharpness
+from itertools import pairwise
 
-FULL = (900, 600)
+from studio.viewport.sharpness import PATIENCE, RETRY, SHARES, Sharpness
+
+FULL, SLOW = (900, 600), 0.02
 
 
 def test_where_drawing_is_quick_every_picture_has_all_pixels() -> None:
-    sharpness = Sharpness()
+    sharpness = Sharpness(SLOW)
     for _ in range(100):
         sharpness.took(0.5 * SLOW)
     assert sharpness.size(FULL) == FULL
 
 
 def test_where_drawing_is_slow_pictures_that_move_have_fewer_pixels_and_never_less_than_half() -> None:
-    sharpness = Sharpness()
+    sharpness = Sharpness(SLOW)
     for _ in range(100):
         sharpness.took(2.0 * SLOW)
     assert sharpness.size(FULL) == (450, 300)
 
 
-def test_one_slow_picture_among_quick_ones_changes_nothing() -> None:
-    sharpness = Sharpness()
-    for _ in range(20):
+def test_slow_pictures_now_and_then_among_quick_ones_change_nothing() -> None:
+    sharpness = Sharpness(SLOW)
+    for _ in range(100):
         sharpness.took(3.0 * SLOW)
-        sharpness.took(0.5 * SLOW)
+        for _ in range(5):
+            sharpness.took(0.5 * SLOW)
     assert sharpness.size(FULL) == FULL
 
 
 def test_after_a_rest_more_is_tried_again() -> None:
-    sharpness = Sharpness()
+    sharpness = Sharpness(SLOW)
     for _ in range(PATIENCE * len(SHARES)):
         sharpness.took(2.0 * SLOW)
     for _ in SHARES:
         sharpness.rest()
     assert sharpness.size(FULL) == FULL
+
+
+def test_after_a_slow_while_all_pixels_come_back_though_nothing_rests() -> None:
+    sharpness = Sharpness(SLOW)
+    for _ in range(PATIENCE):
+        sharpness.took(2.0 * SLOW)
+    for _ in range(2 * RETRY):
+        sharpness.took(0.6 * SLOW)
+    assert sharpness.size(FULL) == FULL
+
+
+def test_pixels_that_were_too_many_are_tried_ever_more_seldom() -> None:
+    sharpness = Sharpness(SLOW)
+    sizes: list[tuple[int, int]] = []
+    for _ in range(3000):
+        sharpness.took(1.2 * SLOW if sharpness.size(FULL) == FULL else 0.6 * SLOW)
+        sizes.append(sharpness.size(FULL))
+    assert sum(a != b for a, b in pairwise(sizes)) <= 12

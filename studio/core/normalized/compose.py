@@ -103,6 +103,18 @@ def _composed(ordered: Sequence[Piece], played: NormalizedMotion | None = None) 
     return Composite(motion, row.contacts(), row.timing, tuple(row.played))
 
 
+def by_itself(composite: Composite) -> Composite:
+    """What goes on in it behind what was shown, where that put it, as if nothing had been before but itself."""
+    _, leads, *others = composite.played
+    row = _Row(composite.motion.spine_places, composite.timing)
+    source = PieceSource(leads.piece, row.spine_places, row.timing, leads.placement)
+    row.lead(source, leads)
+    for each in others:
+        row.add(each.piece)
+    row.channels.setflags(write=False)
+    return replace(composite, motion=replace(composite.motion, channels=row.channels), contacts=row.contacts())
+
+
 def timing_of_pieces(pieces: Sequence[Piece]) -> Timing:
     """When a row plays, at the highest frame rate among its pieces."""
     rate = max(piece.motion.frame_rate for piece in pieces)
@@ -117,7 +129,8 @@ class _Row:
     spine_places: FloatArray
     timing: Timing
     peaks: FloatArray | None = None
-    """Those of the first piece, where that is not all of what it shows."""
+    """``joint_peaks`` of what is there before frame ``measured``; at first of what the first piece does not show."""
+    measured: int = 0
     channels: FloatArray = field(init=False)
     stands: Mask = field(init=False)
     end: int = 0
@@ -136,21 +149,37 @@ class _Row:
         source = PieceSource(piece, self.spine_places, self.timing)
         if self.played and first > self.end:  # nothing plays between them: the last pose holds
             held = Held(self.channels[self.end - 1], self.stands[:, self.end - 1])
-            self._take_over(held, self.end, first - 1, 0.0, Join(self.placement))
+            transition = self._transition(held, self.end, first - 1)
+            self._take_over(held, self.end, first - 1, transition, Join(self.placement))
         if not self.played:
             self.placement = source.around(first, piece.own)
             self._put(source.placed(self.placement), first, last)
+            self.measured = 0 if self.peaks is None else last + 2
         else:
             first = min(max(first, 1), self.end)
             shared = (first, min(self.end - 1, last)) if first < self.end - 1 else (self.end - 1, self.end - 1)
             found = self._join(source, first, *shared)
             self.placement, takes_over = found.placement, source.placed(found.placement)
-            if self._fades(takes_over, first, last, found):
+            transition = self._transition(takes_over, first, last)
+            if self._fades(transition, first, last, found):
                 self._fade(takes_over, first, last, found)
             else:
                 self.end = first
-                self._take_over(takes_over, first, last, piece.ease, found)
+                self._take_over(takes_over, first, last, transition, found, piece.ease)
         self.played.append(Played(piece, first, last, self.placement))
+
+    def lead(self, source: PieceSource, played: Played) -> None:
+        """Play a piece where it ``played``, and what its motion has before that up to there."""
+        own = source.piece
+        frames = np.arange(played.last + 1)
+        there = played.motion_frames(frames, self.timing) > -0.5 * own.speed
+        frames = np.maximum(frames, frames[there][0])
+        self.channels[: played.last + 1], self.stands[:, : played.last + 1] = (
+            source.channels(frames),
+            source.stands(frames),
+        )
+        self.end, self.placement = played.last + 1, played.placement
+        self.played.append(played)
 
     def contacts(self) -> tuple[ContactInterval, ...]:
         """What stands, as intervals."""
@@ -188,37 +217,37 @@ class _Row:
         channels[:over] = blended(self.channels[first:stop], channels[:over], shares)
         self._go_on(channels, source.stands(frames), first, over, found)
 
-    def _take_over(self, source: Source, first: int, last: int, seconds: float, found: Join) -> None:
-        """A piece takes over at ``first``, the end of what is there; what was different dies away."""
+    def _take_over(
+        self, source: Source, first: int, last: int, transition: Transition, found: Join, seconds: float = 0.0
+    ) -> None:
+        """A piece takes over at ``first``, the end of what is there; what was different dies away in ``seconds``, or
+        in as many as it needs.
+        """
         rate, frames = self.timing.frame_rate, np.arange(first, last + 1)
-        transition = self._transition(source, first, last, seconds)
         seconds = seconds or max(transition.seconds, step_seconds(found))
-        if seconds != transition.seconds:
-            transition = self._transition(source, first, last, seconds)
+        transition = replace(transition, seconds=seconds)
         channels = source.channels(frames)
         fading = min(round(seconds * rate), len(frames))
         channels[:fading] = moved(channels[:fading], transition.left(np.arange(1, fading + 1) / rate))
         self._go_on(channels, source.stands(frames), first, fading, found)
 
-    def _transition(self, source: Source, first: int, last: int, seconds: float = 0.0) -> Transition:
-        """From what is there to a piece that takes over at ``first``."""
+    def _transition(self, source: Source, first: int, last: int) -> Transition:
+        """From what is there to a piece that takes over at ``first``, in as many seconds as that needs."""
         rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
         gaps = difference(source.channels(before), self.channels[before])
-        peaks = np.maximum(self._peaks(first), joint_peaks(source.channels(np.arange(first, last + 1)), rate))
-        return Transition.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks, seconds)
+        new = joint_peaks(self.channels[max(self.measured - 2, 0) : first], rate)
+        self.peaks, self.measured = (
+            (new if self.peaks is None else np.maximum(self.peaks, new)),
+            max(first, self.measured),
+        )
+        peaks = np.maximum(self.peaks, joint_peaks(source.channels(np.arange(first, last + 1)), rate))
+        return Transition.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
 
-    def _peaks(self, first: int) -> FloatArray:
-        """``joint_peaks`` of what is there, before frame ``first``."""
-        rate = self.timing.frame_rate
-        if self.peaks is None:
-            return joint_peaks(self.channels[:first], rate)
-        return np.maximum(self.peaks, joint_peaks(self.channels[self.played[0].last : first], rate))
-
-    def _fades(self, source: Source, first: int, last: int, found: Join) -> bool:
+    def _fades(self, transition: Transition, first: int, last: int, found: Join) -> bool:
         """Whether a piece overlaps what is there for as long as a blend needs."""
         if first > self.end - 2:
             return False
-        needed = max(self._transition(source, first, last).seconds, step_seconds(found))
+        needed = max(transition.seconds, step_seconds(found))
         return needed <= (min(self.end, last + 1) - first) / self.timing.frame_rate
 
     def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: Join) -> None:

@@ -50,7 +50,8 @@ def difference(start: FloatArray, end: FloatArray) -> FloatArray:
     turn = multiply(turns_of(end), inverse(turns_of(start)))
     nearest = turn[:1] if turn.ndim == 3 else turn
     nearest *= np.where(nearest[..., 3:] < 0.0, -1.0, 1.0)
-    put_turns(between, _vectors(sign_continuous(turn) if turn.ndim == 3 else turn))
+    vectors = rotation_vectors(sign_continuous(turn) if turn.ndim == 3 else turn)
+    put_turns(between, np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1))
     return np.asarray(between)
 
 
@@ -79,11 +80,11 @@ def _continuous(angles: FloatArray) -> FloatArray:
     return np.unwrap(angles, axis=0) if angles.ndim == 2 else angles
 
 
-def _vectors(turns: FloatArray) -> FloatArray:
-    """(..., 4) rotation vectors, then 0, of quaternions (..., 4): more than half a turn where w is below 0."""
+def rotation_vectors(turns: FloatArray) -> FloatArray:
+    """(..., 3) of quaternions (..., 4): more than half a turn where w is below 0."""
     sine = np.linalg.norm(turns[..., :3], axis=-1, keepdims=True)
     scale = np.where(sine > 1e-12, 2.0 * np.arctan2(sine, turns[..., 3:]) / np.maximum(sine, 1e-12), 2.0)
-    return np.concatenate([scale * turns[..., :3], np.zeros_like(sine)], axis=-1)
+    return np.asarray(scale * turns[..., :3])
 
 
 _FOLDS = (OFF_PLANES, SLACKS, BENDS)

@@ -5,6 +5,7 @@ to it and eased to nothing. Only the moment of the change has to be known, so it
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,36 +31,45 @@ _PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
 class Transition:
     """What was different when one motion took over from another, and how it dies away.
 
-    ``offset`` (C,) as a ``difference``, changing by ``speed`` (C,) a second; the offset dies in ``seconds``, the speed
-    of each column in ``halts`` (C,): no later than it must, or a fast limb would swing far past.
+    ``offset`` (C,) as a ``difference``, changing by ``speed`` (C,) a second; the offset dies in ``seconds``.
+    ``peaks`` as ``joint_peaks`` gives them: the greater one of either motion.
     """
 
     offset: FloatArray
     speed: FloatArray
+    peaks: FloatArray
     seconds: float
-    halts: FloatArray
 
     @classmethod
-    def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray, seconds: float = 0.0) -> "Transition":
-        """One that takes ``seconds``, or as many as it needs to add no more to any joint than it may.
+    def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray) -> "Transition":
+        """One that takes as many seconds as it needs to add no more to any joint than it may."""
+        return cls(offset, speed, peaks, seconds_of(np.linalg.norm(_joints(offset), axis=-1), peaks))
 
-        ``peaks`` as ``joint_peaks`` gives them: the greater one of either motion.
-        """
-        room = ADDED * np.maximum(peaks, QUIET)
-        places, speeds = (np.linalg.norm(_joints(each), axis=-1) for each in (offset, speed))
-        needed = float(np.clip(np.sqrt(_PLACE_PEAK * places / room).max(), SHORTEST, LONGEST))
-        seconds = seconds or needed
-        halts = np.full(len(offset), seconds)
-        halting = np.clip(_SPEED_PEAK * speeds / room, min(0.1, seconds), seconds)
-        turns = turn_columns(len(offset))
+    @cached_property
+    def halts(self) -> FloatArray:
+        """(C,) seconds in which each column's speed dies: no later than it must, or a fast limb would swing past."""
+        halts = np.full(len(self.offset), self.seconds)
+        halting = halts_of(np.linalg.norm(_joints(self.speed), axis=-1), self.peaks, self.seconds)
+        turns = turn_columns(len(self.offset))
         halts[turns[:, None] + np.arange(3)] = halting[: len(turns), None]
         halts[OFF_PLANES] = halts[SLACKS] = halting[len(turns) :]
-        return cls(offset, speed, seconds, halts)
+        return halts
 
     def left(self, times: FloatArray) -> FloatArray:
         """(N, C) what is left ``times`` (N,) seconds after."""
         place = place_left(times[:, None], self.seconds) * self.offset
         return np.asarray(place + pace_left(times[:, None], self.halts) * self.speed)
+
+
+def seconds_of(places: FloatArray, peaks: FloatArray) -> float:
+    """Seconds in which ``places`` (N,) die away and add no more to joints with ``peaks`` (N,) than they may."""
+    needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET))).max()
+    return float(np.clip(needed, SHORTEST, LONGEST))
+
+
+def halts_of(speeds: FloatArray, peaks: FloatArray, seconds: float) -> FloatArray:
+    """(N,) the same of ``speeds`` (N,), within ``seconds``."""
+    return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET)), min(0.1, seconds), seconds)
 
 
 def place_left(times: FloatArray, seconds: float) -> FloatArray:
@@ -77,8 +87,7 @@ def pace_left(times: FloatArray, seconds: float | FloatArray) -> FloatArray:
 def fade_seconds(differences: FloatArray, peaks: FloatArray) -> float:
     """Seconds that a fade takes to add no more to any joint than it may, where two differ by (N, C) meanwhile."""
     places = np.linalg.norm(_joints(differences), axis=-1).max(axis=0)
-    needed = np.sqrt(_PLACE_PEAK * places / (ADDED * np.maximum(peaks, QUIET))).max()
-    return float(np.clip(needed, SHORTEST, LONGEST))
+    return seconds_of(places, peaks)
 
 
 def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:

@@ -26,6 +26,7 @@ from studio.core.solver.smoothing.limb_charts import LimbCharts
 from studio.core.solver.solved_window import BOUND, SolvedWindow, constraint_activations
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing
+from studio.core.solver.standing.obliquity import dip_pelvis
 from studio.core.solver.standing.stand import Standing, standing_of
 
 FRAMES = 4
@@ -79,6 +80,8 @@ def warm_up_seldom(morphology: Morphology) -> None:
     asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=mesh)
     ground = SurfaceMesh(vertices=mesh.vertices, triangles=mesh.triangles)
     smooth_drops(np.full(FRAMES, 0.1), 30.0)
+    pose = (np.stack([each] * FRAMES) for each in rest_pose(morphology))
+    dip_pelvis(np.zeros((2, FRAMES, 3)), np.ones((2, FRAMES), np.int64), morphology, 30.0, *pose)
     standing = standing_of(
         AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
+from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.kernels.limits import clearance as kernel
@@ -111,6 +112,14 @@ def rooms(adapted: AdaptedMotion) -> FloatArray:
 def actor_rooms(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
     """``rooms`` of the actor that a motion was captured from, and the ways out of its body (F, 2, 5, 3)."""
     return _rooms(actor, usual_volume(actor), *realize(motion, actor, play=True))
+
+
+@lru_cache(maxsize=64)
+def rest_rooms(body: Morphology, volume: BodyVolume) -> FloatArray:
+    """``rooms`` of a body in its rest pose, (2, 5): a thick arm may have none there."""
+    positions, rotations = rest_pose(body)
+    found, _ = _rooms(body, volume, positions[None], rotations[None])
+    return np.asarray(found[0])
 
 
 def _rooms(

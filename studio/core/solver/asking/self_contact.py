@@ -5,7 +5,7 @@ then, and the body. Only a hand of which something is asked, or that stands on t
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -23,7 +23,7 @@ from studio.core.kernels.records import ActorRooms
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
-from studio.core.solver.asking.clearance import actor_rooms, packed
+from studio.core.solver.asking.clearance import actor_rooms, packed, rest_rooms
 from studio.core.solver.standing.blends import SLOWLY_LET_GO, freedom, hann_window
 from studio.core.solver.standing.carrying import limb_freedom
 
@@ -74,6 +74,11 @@ class SelfContact:
     firm: FloatArray
     resting: tuple[Resting, ...]
     rooms: tuple[FloatArray, FloatArray, FloatArray] | None
+
+    def as_far_as(self, shares: FloatArray) -> "SelfContact":
+        """The same of hands that touch by ``shares`` (F,) of how they do."""
+        resting = tuple(replace(each, firm=shares * each.firm) for each in self.resting)
+        return replace(self, firm=shares * self.firm, resting=resting)
 
     def around(self, window: slice) -> slice:
         """The frames that have to do with where the arms are in a ``window``."""
@@ -188,19 +193,19 @@ def self_contact_of(
     touches = tuple(each for each in contacts if isinstance(each.point, Touch) and each.first < motion.frame_count)
     if actor is None or not (touches or clears):
         return None
-    nothing = np.zeros(motion.frame_count)
+    nothing, known = np.zeros(motion.frame_count), volume or usual_volume(body.still)
     touching = touching_of(motion, actor, touches) if touches else Touching(np.zeros((1, 3)), nothing, nothing, ())
     rooms = None
     if clears:
         own, ways = actor_rooms(motion, actor)
         wanted = np.empty_like(own)
         clearing.wanted_rooms(own, 0.0, wanted)
-        rooms = np.minimum(wanted, own), own, ways  # what the actor has inside is left inside
+        # What the actor has inside is left inside, and what the body itself has at rest.
+        rooms = np.minimum(np.minimum(wanted, own), rest_rooms(body.still, known)), own, ways
     arms = [rows[:, at.M_ARM : at.M_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
     scale = arms[0] / arms[1]
     both = np.maximum(touching.together, touching.held)
     sizes = scale + (1.0 - scale) * (touching.held * (1.0 - touching.together) / np.maximum(both, 1e-9))[:, None]
-    known = volume or usual_volume(body.still)
     return SelfContact(
         body, motion.frame_rate, known, np.ascontiguousarray(sizes * touching.gaps), both, touching.resting, rooms
     )

@@ -9,17 +9,16 @@ from scipy.ndimage import convolve1d
 from studio.core.kernels.limbs.legs import lower_smoothly
 from studio.core.kernels.support.gaps import fill_gaps, free_feet
 from studio.core.kernels.support.swing import FREED_AFTER
-from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
 
 LET_GO, SLOWLY_LET_GO = 0.2, 0.3
 """Seconds in which a foot or knee comes to rest on the ground, or starts from it, and to each side over which the
-weight passes from who carries to who carries next; and a hand or the seat.
+weight passes from who carries to who carries next, and in which a hand lets go of the body; and a hand or the seat.
 """
 GOES_ALONG = 0.4
-"""Seconds in which what is displaced comes back to the motion's own: what has left the ground, a body that leans with
-it, and one that is led on into another clip.
+"""Seconds in which what is displaced comes back to the motion's own: what has left the ground, and a body that leans
+with it.
 """
 LOOK_AHEAD = FREED_AFTER
 """Seconds over which the root comes down before it must, and stays down after."""
@@ -55,22 +54,10 @@ def freedom(planted: NDArray[np.bool_], frame_rate: float, after: float = FREED_
 def eased(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
     """Corrections (F, 3) where ``known`` (F,), eased from one to the next or, over ``GOES_ALONG`` seconds, to nothing.
 
-    They leave and meet what is known with the speed that it has there, so that a hand comes down and goes up smoothly.
+    What is let go has the motion's own speed from there on: a hand that kept its rest would have less time for its way.
     """
-    count, fade = len(known), max(round(GOES_ALONG * frame_rate), 1)
     filled = corrections.copy()
-    nearest = _frames_to_nearest(known)
-    fill_gaps(filled, known | (nearest >= fade))
-    runs = runs_of(known)
-    befores, afters = [0, *(past for _, past in runs[:-1])], [*(first for first, _ in runs[1:]), count]
-    for (first, past), before, after in zip(runs, befores, afters, strict=True):
-        if past - first < 2:
-            continue
-        for edge, step, room in ((past - 1, 1, after - past), (first, -1, first - before)):
-            steps = np.arange(1, min(room, fade) + 1)
-            shares = steps / (min(room, fade) + 1)
-            speed = corrections[edge] - corrections[edge - step]
-            filled[edge + step * steps] += (steps * (1.0 - smoothstep(shares)))[:, None] * speed
+    fill_gaps(filled, known | (_frames_to_nearest(known) >= max(round(GOES_ALONG * frame_rate), 1)))
     return filled
 
 

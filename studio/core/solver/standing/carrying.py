@@ -79,8 +79,7 @@ class Hold:
 class Carrying:
     """What of a body stands beside its feet: ``holds``, the root's ``shift`` (F, 3), the feet's ``share`` (F,), and
     the ``pose`` that leans with the ground, positions (F, P, 3) and rotations (F, S, 3, 3), before that shift, and the
-    positions of the ``upright`` one (F, P, 3) over the same places of the ground, from which feet are planned; the
-    ``bones`` (2, F, 2, 3) of arms as they are to look while they stand.
+    positions of the ``upright`` one (F, P, 3) over the same places of the ground, from which feet are planned.
     """
 
     holds: tuple[Hold, ...]
@@ -88,7 +87,6 @@ class Carrying:
     feet_share: FloatArray
     pose: tuple[FloatArray, FloatArray]
     upright: FloatArray
-    bones: FloatArray
 
 
 def clearance(body: AnyMorphology, point: ContactPoint) -> float:
@@ -153,7 +151,7 @@ def find_carrying(
         holds = tuple(
             _reached(hold, tracks[hold.point] + shift, body, ground, positions + shift[:, None]) for hold in holds
         )
-    return Carrying(holds, shift, shares[0], pose, upright, bones)
+    return Carrying(holds, shift, shares[0], pose, upright)
 
 
 def arm_bones(

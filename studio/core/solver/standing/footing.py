@@ -16,11 +16,12 @@ from studio.core.kernels.limits.root_reach import HALF_FREE_REACH
 from studio.core.kernels.support.footing import FootPlan, plan_foot
 from studio.core.kernels.support.gaps import fill_gaps
 from studio.core.kernels.support.heels import roll_feet
+from studio.core.kernels.support.leg_lengths import keep_lengths
 from studio.core.kernels.support.sole import FLAT, HEEL, TOE
 from studio.core.kernels.support.swing import keep_above
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.single import PoseArray
-from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, freedom, hann_window, smooth_drops
+from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, freedom, smooth_drops
 from studio.core.solver.standing.footprints import drape, find_footprints
 from studio.core.solver.standing.obliquity import dip_pelvis
 from studio.core.solver.standing.swing import Sole, led_clear
@@ -33,7 +34,7 @@ FOLDED, FOLD_ROOM, FOLD_CORNER = 0.3, 0.12, 0.03
 the farther it is from below the hip, nothing at a leg's length. The corner where the motion's own leg folds that much
 is rounded.
 """
-FOLLOWED = 0.02
+FOLLOWED = AVERAGED / 5.0
 """Seconds, standard deviation, over which the body follows where its feet stand."""
 CLIMB_SMOOTHING = 0.09
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
@@ -111,7 +112,8 @@ def find_footing(
         dips = np.zeros_like(off)
         if carried is None:  # hands, knees and seat that stand leave the pelvis no room
             dips = dip_pelvis(off, states, morphology, motion.frame_rate, positions, rotations)
-        goes = followed(off - dips, states, motion.frame_rate) * (1.0 if carried is None else carried[:, None])
+        goes = followed(off - dips, states, motion.frame_rate, positions, morphology)
+        goes *= 1.0 if carried is None else carried[:, None]
         positions += goes[:, None]
         for side, planted in enumerate(states != 0):
             free = freedom(planted, motion.frame_rate, GOES_ALONG)[:, None]
@@ -265,11 +267,13 @@ class _Foot:
         return _DrapedFoot(FootPlan(led.ankles, led.feet, led.toes), plan.ankles, draped.heights)
 
 
-def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> FloatArray:
-    """(F, 3) metres by which a body goes along with feet that stand ``off`` (2, F, 3) where the motion has them.
+def followed(
+    off: FloatArray, states: NDArray[np.int64], frame_rate: float, positions: FloatArray, body: AnyMorphology
+) -> FloatArray:
+    """(F, 3) metres by which a body at ``positions`` (F, P, 3) goes along with feet that stand ``off`` (2, F, 3) there.
 
     Each of those that stand takes its share, passed on over ``AVERAGED`` seconds to either side: so who stands on one
-    leg keeps it as it is, and only two that want different things have to bend.
+    leg keeps it as it is. Of two that stand flat and want different things the legs keep their lengths.
     """
     stands = states != 0
     if not stands.any():
@@ -279,8 +283,9 @@ def followed(off: FloatArray, states: NDArray[np.int64], frame_rate: float) -> F
         fill_gaps(off[side], stands[side])
     frames, carried = np.arange(stands.shape[1]), np.flatnonzero(stands.any(axis=0))
     share = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
-    share = np.convolve(np.pad(share, half := max(1, round(AVERAGED * frame_rate)), "edge"), hann_window(half), "valid")
-    way = off[1] + share[:, None] * (off[0] - off[1])
+    weights = averaged(np.column_stack([share, *(states == FLAT)]), AVERAGED, frame_rate)
+    way = off[1] + weights[:, :1] * (off[0] - off[1])
+    keep_lengths(off, weights, (body.layout.hip(0), body.layout.hip(1)), positions, way)
     return smoothed(way, FOLLOWED * frame_rate)
 
 

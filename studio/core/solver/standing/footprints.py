@@ -134,10 +134,6 @@ def find_footprints(
     first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
     soles = soles_of(ankles[middle], feet[middle], at_frames(measures, middle))
     nudges = ground.nudges(soles)[of_episode]
-    rolled = soles.copy()
-    rolled[:, 0] += _heel_play(soles[:, 0], first, last, states, ankles, feet, measures) / 2
-    edge = np.ptp(ground.height_at(np.stack([soles[:, 0], rolled[:, 0]], axis=1) + nudges[:, None]), axis=1) > EDGE
-    soles = np.where(edge[:, None, None], soles, rolled)
     level = np.column_stack([soles[:, 1], np.full(len(soles), ground.height)])
     placed = soles + nudges[:, None]
     for _ in range(_SETTLING):
@@ -188,30 +184,6 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
                 )
             )
     return found
-
-
-def _heel_play(
-    heels: FloatArray,
-    first: NDArray[np.int64],
-    last: NDArray[np.int64],
-    states: NDArray[np.int64],
-    ankles: FloatArray,
-    feet: FloatArray,
-    measures: FloatArray,
-) -> FloatArray:
-    """(N, 2) how far a standing heel is at most from its flat place ``heels`` (N, 2): it rolls as the foot comes down.
-
-    On bent ground a plane through the middle of that way is off by half as much at its ends.
-    """
-    below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])
-    tracks = (ankles + np.einsum("fij,fj->fi", feet, np.broadcast_to(below, ankles.shape)))[:, :2]
-    play = np.zeros((len(heels), 2))
-    for row, (begin, end) in enumerate(zip(first, last, strict=True)):
-        standing = (states[begin : end + 1] & HEEL) != 0
-        if standing.any():
-            ways = tracks[begin : end + 1][standing] - heels[row]
-            play[row] = ways[np.argmax(np.linalg.norm(ways, axis=1))]
-    return play
 
 
 def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> FloatArray:

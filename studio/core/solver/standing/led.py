@@ -1,31 +1,37 @@
 """A standing motion led on from where a body was: what was decided as it plays takes over without a jump.
 
 A motion on the ground looks ahead: where a foot stands, how low hips are and how arms keep clear has to do with what
-comes. So the motion that takes over has the body a little elsewhere at the change than the one that played. What is
-different there dies away as in ``normalized.transition``; a foot that stands stays where it stands until it is lifted.
+comes. So the motion that takes over stands as it does by itself, as smoothly as ever, and what was different when it
+took over dies away on top of that, as in ``normalized.transition``: of the root, of every joint, and of feet over the
+ground. A foot that stands stays where it stands until it is lifted; one in the air lands where the motion has it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.morphology import AnimatedMorphology
+from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
+from studio.core.kernels import layout as at
 from studio.core.kernels.adapt import place_frames
-from studio.core.kernels.support.sole import HEEL
-from studio.core.normalized.transition import pace_left, place_left
-from studio.core.solver.standing.blends import GOES_ALONG
-from studio.core.solver.standing.stand import legs_of
-from studio.core.solver.standing.swing import HURRIED
-
-if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import Standing
+from studio.core.kernels.limbs.legs import hip_heights
+from studio.core.kernels.support.sole import HEEL, TOE
+from studio.core.normalized.differences import rotation_vectors
+from studio.core.normalized.encode import encode
+from studio.core.normalized.motion import NormalizedMotion
+from studio.core.normalized.transition import SHORTEST, halts_of, pace_left, place_left, seconds_of
+from studio.core.rotations import from_matrix, sign_continuous
+from studio.core.solver.standing.blends import smooth_drops
+from studio.core.solver.standing.footing import Footing, leg_stretches
+from studio.core.solver.standing.stand import Standing, legs_of
+from studio.core.solver.standing.stepping import Flight, flights_of, states_of
 
 FloatArray = NDArray[np.float64]
-
-HALTING = 0.25
-"""Seconds in which a speed that is different dies away; a place takes ``GOES_ALONG``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +39,8 @@ class Stance:
     """A body in two frames, the last ones that were seen, before anything is asked of it.
 
     ``positions`` (2, P, 3), ``rotations`` (2, S, 3, 3); ``ankles`` (2, 2, 3), ``feet`` and ``toes`` (2, 2, 3, 3) of
-    each side in each frame.
+    each side in each frame; ``states`` and ``comforts`` (2,) of its footing in the last one; ``peaks`` (S,) of the
+    motion that it was seen in.
     """
 
     positions: FloatArray
@@ -41,105 +48,309 @@ class Stance:
     ankles: FloatArray
     feet: FloatArray
     toes: FloatArray
+    states: NDArray[np.int64]
+    comforts: FloatArray
+    peaks: FloatArray
 
     @classmethod
-    def of(cls, standing: "Standing", frames: NDArray[np.int64]) -> "Stance":
+    def of(cls, standing: Standing, frames: NDArray[np.int64]) -> "Stance":
         """In the last two of ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
-        return cls(standing.positions[rows], standing.rotations[rows], *legs)
+        known = footing.states[:, rows[-1]], footing.comforts[:, rows[-1]], standing.peaks
+        return cls(standing.positions[rows], standing.rotations[rows], *legs, *known)
+
+    @classmethod
+    def before(cls, standing: Standing, first: int) -> "Stance":
+        """In the two frames before ``first``, as if it went there as fast as it goes on."""
+        rows, footing = [first, min(first + 1, standing.motion.frame_count - 1)], standing.footing
+        places = standing.positions[rows], *footing.ankles[:, rows, :3]
+        turns = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
+        positions, *ankles = (np.stack([3.0 * now - 2.0 * then, 2.0 * now - then]) for now, then in places)
+        rotations, *legs = (_turned_back(*each) for each in turns)
+        known = footing.states[:, first], footing.comforts[:, first], standing.peaks
+        return cls(positions, rotations, np.array(ankles), np.array(legs[:2]), np.array(legs[2:]), *known)
 
 
-def led_from(standing: "Standing", first: int, seen: Stance) -> "Standing":
-    """``standing`` from frame ``first`` on led from the body as it was ``seen`` until then."""
-    footing, count = standing.footing, standing.motion.frame_count
-    times = np.arange(1, count - first + 1) / standing.motion.frame_rate
-    change = _Change(standing, first, times, Stance.of(standing, np.arange(first - 2, first)), seen)
+def led_from(standing: Standing, first: int, seen: Stance, seconds: float = 0.0) -> Standing:
+    """``standing`` from frame ``first`` on led from the body as it was ``seen`` until then, in ``seconds``.
+
+    0 takes as many as it needs.
+    """
+    change = _Change(standing, first, seen, Stance.before(standing, first), seconds)
     positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
-    ankles, feet, toes = footing.ankles.copy(), footing.feet[:].copy(), footing.toes[:].copy()
-    asides = []
-    for side in range(2):
-        aside, ankles[side, first:, :3], feet[side, first:], toes[side, first:] = change.foot(side)
-        asides.append(aside)
-    goes = np.mean(asides, axis=0)
-    goes += change.left(seen.positions[:, 0] - change.own.positions[:, 0] - goes[0])
-    change.lead_body(goes, positions, rotations)
-    led = replace(footing, ankles=ankles, feet=feet, toes=toes)
-    legs = legs_of(led, standing.motion, slice(None))
-    place_frames(standing.morphology.rows, np.zeros(count), legs, positions, rotations)
-    return replace(standing, footing=led, positions=positions, rotations=rotations)
+    bases = [change.held_foot(side, flight) for side, flight in enumerate(change.flights)]
+    near = change.lead_body(np.mean([each.carries for each in bases], axis=0), positions, rotations)
+    positions[first:, :, 2] += change.carried(bases, positions)[:, None]
+    motion = _with_limbs(standing, near, positions, rotations)
+    footing = change.footing(motion, bases, positions, rotations)
+    drops = np.zeros(motion.frame_count)
+    drops[first:] = change.drops(motion, footing, positions, rotations)
+    place_frames(standing.morphology.rows, drops, legs_of(footing, motion, slice(None)), positions, rotations)
+    positions[:first], rotations[:first] = seen.positions[1], seen.rotations[1]
+    touching = np.append(np.zeros(first), 1.0 - place_left(change.times, change.seconds))
+    return replace(
+        standing,
+        motion=motion,
+        contacts=_contacts(standing, footing.states),
+        footing=footing,
+        positions=positions,
+        rotations=rotations,
+        self_contact=standing.self_contact and standing.self_contact.as_far_as(touching),
+    )
+
+
+def _with_limbs(standing: Standing, near: slice, positions: FloatArray, rotations: FloatArray) -> NormalizedMotion:
+    """Its motion whose limbs lie as in posed frames; ``near`` are those in which they do not as they do by themselves.
+
+    Legs are put on their ankles from there, so knees look where they did.
+    """
+    body, channels = standing.morphology, standing.motion.channels.copy()
+    still = body.at(near.start) if isinstance(body, AnimatedMorphology) else body
+    limbs = slice(at.LIMB_FRAME, at.HAND)
+    posed = encode(positions[near], rotations[near], still, standing.motion.frame_rate)
+    channels[near, limbs] = posed.channels[:, limbs]
+    return replace(standing.motion, channels=channels)
+
+
+def _contacts(standing: Standing, states: NDArray[np.int64]) -> tuple[ContactInterval, ...]:
+    """What stands, feet by their ``states`` (2, F)."""
+    others = [each for each in standing.contacts if each.point not in FOOT_POINTS]
+    feet = [
+        ContactInterval("", point, first, last)
+        for point in FOOT_POINTS
+        for first, last in spans_of(states[point.side] & (HEEL if point.is_heel else TOE) != 0)
+    ]
+    return (*others, *feet)
+
+
+class _LedFoot(NamedTuple):
+    """What a foot does: ``ankles`` (F, 3), ``feet`` and ``toes`` (F, 3, 3); ``carries`` (F, 3) how far it stands aside
+    over the ground, which the body goes along with.
+    """
+
+    ankles: FloatArray
+    feet: FloatArray
+    toes: FloatArray
+    carries: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """``standing`` takes over at ``first``; ``times`` (F,) seconds after what was seen last, where it is at its
-    ``own``, and was ``seen``.
-    """
+    """``standing`` takes over at ``first``, where it is at its ``own`` in the frames before, and was ``seen``."""
 
-    standing: "Standing"
+    standing: Standing
     first: int
-    times: FloatArray
-    own: Stance
     seen: Stance
+    own: Stance
+    given: float
 
     @property
     def rate(self) -> float:
         return self.standing.motion.frame_rate
 
-    def left(self, gaps: FloatArray, seconds: float = GOES_ALONG) -> FloatArray:
-        """(F, N) what is left of ``gaps`` (2, N), the last two that were seen."""
-        speed, halting = (gaps[1] - gaps[0]) * self.rate, min(HALTING, seconds)
+    @cached_property
+    def times(self) -> FloatArray:
+        """(F,) seconds after what was seen last."""
+        return np.arange(1, self.standing.motion.frame_count - self.first + 1) / self.rate
+
+    @cached_property
+    def peaks(self) -> FloatArray:
+        """(S,) radians a second squared, the greater one of either motion."""
+        return np.maximum(self.standing.peaks, self.seen.peaks)
+
+    @cached_property
+    def legs(self) -> FloatArray:
+        """(2, 3) ``peaks`` of each leg: of the quieter one of its bones, of its foot and of its toes."""
+        four = self.peaks[self.standing.morphology.layout.spine_count + 10 :].reshape(2, 4)
+        return np.stack([four[:, :2].min(axis=1), four[:, 2], four[:, 3]], axis=1)
+
+    @property
+    def leg(self) -> float:
+        return self.standing.morphology.leg_length
+
+    @cached_property
+    def turns(self) -> FloatArray:
+        """(2, S, 3) rotation vectors from each segment in its carrier as it is by itself to how it was seen."""
+        carriers = np.array(self.standing.morphology.layout.parent_segments())
+        own, seen = (_in_carriers(each.rotations, carriers) for each in (self.own, self.seen))
+        return np.stack([_gaps(*both) for both in zip(own, seen, strict=True)])
+
+    @cached_property
+    def seconds(self) -> float:
+        """In which all that is different dies away but feet."""
+        places = np.linalg.norm(self.turns[1], axis=1)
+        root = float(np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0])) / self.leg
+        peaks = np.append(self.peaks, self.legs[:, 0].min())
+        return self.given or seconds_of(np.append(places, root), peaks)
+
+    def left(self, gaps: FloatArray, peak: float, scale: float = 1.0, seconds: float = 0.0) -> FloatArray:
+        """(F, N) what is left of ``gaps`` (2, N), the last two that were seen; ``scale`` of them makes a radian."""
+        speed, seconds = (gaps[1] - gaps[0]) * self.rate, seconds or self.seconds
+        halting = float(halts_of(np.array([np.linalg.norm(speed)]) / scale, np.array([peak]), seconds)[0])
         place, pace = place_left(self.times, seconds), pace_left(self.times, halting)
         return np.asarray(place[:, None] * gaps[1] + pace[:, None] * speed)
 
-    def foot(self, side: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """How far a foot is aside over the ground (F, 3), and its ankles, feet and toes.
+    @cached_property
+    def aside(self) -> FloatArray:
+        """(2, 2, 3) metres from where what each foot turns about is by itself to where it was seen, in two frames."""
+        gaps = []
+        for side in range(2):
+            pivot = self.pivot(side)
+            seen, own = (each.ankles[side] + each.feet[side] @ pivot for each in (self.seen, self.own))
+            gaps.append(seen - own)
+        return np.array(gaps)
 
-        It is turned about its ball or, while that does not stand, about its heel.
-        """
-        footing, first, own, seen = self.standing.footing, self.first, self.own, self.seen
-        pivot = self._pivot(side)
-        places = footing.ankles[side, first:, :3] + footing.feet[side, first:] @ pivot
-        gaps = seen.ankles[side] + seen.feet[side] @ pivot - own.ankles[side] - own.feet[side] @ pivot
-        turns, bends = _gaps(own.feet[side], seen.feet[side]), _gaps(own.toes[side], seen.toes[side])
-        lifted, seconds = _flight(footing.states[side, first - 1 :] != 0, self.rate)
-        off, of_foot, of_toes = (self.left(each, GOES_ALONG if lifted else seconds) for each in (gaps, turns, bends))
-        if lifted:
-            kept = place_left(self.times - lifted / self.rate, seconds)
-            off[:, :2] = kept[:, None] * gaps[1, :2]
-            of_foot[:, 2] = of_toes[:, 2] = kept * turns[1, 2]
-        feet, toes = _turn(of_foot, footing.feet[side, first:]), _turn(of_toes, footing.toes[side, first:])
-        return off * [1.0, 1.0, 0.0], places + off - feet @ pivot, feet, toes
-
-    def _pivot(self, side: int) -> FloatArray:
-        """(3,) in the foot's axes, from its ankle."""
-        body, state = self.standing.morphology.still, self.standing.footing.states[side, self.first - 1]
-        if state == HEEL:
+    def pivot(self, side: int) -> FloatArray:
+        """(3,) in the foot's axes, from its ankle: its heel while that alone stands, else its ball."""
+        body = self.standing.morphology.still
+        if self.seen.states[side] == HEEL:
             return np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
         return np.asarray(body.foot[side])
 
-    def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Root by ``goes`` (F, 3), trunk, head and arms joint by joint, in place; legs are put later."""
-        layout, own, seen = self.standing.morphology.layout, self.own.rotations, self.seen.rotations
+    @cached_property
+    def flights(self) -> tuple[Flight, ...]:
+        """When each foot is in the air to where the motion has it."""
+        ways = np.linalg.norm(self.aside[:, 1], axis=1) / self.leg
+        joints = np.linalg.norm(self.turns[1], axis=1)
+        turns = [abs(_gaps(self.own.feet[side], self.seen.feet[side])[1, 2]) for side in range(2)]
+        stepping = [seconds_of(np.array(each), leg[:2]) for *each, leg in zip(ways, turns, self.legs, strict=True)]
+        swinging = [seconds_of(joints[legs], self.peaks[legs]) for legs in self.leg_segments]
+        needed = np.array([stepping, swinging])
+        own = self.standing.footing.states[:, self.first :]
+        return flights_of(own, self.seen.states, ways, needed, self.given, self.rate)
+
+    @property
+    def leg_segments(self) -> tuple[slice, slice]:
+        legs = self.standing.morphology.layout.spine_count + 10
+        return slice(legs, legs + 4), slice(legs + 4, legs + 8)
+
+    def footing(
+        self, motion: NormalizedMotion, bases: Sequence[_LedFoot], positions: FloatArray, rotations: FloatArray
+    ) -> Footing:
+        """Where the feet of a led body are: in the air as the joints of its legs have them, else at their ``bases``."""
+        own, on = self.standing.footing, slice(self.first, None)
+        states, comforts, ankles = own.states.copy(), own.comforts.copy(), own.ankles.copy()
+        feet, toes = own.feet[:].copy(), own.toes[:].copy()
+        for side, flight in enumerate(self.flights):
+            foot = self.swung_foot(side, flight, bases[side], positions, rotations)
+            ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
+            states[side, : self.first], states[side, on] = self.seen.states[side], self.states(side, flight)
+        comforts[:, on] += place_left(self.times, self.seconds) * (self.seen.comforts[:, None] - comforts[:, on])
+        _, runs = leg_stretches(motion, states)
+        return replace(own, states=states, comforts=comforts, runs=runs, ankles=ankles, feet=feet, toes=toes)
+
+    def states(self, side: int, flight: Flight) -> NDArray[np.int64]:
+        """(F,) how a foot stands from the change on."""
+        own = self.standing.footing.states[side, self.first :]
+        return states_of(own, int(self.seen.states[side]), flight, round(self.settling(side) * self.rate))
+
+    def settling(self, side: int) -> float:
+        """Seconds in which a foot that stands comes to lie as it does by itself: on its heel, until that is lifted."""
+        if self.seen.states[side] != HEEL:
+            return self.seconds
+        off = np.flatnonzero(self.standing.footing.states[side, self.first :] & HEEL == 0)
+        return min(self.seconds, max(int(off[0]), 2) / self.rate) if len(off) else self.seconds
+
+    def held_foot(self, side: int, flight: Flight) -> _LedFoot:
+        """It stands aside until it is lifted, then what is different dies away until it lands."""
+        footing, own, seen = self.standing.footing, self.own, self.seen
+        ankles, feet, toes = (
+            each[side, self.first :] for each in (footing.ankles[..., :3], footing.feet, footing.toes)
+        )
+        if not flight.held:
+            return _LedFoot(ankles, feet, toes, np.zeros_like(ankles))
+        pivot, gaps, (leg, ankle, ball) = self.pivot(side), self.aside[side], self.legs[side].tolist()
+        turns, bends = _gaps(own.feet[side], seen.feet[side]), _gaps(own.toes[side], seen.toes[side])
+        kept = place_left(self.times - flight.leaves / self.rate, flight.seconds)
+        lies = self.settling(side)
+        off = self.left(gaps, leg, self.leg)
+        of_foot, of_toes = self.left(turns, ankle, 1.0, lies), self.left(bends, ball, 1.0, lies)
+        off[:, :2] = kept[:, None] * gaps[1, :2]
+        heading = (kept - place_left(self.times, lies)) * turns[1, 2]
+        of_foot[:, 2] += heading
+        of_toes[:, 2] += heading
+        carries = off * [1.0, 1.0, 0.0]
+        if flight.height > 0.0:  # who steps with both feet goes there in one way
+            lands = max(each.lands for each in self.flights if each.height > 0.0)
+            carries[:, :2] = place_left(self.times, lands / self.rate)[:, None] * gaps[1, :2]
+        off[:, 2] += flight.rise(self.times, self.rate) * self.leg
+        led_feet, led_toes = _turn(of_foot, feet), _turn(of_toes, toes)
+        return _LedFoot(ankles + feet @ pivot + off - led_feet @ pivot, led_feet, led_toes, carries)
+
+    def carried(self, bases: Sequence[_LedFoot], positions: FloatArray) -> FloatArray:
+        """(F,) metres by which a body whose joints are led rises for standing legs to be as long as their joints have
+        them: knees that are nearly straight go as joints do.
+        """
+        layout, ways, shares = self.standing.morphology.layout, [], []
+        for side, (flight, base) in enumerate(zip(self.flights, bases, strict=True)):
+            hips, ankles = (positions[self.first :, point] for point in (layout.hip(side), layout.ankle(side)))
+            off = base.ankles - hips
+            below = np.sum((ankles - hips) ** 2, axis=1) - np.sum(off[:, :2] ** 2, axis=1)
+            ways.append(off[:, 2] + np.sqrt(np.maximum(below, 0.0)))
+            shares.append(flight.carries(self.times, self.rate))
+        both = np.array(shares) / (1.0 + shares[0] * shares[1])
+        return np.asarray((both * np.array(ways)).sum(axis=0))
+
+    def drops(
+        self, motion: NormalizedMotion, footing: Footing, positions: FloatArray, rotations: FloatArray
+    ) -> FloatArray:
+        """(F,) metres by which the root comes down for legs to reach feet that stand aside; not at once."""
+        on = slice(self.first, None)
+        rows, needed = self.standing.morphology.rows, np.empty(len(self.times))
+        ankles = footing.ankles[:, on, :3] - positions[on, 0]
+        hip_heights(
+            motion.channels[on], rows if len(rows) == 1 else rows[on], rotations[on], ankles,
+            np.ascontiguousarray(footing.comforts[:, on]), np.ascontiguousarray(footing.states[:, on]), needed,
+        )  # fmt: skip
+        return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, SHORTEST))
+
+    def swung_foot(
+        self, side: int, flight: Flight, base: _LedFoot, positions: FloatArray, rotations: FloatArray
+    ) -> _LedFoot:
+        """In the air it goes as the joints of its leg do, of a body that is led: from its ``base``, and back there."""
+        if flight.height > 0.0:
+            return base
+        layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
+        segment = layout.spine_count + 12 + 4 * side
+        feet, toes = (
+            _turn(free * _ways(part, rotations[self.first :, segment + off]), part)
+            for off, part in enumerate((base.feet, base.toes))
+        )
+        ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
+        return _LedFoot(ankles, feet, toes, base.carries)
+
+    def lead_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
+        """Root by ``goes`` (F, 3), and it and all joints by what is left of where they were, in place.
+
+        Legs are put on their ankles later. The frames are given back in which joints are led.
+        """
+        layout = self.standing.morphology.layout
         parents, proximal = layout.parent_segments(), layout.proximal_points()
-        near = slice(self.first, self.first + int(np.searchsorted(self.times, GOES_ALONG, "right")) + 1)
+        gaps = self.seen.positions[:, 0] - self.own.positions[:, 0] - goes[0]
+        goes = goes + self.left(gaps, self.legs[:, 0].min(), self.leg)
+        near = slice(self.first, self.first + int(np.searchsorted(self.times, self.seconds, "right")) + 1)
         led = _Led(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
         count = len(led.places)
         led.places[:, 0] += goes[:count]
-        led.turns[:, 0] = self._turned(led.old_turns[:, 0], own[:, 0], seen[:, 0])
-        for segment in range(1, layout.spine_count + 10):
+        seconds = np.zeros(len(self.peaks))  # a leg in the air has until it lands
+        for legs, flight in zip(self.leg_segments, self.flights, strict=True):
+            seconds[legs] = 0.0 if flight.held else flight.seconds
+        for segment in range(len(self.peaks)):
+            left = self.left(self.turns[:, segment], float(self.peaks[segment]), 1.0, seconds[segment])[:count]
+            if segment == 0:
+                led.turns[:, 0] = _turn(left, led.old_turns[:, 0])
+                continue
             carrier = parents[segment]
             led.carry(proximal[segment], carrier, proximal[carrier])
-            local = (_local(each, carrier, segment) for each in (led.old_turns, own, seen))
-            led.turns[:, segment] = led.turns[:, carrier] @ self._turned(*local)
-        hands = ((layout.wrist(side) + 1, layout.spine_count + 5 + 4 * side) for side in range(2))
-        for end, segment in ((layout.head_end, layout.spine_count + 1), *hands):
+            local = np.swapaxes(led.old_turns[:, carrier], 1, 2) @ led.old_turns[:, segment]
+            led.turns[:, segment] = led.turns[:, carrier] @ _turn(left, local)
+        hands = [(layout.wrist(side) + 1, layout.spine_count + 5 + 4 * side) for side in range(2)]
+        toes = [(layout.ankle(side) + 2, layout.spine_count + 13 + 4 * side) for side in range(2)]
+        for end, segment in ((layout.head_end, layout.spine_count + 1), *hands, *toes):
             led.carry(end, segment, proximal[segment])
         positions[near.stop :] += goes[count:, None]
-
-    def _turned(self, turns: FloatArray, own: FloatArray, seen: FloatArray) -> FloatArray:
-        """``turns`` (N, 3, 3) led from how they were ``seen`` (2, 3, 3)."""
-        return _turn(self.left(_gaps(own, seen))[: len(turns)], turns)
+        return near
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,27 +369,28 @@ class _Led:
         self.places[:, point] = self.places[:, origin] + (turn @ arm[:, :, None])[:, :, 0]
 
 
-def _flight(stands: NDArray[np.bool_], rate: float) -> tuple[int, float]:
-    """After how many frames a foot that ``stands`` (1 + F,) is lifted, 0 for one in the air, and its seconds until it
-    is where the motion has it: before it stands again.
-    """
-    changes = np.flatnonzero(np.diff(stands)) + 1
-    ends = [*changes.tolist(), len(stands), len(stands), len(stands)]
-    at = int(bool(stands[0]))
-    if not stands[0] and ends[0] / rate < HURRIED:
-        at = 2
-    lifted = ends[at - 1] if at else 0
-    return lifted, min(GOES_ALONG, max(ends[at] - 1 - lifted, 2) / rate)
+def _turned_back(now: FloatArray, then: FloatArray) -> FloatArray:
+    """(2, ..., 3, 3) turns two frames and one frame before ``now``, after which they are ``then`` in one."""
+    back = now @ np.swapaxes(then, -1, -2)
+    return np.stack([back @ back @ now, back @ now])
 
 
-def _local(turns: FloatArray, carrier: int, segment: int) -> FloatArray:
-    """(N, 3, 3) a segment in the axes of its carrier."""
-    return np.asarray(np.swapaxes(turns[:, carrier], 1, 2) @ turns[:, segment])
+def _in_carriers(rotations: FloatArray, carriers: NDArray[np.int64]) -> FloatArray:
+    """(N, S, 3, 3) segments in the axes of their carriers, the pelvis in the world's."""
+    local = rotations[:].copy()
+    local[:, 1:] = np.swapaxes(rotations[:, carriers[1:]], 2, 3) @ rotations[:, 1:]
+    return np.asarray(local)
 
 
 def _gaps(own: FloatArray, seen: FloatArray) -> FloatArray:
-    """(2, 3) rotation vectors from ``own`` turns (2, 3, 3) to how they were ``seen``."""
+    """(N, 3) rotation vectors from ``own`` turns (N, 3, 3) to how they were ``seen``."""
     return np.asarray(Rotation.from_matrix(seen @ np.swapaxes(own, 1, 2)).as_rotvec())
+
+
+def _ways(own: FloatArray, led: FloatArray) -> FloatArray:
+    """(F, 3) the same over time: from the last frame backwards they go on, where the shorter way would change."""
+    turns = sign_continuous(from_matrix(led @ np.swapaxes(own, 1, 2))[::-1])[::-1]
+    return rotation_vectors(turns * np.where(turns[-1, 3] < 0.0, -1.0, 1.0))
 
 
 def _turn(vectors: FloatArray, turns: FloatArray) -> FloatArray:

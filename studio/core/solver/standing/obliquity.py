@@ -2,10 +2,10 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import AnyMorphology
 from studio.core.kernels.support.gaps import fill_gaps
+from studio.core.kernels.support.obliquity import turn_pelvis
 from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, averaged, freedom
 
 FloatArray = NDArray[np.float64]
@@ -27,26 +27,15 @@ def dip_pelvis(
     Feet that stand ``off`` (2, F, 3) want their hips at different heights; two straight legs have no other way to both.
     ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
     """
-    hips, legs = [body.layout.hip(side) for side in range(2)], body.layout.hip(0)
-    stands = states != 0
+    stands, moved = states != 0, np.zeros_like(off)
     if not stands.any(axis=1).all():
-        return np.zeros_like(off)
+        return moved
     wanted = off.copy()
     for side in range(2):
         fill_gaps(wanted[side], stands[side])
-    apart = positions[:, hips[0]] - positions[:, hips[1]]
-    gain = np.linalg.norm(apart, axis=1) ** 2
-    level = np.hypot(apart[:, 0], apart[:, 1])
-    both = np.prod([1.0 - freedom(each, frame_rate, GOES_ALONG) for each in stands], axis=0)
-    angles = averaged((wanted[0] - wanted[1])[:, 2:], AVERAGED, frame_rate)[:, 0] * both * level / gain
-    angles = MOST * np.tanh(angles / MOST)
-    ahead = np.column_stack([apart[:, 1], -apart[:, 0], 0.0 * level]) / np.maximum(level, 1e-9)[:, None]
-    turns = Rotation.from_rotvec(angles[:, None] * ahead).as_matrix()
-    before, root = positions[:, hips].copy(), positions[:, :1]
-    lumbar = positions[:, 1] - positions[:, 0]
-    positions[:, 1:legs] += (np.einsum("fij,fj->fi", turns, lumbar) - lumbar)[:, None]
-    rotations[:, 0] = turns @ rotations[:, 0]
-    moved = root + np.einsum("fij,fpj->fpi", turns, before - root) - before
-    for side, hip in enumerate(hips):
-        positions[:, hip : hip + 5] += moved[:, side, None]
-    return np.asarray(moved.transpose(1, 0, 2))
+    apart = averaged(wanted[0, :, 2:] - wanted[1, :, 2:], AVERAGED, frame_rate)[:, 0]
+    for each in stands:
+        apart *= 1.0 - freedom(each, frame_rate, GOES_ALONG)
+    hips = body.layout.hip(0), body.layout.hip(1)
+    turn_pelvis(hips, apart, MOST, positions, rotations, moved)
+    return moved

@@ -8,7 +8,7 @@ from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.limbs.limb import STRETCHED
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.blends import GOES_ALONG, SLOWLY_LET_GO, freedom, lacking, smooth_drops, smoothstep
+from studio.core.solver.standing.blends import SLOWLY_LET_GO, freedom, lacking, smooth_drops
 from studio.core.solver.standing.carrying import swung
 from studio.core.solver.standing.settling import Arms
 
@@ -44,27 +44,6 @@ def raise_arms(
         free = np.ones(len(positions)) if arms is None else freedom(arms.standing[side], frame_rate, SLOWLY_LET_GO)
         _raise_hand(side, free, body, ground, frame_rate, positions, rotations)
         _raise_elbow(side, free, body, ground, positions, rotations)
-
-
-def keep_posture(
-    body: AnyMorphology, arms: Arms, frame_rate: float, positions: FloatArray, rotations: FloatArray
-) -> None:
-    """Turn ``arms`` that stand about the lines from their shoulders to their wrists, in place, until both bones look as
-    much as can be as they are to: the elbow is off the line where the difference of their directions is.
-    """
-    for side in range(2):
-        wrist = body.layout.wrist(side)
-        shoulders, line = positions[:, wrist - 2], normalized(positions[:, wrist] - positions[:, wrist - 2])
-        now = _across(positions[:, wrist - 1] - shoulders, line)
-        upper, lower = np.moveaxis(normalized(arms.bones[side]), 1, 0)
-        wanted = _across(upper - lower, line)
-        angles = _angles(line, now, wanted) * _outright(now)
-        angles *= smoothstep(
-            np.minimum(np.linalg.norm(wanted, axis=1), 1.0)
-        )  # a straight arm's elbow may look anywhere
-        angles *= smoothstep(np.minimum(2.0 - 2.0 * np.abs(angles) / np.pi, 1.0))
-        angles *= 1.0 - freedom(arms.standing[side], frame_rate, GOES_ALONG)
-        _turn_arm(side, body, angles[:, None] * line, positions, rotations)
 
 
 def _angles(line: FloatArray, now: FloatArray, then: FloatArray) -> FloatArray:

@@ -38,8 +38,6 @@ FloatArray = NDArray[np.float64]
 
 SOFT, FIRM = 1e-2, 1e-4
 """Weights of a metre of travel beside a metre out of reach: while moves are averaged over time, and for the last."""
-RAISES = 3
-"""Times a foot that the shank of a standing knee drags along is raised off the ground, about that knee."""
 SWINGING_ARM = 0.95
 """Part of its length to which an arm on its way to or from the ground stretches freely."""
 KNEE_PLAY = 0.1
@@ -56,7 +54,7 @@ ROUNDS = 4
 class Arms:
     """Arms that stand now and then: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) the
     side to which the elbow goes, ``comforts`` (2, F) the part of its length to which each stretches freely, 0 where it
-    is left alone, ``standing`` (2, F) where they stand, and ``bones`` (2, F, 2, 3) as they are to look then.
+    is left alone, and ``standing`` (2, F) where they stand.
     """
 
     wrists: FloatArray
@@ -64,7 +62,6 @@ class Arms:
     bends: FloatArray
     comforts: FloatArray
     standing: NDArray[np.bool_]
-    bones: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +107,7 @@ def settle(
     positions[:], rotations[:] = places, turns
     for hold in _kneeling_of(kept):
         _let_go_of_knees(hold, footing, motion, body, positions, rotations)
-    return footing, _arms(kept, carrying.bones, motion, body, positions, rotations), tuple(kept.values())
+    return footing, _arms(kept, motion, body, positions, rotations), tuple(kept.values())
 
 
 def _kneeling_of(holds: dict[ContactPoint, Hold]) -> list[Hold]:
@@ -144,7 +141,7 @@ def _settled(
             links.add(hip - roots, knee, legs[:, 0] - play, legs[:, 0] + play)
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point in holds:
-            free, shoulder = freedom(holds[point].standing, rate), positions[:, layout.wrist(side) - 2]
+            free, shoulder = freedom(holds[point].standing, rate, LET_GO), positions[:, layout.wrist(side) - 2]
             arms = arm_rows(body, side)
             reach = reach_of(motion, body, side) + run_out(free) * arms.sum(axis=1)
             wrists = holds[point].displaced(track_of(point, body, positions), rate)
@@ -262,10 +259,9 @@ def _kneeling(
         placed = placed + by_toe * (tip + length * normalized(placed - tip) - placed)
         turned = normalized(tip - ankle - toe * (placed - ankle))
         feet[side] = shortest_arc(normalized(to_toe), turned) @ feet[side]
-        for _ in range(RAISES):
-            raised = _kept_above(placed, feet[side], toes[side], soles, states, ground, frame_rate)
-            swung = shank * (normalized(raised - knees) - normalized(placed - knees))
-            placed = raised + firm * (placed + swung - raised)
+        raised = _kept_above(placed, feet[side], toes[side], soles, states, ground, frame_rate)
+        swung = shank * (normalized(raised - knees) - normalized(placed - knees))
+        placed = raised + firm * (placed + swung - raised)
         ankles[side] = np.concatenate([placed, knees, firm], axis=1)
         comforts[side] = _eased_off(comforts[side], firm[:, 0])
     return replace(footing, ankles=ankles, feet=feet, toes=toes, comforts=comforts)
@@ -355,7 +351,6 @@ def _on_both(
 
 def _arms(
     holds: dict[ContactPoint, Hold],
-    bones: FloatArray,
     motion: NormalizedMotion,
     body: AnyMorphology,
     positions: FloatArray,
@@ -380,4 +375,4 @@ def _arms(
         comforts[side] = np.where(placed, stretch - free * np.maximum(stretch - SWINGING_ARM, 0.0), 0.0)
         for first, past in runs_of(placed):
             bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
-    return Arms(wrists, hands, bends, comforts, standing, bones)
+    return Arms(wrists, hands, bends, comforts, standing)

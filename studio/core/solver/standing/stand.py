@@ -26,7 +26,7 @@ from studio.core.solver.asking.self_contact import SelfContact, hands_standing, 
 from studio.core.solver.request import AdaptRequest, Unasked
 from studio.core.solver.standing.carrying import Hold, find_carrying, limb_freedom
 from studio.core.solver.standing.footing import Footing, find_footing
-from studio.core.solver.standing.raised_arms import keep_posture, raise_arms
+from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.settling import Arms, settle
 from studio.core.solver.standing.shown_floor import shown_floor
 
@@ -156,8 +156,6 @@ def stand_but_for_arms(request: AdaptRequest) -> Standing:
     if arms is not None:
         stance = records.Arms(motion.channels, arms.comforts, arms.wrists, arms.hands, arms.bends)
         place_arms(measures, stance, positions, rotations)
-        if ground.is_level:
-            keep_posture(morphology, arms, motion.frame_rate, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
     self_contact = self_contact_of(motion, morphology, touches, volume, actor, request.clears)
     known = contacts, ground

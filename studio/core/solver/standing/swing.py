@@ -29,7 +29,7 @@ WORTH = np.array([1.0, 1.0, 0.08])
 PACE = 0.3
 """Seconds in which a way out may as well be gone as kept."""
 HURRIED = 0.12
-"""Seconds from a contact within which it costs ever more to be elsewhere; a foot that is led on stays its course."""
+"""Seconds from a contact within which it costs ever more to be elsewhere."""
 STIFF = 0.01
 """Seconds within which a path bends round what stands in it; longer where that would accelerate it too much."""
 SOFTER, SOFTENINGS, AROUND = 1.5, 8, 0.1

@@ -1,0 +1,103 @@
+"""When feet are in the air as one motion takes over from another: they stand on, step, or land where it has them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.normalized.compose import STEP_HEIGHT, STEP_HEIGHTS, STEP_SECONDS
+from studio.core.normalized.joining import SAME_PLACE
+from studio.core.normalized.transition import SHORTEST, place_left
+from studio.core.runs import runs_of
+
+FloatArray = NDArray[np.float64]
+States = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A foot leaves the ground in frame ``leaves`` after the change, 0 at once, and stands again in ``lands``.
+
+    What is different of it dies away in ``seconds``; ``height`` in leg lengths is what it is lifted for that. It was
+    ``held`` where it stood until it left.
+    """
+
+    leaves: int
+    lands: int
+    seconds: float
+    height: float = 0.0
+    held: bool = False
+
+    def free(self, times: FloatArray, rate: float) -> FloatArray:
+        """(F,) in [0, 1] how far it is off the ground, or of what it comes from, ``times`` seconds after the change."""
+        lifted = 1.0 - place_left(times - self.leaves / rate, self.seconds) if self.held else 1.0
+        return np.asarray(lifted * place_left(times - (self.lands / rate - self.seconds), self.seconds))
+
+    def carries(self, times: FloatArray, rate: float) -> FloatArray:
+        """(F,) in [0, 1] how far its leg carries the body: no more as it leaves, again once it has landed."""
+        until = place_left(times - (self.leaves / rate - SHORTEST), SHORTEST) if self.held else 0.0
+        return np.asarray(until + 1.0 - place_left(times - self.lands / rate, SHORTEST))
+
+    def rise(self, times: FloatArray, rate: float) -> FloatArray:
+        """(F,) leg lengths by which it is lifted ``times`` seconds after what was seen last."""
+        share = np.clip((times - self.leaves / rate) / self.seconds, 0.0, 1.0)
+        return np.asarray(self.height * (4.0 * share * (1.0 - share)) ** 2)
+
+
+def flights_of(
+    own: States, seen: States, ways: FloatArray, needed: FloatArray, given: float, rate: float
+) -> tuple[Flight, ...]:
+    """The flight of each foot, which the motion lets stand as ``own`` (2, F) has it, and which was ``seen`` (2,) last.
+
+    ``ways`` (2,) leg lengths that it is aside, ``needed`` (2, 2) seconds to get there from the ground, and through the
+    air; steps take ``given`` seconds all together, 0 as many as they need. One foot steps after the other.
+    """
+    flights: dict[int, Flight] = {}
+    standing = (seen != 0) & (own[:, 0] != 0) & ((seen & own[:, 0]) != 0)
+    steps = standing & (ways >= SAME_PLACE)
+    free = 0
+    for side in sorted(range(2), key=lambda side: bool(standing[side])):
+        if standing[side] and not steps[side]:
+            flights[side] = _lifted(own[side], needed[0, side], rate)
+            continue
+        leaves, height, seconds = 0, 0.0, needed[1, side]
+        if steps[side]:
+            leaves = min(free, _run(own[side]))
+            seconds = given / steps.sum() or max(needed[0, side], STEP_SECONDS + 2.0 * ways[side])
+            height = float(np.clip(STEP_HEIGHT * ways[side], *STEP_HEIGHTS))
+        lands = _landing(own[side], leaves + round(seconds * rate))
+        flights[side] = Flight(leaves, lands, seconds, height, bool(standing[side]))
+        free = max(free, lands)
+    return flights[0], flights[1]
+
+
+def states_of(own: States, seen: int, flight: Flight, settles: int) -> States:
+    """(F,) how a foot stands: as it does by itself, but for its flight; no more of it than was ``seen`` to stand while
+    it settles.
+    """
+    states = own.copy()
+    held = states[: min(flight.leaves, settles, _run(own))]
+    both = held & seen
+    held[both != 0] = both[both != 0]
+    states[flight.leaves : flight.lands] = 0
+    return states
+
+
+def _run(states: States) -> int:
+    """Frames for which a foot stands on."""
+    lifted = np.flatnonzero(states == 0)
+    return int(lifted[0]) if len(lifted) else len(states)
+
+
+def _lifted(own: States, needed: float, rate: float) -> Flight:
+    """The first flight of the motion itself that lasts long enough: until then it goes aside."""
+    for leaves, lands in runs_of(own == 0):
+        if lands - leaves >= SHORTEST * rate or lands == len(own):
+            return Flight(leaves, lands, min(needed, (lands - leaves) / rate), held=True)
+    return Flight(len(own), len(own), needed, held=True)
+
+
+def _landing(own: States, earliest: int) -> int:
+    """The frame in which the motion has a foot stand that lands no earlier than that."""
+    stands = np.flatnonzero(own[earliest:])
+    return earliest + int(stands[0]) if len(stands) else len(own)
