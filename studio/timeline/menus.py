@@ -73,7 +73,7 @@ def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPoi
     shown = canvas.shown
     if shown is None:
         return
-    on_name = hit.part == Part.LABEL
+    on_name = hit.part != Part.EMPTY  # the name, or the triangle before it
     time = shown.document.playhead.time
     frame = round(shown.subject.motion_frame(time) if on_name else shown.frame_at(position.x()))
     if not on_name:

@@ -109,6 +109,15 @@ def test_the_menu_of_a_foot_adds_and_that_of_a_contact_deletes(document, timelin
     assert set(document.project.contacts) == {"early", "late"}
 
 
+@pytest.mark.parametrize("x", [3, 60])
+def test_the_menu_of_a_foots_name_and_of_its_triangle_adds_at_the_playhead(document, timeline, x):
+    document.playhead.set_frame(40)
+    row = timeline.row_rect("lane", "left foot")
+    [others] = menu_at(timeline.tracks, QPointF(x, row.center().y())).actions()
+    others.menu().actions()[0].trigger()
+    assert contact_frames(document, document.selection.current[1]) == (31, 49)
+
+
 def test_a_hand_that_touches_gets_a_row_and_is_trimmed_as_a_foot(document, timeline, hand):
     assert timeline.row_rect("lane", "hands").isEmpty()
     menu = menu_at(timeline.tracks, QPointF(in_lane(timeline, 40)))
