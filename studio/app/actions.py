@@ -111,35 +111,35 @@ FILE = (
         "save_increment", "File", "Save increment", files.save_increment, ("Ctrl+Alt+S",),
         "Write the next numbered version beside this one", ends_group=True,
     ),
-    Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture; or drop it here"),
+    Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture, or drop it here"),
     Action("import_character", "File", "Import character…", files.import_character, ("Ctrl+Shift+I",),
-           "Read an H-Anim, glTF or VRM character or one of our own; or drop it here"),
+           "Read a character, or drop it on the window"),
     Action(
         "export", "File", "Export…", files.export, ("Ctrl+E",),
         "Write the selected bodies, or all that are shown; the motion itself; a film of the view", _performing,
     ),
     Action("batch", "File", "Adapt a folder…", files.adapt_folder,
-           tooltip="Every capture of a folder, on many processes", ends_group=True),
+           tooltip="Adapt every capture of a folder, in several processes", ends_group=True),
     Action("quit", "File", "Quit", files.leave, ("Ctrl+Q",), "Close the studio"),
 )  # fmt: skip
 
 EDIT = (
     Action(
-        "undo", "Edit", "Undo", editing.undo, ("Ctrl+Z",), "Take the last step back",
+        "undo", "Edit", "Undo", editing.undo, ("Ctrl+Z",), "Undo the last step",
         lambda bench: bench.document.undo_stack.canUndo(), repeats=True,
     ),
     Action(
-        "redo", "Edit", "Redo", editing.redo, ("Ctrl+Shift+Z", "Ctrl+Y"), "Do again what was taken back",
+        "redo", "Edit", "Redo", editing.redo, ("Ctrl+Shift+Z", "Ctrl+Y"), "Redo what was undone",
         lambda bench: bench.document.undo_stack.canRedo(), repeats=True, ends_group=True,
     ),
     Action("delete", "Edit", "Delete", editing.delete, ("Del", "Backspace"), "Remove what is selected", _any_selected),
-    Action("escape", "Edit", "Select nothing", editing.escape, ("Esc",), "Leave what was begun"),
+    Action("escape", "Edit", "Select nothing", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
-        tooltip="What was read and guessed of the motion that plays", enabled=_performing,
+        tooltip="What was read and what was guessed from the file of this motion", enabled=_performing,
     ),
     Action(
-        "markers", "Edit", "Markers…", open_markers, tooltip="Which marker of an optical capture is what; its signals",
+        "markers", "Edit", "Markers…", open_markers, tooltip="Markers of an optical capture, and its signals",
         enabled=has_markers,
     ),
     Action("ground", "Edit", "Edit ground", editing.select_ground, tooltip="Show the ground in the inspector"),
@@ -160,12 +160,12 @@ CLIP = (
     Action("add_layer", "Clip", "Add layer…", clips.add_layer,
            tooltip="A motion over the upper body, or another part, of the selected bodies", enabled=_performing),
     Action("split_clip", "Clip", "Split clip at playhead", clips.split, ("Ctrl+B",),
-           "The clip becomes two that play as the one did", _clip_chosen),
+           "Cut the clip in two; it plays as before", _clip_chosen),
     Action("mirror_clip", "Clip", "Mirror clip", clips.mirror, ("Ctrl+M",), "Left is right", _clip_chosen),
     Action("duplicate_clip", "Clip", "Duplicate clip", clips.duplicate, tooltip="A copy that plays after it",
            enabled=_clip_chosen),
     Action("own_clip", "Clip", "Make clip the body's own", clips.make_own,
-           tooltip="Several bodies play it; this one's is edited alone from now on", enabled=_clip_shared),
+           tooltip="Separate this body's clip from that of the others that play it", enabled=_clip_shared),
 )  # fmt: skip
 
 
@@ -181,9 +181,9 @@ CONSTRAINT = (
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
     Action("add_box", "Constraint", "Add box", props.add_box,
-           tooltip="A prop ahead of the body, for targets to follow", enabled=_viewing),
+           tooltip="A prop in front of the body, for targets to follow", enabled=_viewing),
     Action("add_prop", "Constraint", "Add prop…", props.choose,
-           tooltip="A box, ball, stick, table, stairs or a mesh file ahead of the body", enabled=_viewing),
+           tooltip="A box, ball, stick, table, stairs or a mesh file in front of the body", enabled=_viewing),
     Action("hold_prop", "Constraint", "Hold prop in both hands", props.hold,
            tooltip="The active body carries the selected prop, a hand on either side, at any size",
            enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
@@ -195,10 +195,10 @@ CONSTRAINT = (
     Action("find_strike", "Constraint", "Find a strike in the library…", show_strikes, ("Ctrl+F",),
            "Which clip of the motion library hits a box best, and why", _performing),
     Action("label_strike", "Constraint", "Label strike…", label_strike,
-           tooltip="Confirm or correct where the chosen strike is cut, when it hits, limb and kind",
+           tooltip="Confirm or correct the cut, hit, limb and kind of the chosen strike",
            enabled=strike_chosen),
     Action("pose_map", "Constraint", "Map of the library's poses", show_map,
-           tooltip="Figures of all kinds of poses in the motion library; click one to list its clips", ends_group=True),
+           tooltip="The poses of the motion library as figures; click one to list its clips", ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
            "Copy the selected constraints, the clip, or the states of a behaviour", _copyable),
 )  # fmt: skip
@@ -215,7 +215,7 @@ BEHAVIOUR = (
 PLAY = (
     Action("play", "Play", "Play or pause", playback.toggle, ("Space",)),
     Action("play_live", "Play", "Play live", playing_live.toggle, ("Shift+Space",),
-           "The stage plays on by itself: keys 1 to 9 start clips of the selected body, all may be edited meanwhile",
+           "The stage plays by itself: keys 1 to 9 start clips, everything can be edited meanwhile",
            _ready, lambda bench: bench.live.play.running),
     Action("record_take", "Play", "Record a take", playing_live.record, ("R",),
            "What is played live becomes clips and keyed targets", lambda bench: bench.live.play.running,
@@ -228,21 +228,21 @@ PLAY = (
            enabled=_keyed),
     Action("previous_event", "Play", "Previous contact or key", playback.previous_event, ("Up", ","), repeats=True,
            enabled=_keyed, ends_group=True),
-    Action("range_from_here", "Play", "Range from here", playback.range_from_here, ("I",)),
-    Action("range_to_here", "Play", "Range to here", playback.range_to_here, ("O",)),
+    Action("range_from_here", "Play", "Start range here", playback.range_from_here, ("I",)),
+    Action("range_to_here", "Play", "End range here", playback.range_to_here, ("O",)),
     Action("whole_range", "Play", "Whole range", playback.whole_range, ("Shift+O",), enabled=_performing,
            ends_group=True),
-    Action("shuttle_back", "Play", "Play backwards", playback.shuttle_back, ("J",), "Again: twice as fast"),
+    Action("shuttle_back", "Play", "Play backwards", playback.shuttle_back, ("J",), "Again: twice the speed"),
     Action("stop", "Play", "Stop", playback.stop, ("K",)),
-    Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Again: twice as fast"),
-    Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Begin again at the end of the range",
+    Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Again: twice the speed"),
+    Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Start over at the end of the range",
            checked=lambda bench: bench.document.playhead.loop),
 )  # fmt: skip
 
 LIVE = (
     Action("live_panel", "Play", "Live input and output…", show_live, ("Ctrl+Shift+L",),
-           "Bodies and trackers that come in by VMC, what they drive, and what goes out"),
-    Action("stream", "Play", "Stream bodies as VMC", toggle_streaming, tooltip="To where the Live panel says",
+           "Bodies and trackers received by VMC, what they drive, and what is sent out"),
+    Action("stream", "Play", "Stream bodies as VMC", toggle_streaming, tooltip="To the address set in the Live panel",
            checked=is_streaming, ends_group=True),
 )  # fmt: skip
 
@@ -259,10 +259,10 @@ VIEW = (
     Action("perspective", "View", "Perspective", view.perspective, ("0",), "Three-quarter view", _viewing,
            ends_group=True),
     Action("follow", "View", "Camera follows character", view.toggle_following, ("Shift+F",),
-           "The camera goes with the selected character, or the first one", _viewing,
+           "Keep the camera on the selected character, or on the first one", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.following),
     Action("side_by_side", "View", "Stereo, side by side", view.toggle_stereo(Stereo.SIDE_BY_SIDE),
-           tooltip="A picture for each eye, the left one's at the left", enabled=_viewing,
+           tooltip="A picture for each eye, side by side", enabled=_viewing,
            checked=lambda bench: _viewing(bench) and bench.viewport.sight.stereo is Stereo.SIDE_BY_SIDE),
     Action("anaglyph", "View", "Stereo, red and cyan", view.toggle_stereo(Stereo.ANAGLYPH),
            tooltip="One picture for red and cyan glasses", enabled=_viewing,
@@ -278,15 +278,21 @@ VIEW = (
     Action("marker_names", "View", "Names of markers", view.toggle_marker_names, (), "Every marker with its name",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.recording.named, ends_group=True),
     Action("fold_rows", "View", "Fold timeline rows", view.fold_rows, ("Shift+T",),
-           "Constraints and plot a line high each, or as high as they were", _keyed),
-    Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Title bars by which panels can be moved",
+           "Show constraints and plot as single lines, or at full height", _keyed),
+    Action("arrange", "View", "Arrange panels", view.arrange, tooltip="Show title bars, so that panels can be moved",
            checked=lambda bench: bool(bench.window and bench.window.arranging)),
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
 )  # fmt: skip
 
 HELP = (
     Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find anything by its name"),
-    Action("formats", "Help", "Kinds of files", view.formats, tooltip="What can be read and written, and what failed"),
+    Action(
+        "formats",
+        "Help",
+        "Kinds of files",
+        view.formats,
+        tooltip="The kinds of files that can be read and written, and those that failed to load",
+    ),
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )
 

@@ -151,7 +151,7 @@ class BatchDialog(QDialog):
 
     def _cancelled(self, task: int) -> None:
         if task == self._task:
-            self._end("Stopped. What is done is kept; Adapt goes on from there.")
+            self._end("Stopped. Finished files are kept; Adapt continues from there.")
 
     def _end(self, words: str) -> None:
         self._task = -1

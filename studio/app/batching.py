@@ -64,7 +64,7 @@ def _answer(text: str, last: str) -> dict[str, Any]:
     try:
         answer: dict[str, Any] = json.loads(text)
     except ValueError:
-        raise StudioError(f"The batch ended without an answer. It said last: {last or 'nothing'}") from None
+        raise StudioError(f"The batch process ended without an answer. Its last message: {last or 'nothing'}") from None
     if "error" in answer:
         raise StudioError(str(answer["error"]))
     return answer

@@ -34,7 +34,7 @@ def import_character(bench: Workbench, path: Path) -> int:
         try:
             return load_character(path, GUESS_ALL, progress)
         except StudioError as error:
-            alone = " A motion alone comes by Import motion." if format_of(path, *JOBS).capture_reader else ""
+            alone = " To read a motion, use Import motion." if format_of(path, *JOBS).capture_reader else ""
             raise StudioError(f"{error}{alone} {UNCHANGED}") from error
 
     task: int = bench.runner.run(f"Opening {path.name}", work, done)

@@ -54,4 +54,4 @@ class Labelling:
             if self._number == number:
                 self.form.tell_confirmed()
 
-        self._striking.bench.runner.run("Keeping the label", work, done)
+        self._striking.bench.runner.run("Saving the label", work, done)

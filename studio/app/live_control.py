@@ -256,7 +256,9 @@ class LiveControl:
         """Let the head that is followed look at the stage through the screen, as from the camera where it is now."""
         place = self._head()
         if on and place is None:
-            self.bench.said.emit("No head is heard. In the Live panel, listen to a port and choose its head to follow.")
+            self.bench.said.emit(
+                "No head is being tracked. In the Live panel, listen to a port and choose the head to follow."
+            )
             return
         self.head_from = place if on else None
         if not on:

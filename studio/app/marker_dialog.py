@@ -84,7 +84,7 @@ class MarkerDialog(QDialog):
         row.setContentsMargins(SIDE, SIDE, SIDE, 0)
         self.words = labelled("", "hint")
         self.apply = press_button("Apply", self.solve, "main")
-        self.apply.setToolTip("Find the body anew with this map and these steps")
+        self.apply.setToolTip("Find the body again with this map and these steps")
         row.addWidget(self.words, 1)
         row.addWidget(self.apply)
         row.addWidget(press_button("Close", self.close))

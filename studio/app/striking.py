@@ -92,7 +92,7 @@ class Striking:
                 more = (
                     f" {len(report.problems) - 1} others could not be used either." if len(report.problems) > 1 else ""
                 )
-                self.bench.said.emit(f"{Path(name).name}: {problem}{more} All else was taken.")
+                self.bench.said.emit(f"{Path(name).name}: {problem}{more} Everything else was added.")
 
         task: int = self.bench.runner.run(f"Indexing {folder.name}", work, done)
         return task
@@ -155,7 +155,7 @@ class Striking:
         asked = self._asked(performer_id, time)
         if asked is None or self.library is None:
             raise StudioError(
-                f"{name} plays nothing yet, or the target is not seen. Let both be solved, then try again."
+                f"{name} plays nothing yet, or the target is hidden. Wait until both are solved, then try again."
             )
         found = find(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
         if not found:

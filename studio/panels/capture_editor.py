@@ -145,7 +145,7 @@ def _make_report(capture: Capture) -> QWidget:
     for guess in capture.guesses:
         section.add_wide(_guess_lines(guess))
     if not capture.guesses:
-        section.add_wide(labelled("Nothing: the file says it all.", "hint"))
+        section.add_wide(labelled("Nothing: the file says everything.", "hint"))
     for repair in capture.repairs:
         section.add_wide(labelled(f"Repaired: {repair}", "hint"))
     for remark in remarks_on(capture):

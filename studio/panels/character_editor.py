@@ -70,7 +70,7 @@ class BodySection(Section):
         self._blending.chosen.connect(self._blend)
         self.add_row("Skin bends by", self._blending)
         self._grip = ValueSlider("Grip", -1.0, 1.0)
-        self._grip.slider.setToolTip("From open hands over hands at ease to fists. Double click to reset.")
+        self._grip.slider.setToolTip("From open through relaxed hands to fists. Double-click to reset.")
         self._grip.begun.connect(editor.begin)
         self._grip.edited.connect(self._close_hands)
         self._grip.ended.connect(editor.end)

@@ -41,7 +41,9 @@ class ClipEditor(Editor):
         section.add_row("Motion", self._motion)
         section.add_row("Played by", self._players)
         self._own = press_button("", self._make_own)
-        self._own.setToolTip("Edits of a clip are of all who play it. A clip of its own is edited alone.")
+        self._own.setToolTip(
+            "An edit changes the clip for every body that plays it. A copy of its own is edited separately."
+        )
         section.add_wide(self._own)
         self._start = self._number(NumberField("Start", "s", -LATE, LATE, 0.05, 3), "Move", "in time", start=1.0)
         section.add_row("Start", self._start)
@@ -53,7 +55,7 @@ class ClipEditor(Editor):
         section.add_row("Speed", self._speed)
         self._repeats = self.bind(NumberField("Times", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
         section.add_row("Times", self._repeats)
-        self._mirrored = self._box("left is right", lambda on: self._set("Mirror", mirrored=on))
+        self._mirrored = self._box("mirrored", lambda on: self._set("Mirror", mirrored=on))
         section.add_row("Mirrored", self._mirrored)
         section.add_wide(self._buttons())
         return section
@@ -70,7 +72,7 @@ class ClipEditor(Editor):
             for k, axis in enumerate("XY")
         ]
         for field in self._offset:
-            field.setToolTip("In leg lengths, so that it is as far for every body. Drag sideways to change.")
+            field.setToolTip("In leg lengths, so that it is in proportion for every body. Drag sideways to change.")
         section.add_row("Offset  legs", *self._offset)
         self._ease = self._number(NumberField("Takes over in", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
         self._ease.setSpecialValueText("as needed")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from studio.library.labelling import OpenedClip
 
 FIGURES, CAPTION = 104, 16
-HINT = "Proposed by the assistant. Drag the marks, choose what it is, and confirm; indexing keeps what you say."
+HINT = "Proposed by the assistant. Drag the marks, choose what it is, and confirm; indexing keeps your label."
 SAID = "Confirmed. Indexing keeps it."
 
 
@@ -42,7 +42,7 @@ class ClipForm(QScrollArea):
         self.segment = Choice("Hits with", [])
         self.tags = QLineEdit()
         self.tags.setPlaceholderText("high, spinning")
-        self.tags.setToolTip("Words of your own, with commas between them; `search --tag` finds by them")
+        self.tags.setToolTip("Your own tags, separated by commas; `search --tag` finds clips by them")
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in Mark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")

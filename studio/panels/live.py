@@ -22,7 +22,7 @@ from studio.document import colours
 from studio.panels.fields import SIDE, Choice, NumberField, Section, labelled, press_button
 
 OWN_CLIPS, NO_INPUT, NO_PROP = "Its own clips", "Nothing", "No prop yet"
-NO_INPUTS = "Nothing is listened to. Choose a port and press Listen, or replay a recording."
+NO_INPUTS = "Not listening. Choose a port and press Listen, or replay a recording."
 LIST_HEIGHT = 98
 MIDDLE = Qt.AlignmentFlag.AlignVCenter
 KEY, SENDER = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
@@ -76,13 +76,13 @@ class LivePanel(QScrollArea):
         self.port = NumberField("Port", "", 1, 65_535, 1, 0)
         self.port.show_value(port)
         self.address = Choice("From", ((loopback, "This computer only"), ("0.0.0.0", "The network, as you allow")))
-        self.address.setToolTip("The network: its senders are listed, and each is heard once you switch it on")
+        self.address.setToolTip("The network: its senders are listed, and each is accepted once you switch it on")
         self.inputs = self._make_list()
         self.record = press_button("Record…", self.record_wanted.emit)
         self.performer, self.body = Choice("Body", ()), Choice("Driven by", ((None, OWN_CLIPS),))
         self.head, self.prop = Choice("Head from", ((None, NO_INPUT),)), Choice("Drives", ((None, NO_PROP),))
         self.names = QLineEdit("Head")
-        self.names.setToolTip("One bone, or trackers with commas between them: their middle is taken")
+        self.names.setToolTip("One bone, or trackers separated by commas: their middle is used")
         self.stream = QCheckBox("Stream shown bodies as VMC")
         self.out_address, self.out_port = QLineEdit(loopback), NumberField("To port", "", 1, 65_535, 1, 0)
         self.out_port.show_value(out_port)

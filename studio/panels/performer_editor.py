@@ -47,8 +47,9 @@ class PerformerEditor(Editor):
         section.add_row("Joints", self._limited)
         self._eased = QCheckBox("eased in time")
         self._eased.setToolTip(
-            "Where a joint would jump from frame to frame, the frames around are eased: constraints may be missed for a"
-            " moment, from the lowest on. Without, every frame meets all it can, however that jolts."
+            "Where a joint would jump from one frame to the next, the frames around it are eased: constraints may be"
+            " missed for a moment, those of lowest priority first. Otherwise every frame meets as much as it"
+            " can, even if joints jolt."
         )
         self._eased.toggled.connect(self._ease_or_not)
         section.add_row("Jolts", self._eased)

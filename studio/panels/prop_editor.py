@@ -171,7 +171,7 @@ class PropEditor(Editor):
         project = self.document.project
         holder = posed_performers(project, self.live.result, self.document.playhead.time).get(performer_id)
         if holder is None:
-            self.document.problem.emit("Nobody is there yet who could hold it. Show a body that plays a motion first.")
+            self.document.problem.emit("No body can hold it yet. Show a body that plays a motion first.")
             self.refresh()
         elif where == Carried.kind:
             self._put_made("Hold", lambda: self._meanwhile(Carried(performer_id)))

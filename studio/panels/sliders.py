@@ -49,7 +49,7 @@ class ValueSlider(QWidget):
         self._low, self._high = low, high
         self.slider = QuietSlider()
         self.slider.setAccessibleName(name)
-        self.slider.setToolTip(f"{name}. Double click to reset.")
+        self.slider.setToolTip(f"{name}. Double-click to reset.")
         self._value: QLabel = labelled("", "value")
         self._value.setFixedWidth(VALUE_WIDTH)
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)

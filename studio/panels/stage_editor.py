@@ -7,7 +7,7 @@ from studio.panels.fields import Section, labelled
 
 STEPS = (
     "Select a character to change its body.",
-    "Click a joint in the viewport and press C to give it a target.",
+    "Click a joint in the 3D view and press C to give it a target.",
     "Select a bar on the timeline to say when it acts.",
     "Drop a capture anywhere to see it on these bodies.",
 )

@@ -11,13 +11,13 @@ from studio.panels.fields import SIDE, Choice, Section, Segments, labelled, pres
 from studio.panels.two_lines import TwoLines
 
 ALL = "None: list all strikes"
-EMPTY = "No clips yet. Add a folder of captures: strikes are found in them by themselves."
+EMPTY = "No clips yet. Add a folder of captures: strikes are found in them automatically."
 READY = "Point at a strike to see it. Drag it onto a body or a row of the timeline, or use it at the playhead."
 NOTHING = "No clip of the library is of that limb and kind."
-OF_A_POSE = "Clips that pass through the pose that you chose on the map, the one with most of it first."
-UNSOLVED = "All strikes of the library. They are ranked as soon as this body and what is to be hit are solved."
+OF_A_POSE = "Clips that pass through the pose chosen on the map, those with most of it first."
+UNSOLVED = "All strikes of the library. They are ranked as soon as this body and its target are solved."
 OWN_FACE = "All strikes of the library. Nobody strikes at its own face: choose another target."
-NO_TARGET = "All strikes of the library. To rank them, choose what is to be hit: a box, or somebody's face."
+NO_TARGET = "All strikes of the library. To rank them, choose a target: a box, or somebody's face."
 
 
 class Strikes(QWidget):
@@ -39,7 +39,7 @@ class Strikes(QWidget):
         section = Section("A strike that hits here")
         self.target = Choice("Target", ((None, ALL),))
         self.aim = Segments("Aim", ((True, "Follows"), (False, "Frozen")))
-        self.aim.setToolTip("A blow goes for where its target is at the hit, or for where it was when you asked")
+        self.aim.setToolTip("A strike aims at where its target is at the hit, or at where it was when you asked")
         self.aim.chosen.connect(self._choose_aim)
         self.follows = True
         """Whether a blow goes where the target goes."""
@@ -71,10 +71,10 @@ class Strikes(QWidget):
         self.results.viewport().installEventFilter(self)
         column.addWidget(self.results, 1)
         self.use = press_button("Use on the selected performer", lambda: self.chosen.emit(self.results.currentRow()))
-        self.use.setToolTip("Play it from the playhead on, blended in, on this body, driven to the target")
+        self.use.setToolTip("Play it on this body from the playhead on, blended in and driven to the target")
         self.use.setEnabled(False)
         self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
-        self.correct.setToolTip("Confirm or correct where it is cut, when it hits, limb and kind")
+        self.correct.setToolTip("Confirm or correct its cut, its hit, its limb and its kind")
         self.correct.setEnabled(False)
         below = QHBoxLayout()
         below.setContentsMargins(SIDE, 4, SIDE, 0)

@@ -36,7 +36,7 @@ def delete_selected(shown: Shown) -> bool:
     items = [item for item in document.selection.items if item[0] in DELETABLE]
     if not items:
         return False
-    text = f"Delete {_words(document.project, *items[0])}" if len(items) == 1 else f"Delete {len(items)} things"
+    text = f"Delete {_words(document.project, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
     with document.group(text):
         remove_clips(document, document.selection.of("clips"), text)
         for collection, entity_id in items:

@@ -72,7 +72,7 @@ def _label_text(sheet: Sheet, hit: Hit) -> str:
     if hit.part == Part.FOLD:
         if hit.kind == "clip":
             return "Click to see everybody's clips, or one row for all"
-        return "Click to fold the row, or to unfold it"
+        return "Click to fold or unfold the row"
     if hit.kind == "plot":
         return "Click to choose what is plotted"
     if hit.kind == "constraints":

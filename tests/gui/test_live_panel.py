@@ -172,7 +172,7 @@ def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window,
     said = []
     window.bench.said.connect(said.append)
     control.track_camera(True)
-    assert "No head is heard" in said[-1]
+    assert "No head is being tracked" in said[-1]
     monkeypatch.setattr(window.bench, "viewport", SeenViewport())
     control.panel.names.setText("Cap")
     control.panel.head.show_value("1")

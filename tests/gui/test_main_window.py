@@ -180,8 +180,8 @@ def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
 
 
 def test_a_fault_in_an_action_is_told_and_does_not_stop_the_studio(qtbot, window):
-    window.bench.said.emit("The studio made a mistake: KeyError: 'x'.")
-    assert "mistake" in window.strip.text
+    window.bench.said.emit("An internal error occurred: KeyError: 'x'.")
+    assert "internal error" in window.strip.text
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert window.strip.text == ""
 

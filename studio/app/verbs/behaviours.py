@@ -77,7 +77,7 @@ def _pair(bench: Workbench) -> tuple[str, str]:
     """The active body and its partner: who that is already, else the visible body that stands nearest."""
     project, performer_id = bench.document.project, bench.document.active_performer_id
     if performer_id is None:
-        raise StudioError("Select a body first: a behaviour is about one.")
+        raise StudioError("Select a body first: a behaviour belongs to one.")
     behaviour = project.behaviours.get(project.behaviour_of(performer_id) or "")
     role = behaviour.role_of(performer_id) if behaviour else None
     if role is not None and role.partner_id:
@@ -101,7 +101,9 @@ def _make(bench: Workbench, text: str, ready: Ready) -> None:
             clips = document.project.performers[performer_id].clips
             if not clips:
                 name = document.project.performers[performer_id].name
-                raise StudioError(f"{name} plays nothing yet. Give it a clip first: that is how it stands on guard.")
+                raise StudioError(
+                    f"{name} plays nothing yet. Give it a clip first: it is the guard that the body returns to."
+                )
             begun = ready_made.on_guard(replace(clips[0], start=0.0))
             behaviour_id = add_behaviour(document, performer_id, begun, partner_id)
         elif partner_id:

@@ -16,7 +16,7 @@ def adder(kind: str) -> Callable[[Workbench], None]:
 
     def add(bench: Workbench) -> None:
         if bench.viewport.add_constraint_at_pick(kind) is None:
-            raise StudioError("Click a joint in the viewport first: that is what the constraint will be about.")
+            raise StudioError("Click a joint in the 3D view first: the constraint will hold it.")
 
     return add
 

@@ -17,12 +17,12 @@ SMALL_THINGS = ("constraints", "contacts", "props", "behaviours", *PARTS)
 
 
 def undo(bench: Workbench) -> None:
-    """Take the last step back."""
+    """Undo the last step."""
     bench.document.undo_stack.undo()
 
 
 def redo(bench: Workbench) -> None:
-    """Do again what was taken back."""
+    """Redo what was undone."""
     bench.document.undo_stack.redo()
 
 
@@ -59,7 +59,7 @@ def delete(bench: Workbench) -> None:
     document = bench.document
     selected = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
     items = [item for item in selected if item[0] in SMALL_THINGS] or selected
-    text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} things"
+    text = f"Delete {_name(bench, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
     with document.group(text):
         remove_clips(document, document.selection.of("clips"), text)
         remove_parts(document, document.selection.of("states"), document.selection.of("transitions"), text)

@@ -77,7 +77,7 @@ def stop(bench: Workbench) -> None:
 
 
 def toggle_loop(bench: Workbench) -> None:
-    """Begin again at the end of the range, or stop there."""
+    """Start over at the end of the range, or stop there."""
     bench.document.playhead.loop = not bench.document.playhead.loop
 
 

@@ -18,7 +18,7 @@ class LookAtConstraint(Constraint):
     kind: ClassVar[str] = "look_at"
     unit: ClassVar[str] = "rad"
     shown: ClassVar[Shown] = Shown(
-        "Add look-at constraint", "Let the active body look at a place ahead of it", "#8FA3E0", held_by="target"
+        "Add look-at constraint", "Let the active body look at a place in front of it", "#8FA3E0", held_by="target"
     )
     target: Place = (1.0, 0.0, 1.5)
 

@@ -28,7 +28,7 @@ class UprightConstraint(Constraint):
     kind: ClassVar[str] = "upright"
     unit: ClassVar[str] = "rad"
     shown: ClassVar[Shown] = Shown(
-        "Keep upright", "Hold an axis of what turns about the picked joint to the way it points, within a cone",
+        "Keep upright", "Keep an axis of the segment at the picked joint pointing as it does now, within a cone",
         "#A9B96F", picks=True,
     )  # fmt: skip
     axis: Vector = (0.0, 0.0, 1.0)

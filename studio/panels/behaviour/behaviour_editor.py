@@ -27,7 +27,9 @@ class BehaviourEditor(Editor):
         self._players.setWordWrap(True)
         section.add_row("Played by", self._players)
         self._own = press_button("", self._make_own)
-        self._own.setToolTip("Edits of a behaviour are of all who play it. A behaviour of its own is edited alone.")
+        self._own.setToolTip(
+            "An edit changes the behaviour of every body that uses it. A copy of its own is edited separately."
+        )
         section.add_wide(self._own)
         section.add_wide(press_button("Delete behaviour", self._delete))
         self.column.addWidget(section)

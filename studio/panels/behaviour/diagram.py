@@ -250,7 +250,7 @@ class Diagram(QGraphicsView):
             self.fit()
 
     def leave_gesture(self) -> bool:
-        """Leave what was begun; whether there was anything."""
+        """Cancel the current action; whether there was anything."""
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.cancel()

@@ -13,8 +13,8 @@ from studio.panels.fields import Choice, labelled, press_button
 
 NOBODY = "Select a body. Then say here how it behaves while the stage plays live."
 NOTHING = (
-    "{name} plays its clips as they lie. Begin with one of these, or choose a behaviour above:"
-    " it then plays states, and goes from one to the next by what happens."
+    "{name} plays its row of clips. Start with one of these, or choose a behaviour above: the body then plays"
+    " states, and events take it from one to the next."
 )
 
 
@@ -84,8 +84,8 @@ class BehaviourPanel(QWidget):
         row.setSpacing(8)
         self._name: QLabel = labelled("", "title")
         self._choice, self._partner = Choice("Behaviour", ()), Choice("Partner", ())
-        self._choice.setToolTip("What it plays while the stage runs live. One behaviour may be played by many.")
-        self._partner.setToolTip("Who it keeps its distance from, wards off and strikes at.")
+        self._choice.setToolTip("What it does while the stage plays live. Many bodies can share one behaviour.")
+        self._partner.setToolTip("Whom it keeps its distance from, wards off and strikes at.")
         self._against = labelled("against", "second")
         for choice in (self._choice, self._partner):
             choice.setMinimumContentsLength(14)
@@ -96,7 +96,7 @@ class BehaviourPanel(QWidget):
             press_button("Show all", self.diagram.fit),
         ]
         self._tools[0].setToolTip("Or double-click the diagram. Drag from the edge of a state to make a transition.")
-        self._tools[1].setToolTip("Wheel to zoom, middle mouse button or Alt and drag to move what is seen.")
+        self._tools[1].setToolTip("Wheel to zoom, middle mouse button, or Alt and drag, to pan.")
         for widget in (self._name, self._choice, self._against, self._partner):
             row.addWidget(widget)
         row.addStretch(1)

@@ -41,7 +41,7 @@ class StateEditor(PartEditor):
         self._add = Choice("Add a manner", [(None, ADD), *((title, title) for title in NEW)])
         self._add.chosen.connect(self._add_manner)
         row.addWidget(self._add)
-        row.addWidget(labelled("What is asked of the clip acts too, as long as the state lasts.", "hint"))
+        row.addWidget(labelled("The constraints of the clip act too, as long as the state lasts.", "hint"))
         self.column.addWidget(below)
         self.finish()
 
@@ -72,7 +72,7 @@ class StateEditor(PartEditor):
             NumberField("Speed", "×", SLOWEST, FASTEST, 0.05), lambda speed: self._set_clip("Change speed", speed=speed)
         )
         section.add_row("Speed", self._speed)
-        self._loop, self._mirrored = QCheckBox("again and again"), QCheckBox("left is right")
+        self._loop, self._mirrored = QCheckBox("looped"), QCheckBox("mirrored")
         self._loop.toggled.connect(lambda on: self._set("Loop" if on else "Play once", loop=on))
         self._mirrored.toggled.connect(lambda on: self._set_clip("Mirror", mirrored=on))
         section.add_row("Loop", self._loop)

@@ -24,8 +24,8 @@ class TransitionEditor(PartEditor):
         super().__init__(document, live, collection, entity_id)
         section = Section("Transition")
         self._source, self._target = Choice("From", ()), Choice("To", ())
-        self._source.chosen.connect(lambda name: self._set("Begin transition elsewhere", source=name))
-        self._target.chosen.connect(lambda name: self._set("Let transition lead elsewhere", target=name))
+        self._source.chosen.connect(lambda name: self._set("Change start of transition", source=name))
+        self._target.chosen.connect(lambda name: self._set("Change end of transition", target=name))
         section.add_row("From", self._source)
         section.add_row("To", self._target)
         self._blend = self.bind(
@@ -35,7 +35,9 @@ class TransitionEditor(PartEditor):
         section.add_row("Blend", self._blend)
         self._order = labelled("", "value")
         self._earlier = press_button("Try earlier", self._try_earlier)
-        self._earlier.setToolTip("Of the transitions from one state the first one that can be taken is taken.")
+        self._earlier.setToolTip(
+            "Where several transitions leave a state, the first whose conditions all hold is taken."
+        )
         section.add_row("Tried", self._order, self._earlier)
         self.column.addWidget(section)
         self._kinds: tuple[type, ...] = ()

@@ -20,12 +20,12 @@ class ClearEditor(ConstraintEditor):
         self._arms.chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
-        self._margin.setToolTip("Room that is left even where the actor touches: as for thick clothes")
+        self._margin.setToolTip("Room that is left even where the actor touches its body, as for thick clothes")
         section.add_row("Margin", self._margin)
         self._gives = Segments("What gives way", [(True, "Wrist, elbow"), (False, "Elbow")])
         self._gives.chosen.connect(self._set_gives)
         section.add_row("Gives way", self._gives)
-        section.add_wide(labelled("Where the actor touches its own body, the arm touches this one.", "hint"))
+        section.add_wide(labelled("Where the actor touches its own body, this body touches itself too.", "hint"))
 
     def refresh(self) -> None:
         """Fetch everything."""

@@ -68,7 +68,7 @@ class ConstraintEditor(Editor):
 
     def _add_point(self) -> None:
         self._point = Choice("Point", point_choices())
-        self._point.setToolTip("Where on the body. Or click a joint in the viewport and press C.")
+        self._point.setToolTip("The point of the body. You can also click a joint in the 3D view and press C.")
         self._point.chosen.connect(self._set_point)
         caption = self._section.add_row("Point", self._point)
         self._offset = [

@@ -67,7 +67,9 @@ class TargetRows:
         self._spot.chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Its place", self._spot)
         self._awaits = QCheckBox("goes to where it will be")
-        self._awaits.setToolTip("As the constraint comes it goes to meet what it follows, and does not chase it.")
+        self._awaits.setToolTip(
+            "As the constraint begins, the point goes to meet what it follows instead of chasing it."
+        )
         self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Meet what it follows"))
         self._awaits_caption = section.add_row("Meets it", self._awaits)
         self._apart = QCheckBox()
@@ -205,7 +207,7 @@ class TargetRows:
         if kind in dict(RULES):
             return ruled(kind, _full(now))
         if moment is None:
-            raise ValueError("Nobody performs yet, so there is no moment for a key.")
+            raise ValueError("No body plays anything yet, so there is no time for a key.")
         return (KeyedTurn if self._turns else KeyedPlace)((moment.pose.seconds,), (_full(now),))
 
     def _own_place(self, now: Any, moment: Moment | None) -> OwnPlace:

@@ -59,7 +59,7 @@ class MarkerAssistant(QWidget):
         self.name = QLineEdit(self.marker_map.name)
         self.name.setAccessibleName("Name of the map")
         self._save = press_button("Save map", self.save)
-        self._save.setToolTip("Keep it, to be used for every file with these markers")
+        self._save.setToolTip("Save it for every file with these markers")
         subjects = sorted({subject_of(label) for label in self._trial.markers} - {""})
         self._subjects = Choice("Subject", [("", "All markers"), *((name, name) for name in subjects)])
         self._subjects.show_value(self.subject)
