@@ -14,6 +14,7 @@ from studio.viewport.coarse import coarse_skin
 from studio.viewport.figure import BoneFigure
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.materials import material_actors
+from studio.viewport.seams import FIELD, draw_seams, panel_field
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> Any:
@@ -41,6 +42,8 @@ class BodyVisual:
         look = character.skin.appearance
         if look is None:
             self.skin_actors = [make_actor(self._skin, character.colour)]
+            self._give_panels(self._skin, character.skin)
+            draw_seams(self.skin_actors[0], character.colour)
         else:
             self.skin_actors = material_actors(self._skin, character.skin.triangles, look)
         self.bones_actor: Any = None
@@ -56,8 +59,13 @@ class BodyVisual:
         if self._coarse is None:
             skin = coarse_skin(self._character.skin)
             self._coarse = LiveMesh(len(skin.vertices), skin.triangles)
+            self._give_panels(self._coarse, skin)
         self._is_coarse = coarse
         self.skin_actors[0].mapper.SetInputData(self._drawn.polydata)
+
+    def _give_panels(self, mesh: LiveMesh, skin: SkinnedMesh) -> None:
+        mesh.polydata.point_data[FIELD] = panel_field(skin, self._character.build.layout)
+        mesh.polydata.point_data.active_scalars_name = FIELD
 
     @property
     def _drawn(self) -> LiveMesh:
@@ -76,9 +84,10 @@ class BodyVisual:
     def take(self, character: Character) -> None:
         """Show another state of the same character; one with materials of its own keeps their colours."""
         if character.colour != self._character.colour:
-            plain = self.skin_actors if character.skin.appearance is None else []
-            for actor in (*plain, *([self.bones_actor] if self.bones_actor is not None else [])):
-                actor.prop.color = character.colour
+            if character.skin.appearance is None:
+                draw_seams(self.skin_actors[0], character.colour)
+            if self.bones_actor is not None:
+                self.bones_actor.prop.color = character.colour
         self._character = character
 
     @property

@@ -2,10 +2,13 @@
 
 from collections.abc import Generator, Iterable, Mapping
 
+import numpy as np
+
 from studio.core.project import Project
 from studio.core.solver.request import AdaptedMotion
 from studio.engine.performance import posed_performers
 from studio.engine.props import props_at
+from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import opening_camera
 from studio.viewport.scene import Pixels, StageScene
 from studio.viewport.stills import FILM_SAMPLES, SAMPLES, smooth_picture
@@ -16,27 +19,37 @@ Results = Mapping[str, AdaptedMotion]
 def render_frame(project: Project, results: Results, time: float, size: tuple[int, int]) -> Pixels:
     """The stage at ``time`` (seconds) as (height, width, 4) RGBA bytes; ``size`` is width and height.
 
-    ``results`` has an adapted motion for each performer id that is to be seen. The camera is the one the viewport
-    opens with.
+    ``results`` has an adapted motion for each performer id that is to be seen. The camera looks from where the viewport
+    opens, and frames the bodies as they are at that moment.
     """
-    return next(_frames(project, results, (time,), size, SAMPLES))
+    posed = posed_performers(project, results.get, time)
+    camera = opening_camera(posed, size)
+    if posed:
+        camera = camera.framing(np.concatenate([pose.points for pose in posed.values()]), size)
+    return next(_frames(project, results, (time,), camera, size, SAMPLES))
 
 
 def render_video(
     project: Project, results: Results, times: Iterable[float], size: tuple[int, int]
 ) -> Generator[Pixels, None, None]:
-    """One picture as ``render_frame``'s for each of ``times`` (seconds), all with the camera of the first."""
-    return _frames(project, results, times, size, FILM_SAMPLES)
+    """One picture for each of ``times`` (seconds), all with the camera with which the viewport opens on the first."""
+    times = list(times)
+    camera = opening_camera(posed_performers(project, results.get, times[0] if times else 0.0), size)
+    return _frames(project, results, times, camera, size, FILM_SAMPLES)
 
 
 def _frames(
-    project: Project, results: Results, times: Iterable[float], size: tuple[int, int], samples: int
+    project: Project,
+    results: Results,
+    times: Iterable[float],
+    camera: OrbitCamera,
+    size: tuple[int, int],
+    samples: int,
 ) -> Generator[Pixels, None, None]:
-    scene, camera = StageScene(), None
+    scene = StageScene()
     try:
         for time in times:
             posed = posed_performers(project, results.get, time)
-            camera = camera or opening_camera(posed, size)
             scene.sync(project, posed, props_at(project, posed, time))
             yield smooth_picture(scene, camera, size, samples)
     finally:

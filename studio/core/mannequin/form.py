@@ -50,7 +50,7 @@ class Form:
         torso, neck, skull, arm, leg = self.regions(points)
         h = self.physique.stature
         head = smooth_union(neck, skull, 0.018 * h)
-        body = smooth_union(smooth_union(torso, head, 0.045 * h), arm, 0.070 * h)
+        body = smooth_union(smooth_union(torso, head, 0.032 * h), arm, 0.070 * h)
         return smooth_union(body, leg, 0.050 * h)
 
     def edge_lengths(self, points: FloatArray) -> FloatArray:
@@ -111,7 +111,7 @@ class Form:
             (0.73, -0.004, 0.060 * p.chest_depth, 0.101 * (p.chest + wide) / 2),
             (0.81, -0.009, 0.052 * p.chest_depth, 0.096 * wide),
             (0.89, -0.016, 0.041 * p.chest_depth, 0.078 * wide),
-            (0.96, -0.021, 0.031 * p.neck_girth, 0.048 * wide),
+            (0.96, -0.021, 0.031 * p.neck_girth, 0.042 * wide),
             (1.02, -0.021, 0.026 * p.neck_girth, 0.032 * p.neck_girth),
         ]
         stations = np.array([(hip + (top - hip) * t, x, 0, depth, breadth) for t, x, depth, breadth in rows]) * h
@@ -134,7 +134,7 @@ class Form:
             parts.append(blob(0.27, 0.010 + 0.02 * p.belly, 0.0, (0.062 * p.belly, 0.080 * p.belly, 0.085), 0.08))
         shoulder, neck = self.point("shoulder"), self.point("neck base")
         inner, outer = (
-            neck + _vector(-0.004 * h, 0.010 * h, 0.016 * h),
+            neck + _vector(-0.006 * h, 0.012 * h, 0.004 * h),
             shoulder + _vector(-0.006 * h, -0.014 * h, -0.003 * h),
         )
         parts.append(Part(_cone(inner, outer, 0.021 * h * p.neck_girth, 0.020 * h * p.shoulders), 0.05 * h))
@@ -143,7 +143,7 @@ class Form:
     @cached_property
     def _neck(self) -> _Parts:
         p, h = self.physique, self.physique.stature
-        girth = 0.0335 * h * p.neck_girth
+        girth = 0.0312 * h * p.neck_girth
         low = self.point("neck base") + _vector(-0.004 * h, 0, -0.020 * h)
         high = self.point("head joint") + _vector(0.008 * h, 0, 0.014 * h)
         length = float(np.linalg.norm(high - low))
@@ -171,9 +171,9 @@ class Form:
             blob(0.030, 0, 0.000, 0.033, 0.033 * s, 0.046, tilt=0.15, fillet=0.04),
             blob(0.022, 0.0245 * s, -0.016, 0.025, 0.0085, 0.0110 * j, tilt=0.40, fillet=0.030),
             blob(0.0505, 0, -0.0325, 0.0130 * j, 0.0140 * j, 0.0105, fillet=0.030),
-            blob(0.047, 0.024 * s, 0.006, 0.010, 0.009, 0.008, fillet=0.02),
-            blob(0.0520 + 0.0012 * j, 0.014, 0.0345, 0.009, 0.018, 0.0055, fillet=0.014),
-            replace(blob(0.071, 0.0175, 0.021, 0.015, 0.0125, 0.0085, fillet=0.012), carved=True),
+            blob(0.0435, 0.0265 * s, 0.003, 0.0095, 0.0085, 0.0085, fillet=0.024),
+            blob(0.0505 + 0.0012 * j, 0.014, 0.0345, 0.009, 0.019, 0.0060, fillet=0.018),
+            replace(blob(0.0735, 0.0180, 0.0205, 0.0155, 0.0130, 0.0095, fillet=0.016), carved=True),
             Part(_cone(bridge, tip, 0.0048 * u, 0.0072 * u), 0.010 * u),
             blob(0.0620 + 0.0035 * j, 0.0063, -0.0030, 0.0062, 0.0042, 0.0042, fillet=0.006),
             blob(0.0580, 0, -0.0165, 0.0060, 0.0120, 0.0062, fillet=0.014),

@@ -1,0 +1,63 @@
+"""Seams of a plain skin: dark lines between the panels of the body, which show how its segments turn."""
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.mesh.skin import SkinnedMesh
+
+FIELD = "panel"
+ENTRIES = 512
+"""Shades between the middle of one panel and that of the next."""
+LINE = 0.045
+"""Half the width of a line, where the field goes from -1 to 1: some three millimetres on an adult."""
+SHADES = 1.0, 0.93
+"""How bright the panels of either sign are, beside the colour of the character."""
+DARK = 0.42
+"""How bright the lines are."""
+WHOLE = BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE, BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE, BodyPart.NECK
+"""Segments that are one panel with what carries them."""
+
+
+def panel_field(skin: SkinnedMesh, layout: BodyLayout) -> NDArray[np.float32]:
+    """(V,) from -1 to 1: zero on the seams, where a vertex goes half with each of two panels."""
+    signs = panel_signs(layout)
+    return np.asarray((signs[skin.segments] * skin.weights).sum(axis=1), dtype=np.float32)
+
+
+@lru_cache
+def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
+    """(S,) 1 or -1: each panel has the other sign than the one that carries it. The waist between pelvis and thorax is
+    one panel.
+    """
+    signs = np.ones(layout.segment_count, dtype=np.float32)
+    whole = {layout.segment(part) for part in WHOLE}
+    for segment, parent in enumerate(layout.parent_segments()):
+        if 0 < segment < layout.spine_count:
+            signs[segment] = 1.0 if segment == layout.spine_count - 1 else -1.0
+        elif parent >= 0:
+            signs[segment] = signs[parent] if segment in whole else -signs[parent]
+    return signs
+
+
+def draw_seams(actor: Any, colour: str) -> None:
+    """Let ``actor`` draw the field of its mesh as panels and seams of this colour."""
+    actor.mapper.lookup_table = _table(colour)
+    actor.mapper.scalar_range = (-1.0, 1.0)
+    actor.mapper.interpolate_before_map = True
+    actor.mapper.scalar_visibility = True
+
+
+@lru_cache(maxsize=64)
+def _table(colour: str) -> pv.LookupTable:
+    values = np.linspace(-1.0, 1.0, ENTRIES)
+    line = np.clip(1.5 - np.abs(values) / LINE, 0.0, 1.0)
+    bright = np.where(values > 0.0, *SHADES) * (1.0 - line) + DARK * line
+    rgb = np.round(bright[:, None] * pv.Color(colour).int_rgb)
+    table = pv.LookupTable(values=np.column_stack([rgb, np.full(ENTRIES, 255)]).astype(np.uint8))
+    table.scalar_range = (-1.0, 1.0)
+    return table
