@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .curves import FloatArray, curve, drift
+from .curves import FloatArray, breath, curve, drift
 from .feet import Plant, foot_path
 from .performer import OUTWARD, STANDING
 from .targets import AirLeg, ArmTargets, Targets, frame_times
@@ -24,21 +24,26 @@ FAR, NEAR = 2.17, 2.72
 def cartwheel() -> Targets:
     """The targets of the clip."""
     times = frame_times(DURATION)
-    still = 0.0 * times
+    air = breath(times, 3.1)
     roll = curve(times, ROLL, soft=0.05)
     lean = curve(times, LEAN, soft=0.05)
-    facing = still + FACING
+    facing = FACING + 0.7 * drift(times, 82)
     return Targets(
         times,
         _pelvis(times),
-        np.column_stack([facing, still, roll]),
-        np.column_stack([still, 2.0 + 0.6 * drift(times, 81), lean]),
-        np.column_stack([facing, 3.0 + curve(times, {0.9: 0.0, 1.4: 8.0, 2.3: 8.0, 2.9: 0.0}), roll + lean]),
+        np.column_stack([facing, 0.4 * drift(times, 84), roll + 0.4 * drift(times, 85)]),
+        np.column_stack([0.8 * drift(times, 86), 2.0 + 0.8 * drift(times, 81) - 1.4 * air, lean]),
+        np.column_stack([facing + 1.6 * drift(times, 87, 3.3), _nod(times) + 0.9 * drift(times, 88), roll + lean]),
         (_arm(times, 0), _arm(times, 1)),
         (foot_path(0, times, _left_foot()), foot_path(1, times, _right_foot())),
         splay=(14.0, 14.0),
         air={0: _leg(times, LEFT_LEG, LEFT_UP, LEFT_LANDS), 1: _leg(times, RIGHT_LEG, RIGHT_UP, RIGHT_LANDS)},
     )
+
+
+def _nod(times: FloatArray) -> FloatArray:
+    """It looks for the floor between its hands."""
+    return 3.0 + curve(times, {0.9: 0.0, 1.4: 8.0, 2.3: 8.0, 2.9: 0.0})
 
 
 ROLL = {
@@ -72,14 +77,14 @@ def _arm(times: FloatArray, side: int) -> ArmTargets:
     stands = curve(times, {down - 0.3: 0.0, down: 1.0, off: 1.0, off + 0.3: 0.0}, soft=0.02)
     raised = curve(times, {0.25: 0.0, 0.7: 1.0, 3.0: 1.0, 3.7: 0.0})
     return ArmTargets(
-        curve(times, keys, soft=0.05),
+        curve(times, keys, soft=0.05) + 0.006 * np.column_stack([drift(times, 90 + 3 * side + k) for k in range(3)]),
         raised[:, None] * [0.5, 1.0 * out, 0.3] + (1.0 - raised)[:, None] * [-1.0, 0.25 * out, -0.2],
         held=np.tile([place, 0.0, PALM], (len(times), 1)),
         holding=holding,
         carries=True,
         pronation=12.0,
         flexion=8.0 - 84.0 * stands,
-        shrug=6.0 * raised,
+        shrug=6.0 * raised + 1.5 * breath(times, 3.1),
     )
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .curves import FloatArray, curve, drift
+from .curves import FloatArray, breath, curve, drift
 from .feet import Plant, foot_path
 from .performer import OUTWARD, STANDING
 from .targets import AirLeg, ArmTargets, Targets, frame_times
@@ -24,12 +24,15 @@ def handstand() -> Targets:
     """The targets of the clip."""
     times = frame_times(DURATION)
     sway = curve(times, {UP: 0.0, UP + 0.3: 1.0, LEAVE - 0.2: 1.0, LEAVE: 0.0})
+    pitch = curve(times, PITCH, soft=0.06) + (0.4 + 1.1 * sway) * drift(times, 71)
+    chest = curve(times, CHEST, soft=0.06, delay=0.03) - 1.3 * breath(times, 3.2)
+    head = curve(times, HEAD, soft=0.07, delay=0.04) + 0.9 * drift(times, 74)
     return Targets(
         times,
         _pelvis(times, sway),
-        np.column_stack([0 * times, curve(times, PITCH, soft=0.06) + 1.5 * sway * drift(times, 71), 0 * times]),
-        np.column_stack([0 * times, curve(times, CHEST, soft=0.06, delay=0.03), 0 * times]),
-        np.column_stack([0 * times, curve(times, HEAD, soft=0.07, delay=0.04), 0 * times]),
+        np.column_stack([0.7 * drift(times, 75), pitch, 0.5 * drift(times, 76)]),
+        np.column_stack([0.8 * drift(times, 77), chest, 0.5 * drift(times, 78)]),
+        np.column_stack([1.6 * drift(times, 79, 3.3), head, 0.6 * drift(times, 80)]),
         (_arm(times, 0), _arm(times, 1)),
         (foot_path(0, times, _front_foot()), foot_path(1, times, _rear_foot())),
         splay=(8.0, 8.0),
@@ -77,14 +80,14 @@ def _arm(times: FloatArray, side: int) -> ArmTargets:
     stands = curve(times, {DOWN - 0.3: 0.0, DOWN: 1.0, OFF: 1.0, OFF + 0.3: 0.0}, soft=0.02)
     raised = curve(times, {0.3: 0.0, 0.8: 1.0, OFF + 0.3: 1.0, STOOD: 0.0})
     return ArmTargets(
-        curve(times, keys, soft=0.05),
+        curve(times, keys, soft=0.05) + 0.006 * np.column_stack([drift(times, 97 + 3 * side + k) for k in range(3)]),
         raised[:, None] * [0.5, 1.0 * out, 0.3] + (1.0 - raised)[:, None] * [-1.0, 0.25 * out, -0.2],
         held=np.tile([HANDS, WIDE * out, PALM], (len(times), 1)),
         holding=holding,
         carries=True,
         pronation=12.0,
         flexion=8.0 - 86.0 * stands,
-        shrug=6.0 * raised,
+        shrug=6.0 * raised + 1.5 * breath(times, 3.2),
     )
 
 
