@@ -12,7 +12,7 @@ from pictured.shots import behaviour, constrain, import_report, markers, sliders
 
 from studio.cli import first_run
 
-FILM_WIDTH = 880
+FILM_WIDTH = 840
 STILLS = {
     "window": window,
     "fight": fight,

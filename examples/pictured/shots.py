@@ -93,7 +93,7 @@ def behaviour() -> QImage:
     behaviour_id = session.document.project.behaviour_of(one)
     session.document.selection.set(("performers", one), ("states", f"{behaviour_id}/Low punch"))
     session.window.behaviour.show_running(one, "Guard")
-    session.look(60, 8, 1.0)
+    session.look(60, 8, 1.25)
     session.window.behaviour.diagram.fit()
     session.rest(0.3)
     return _taken(session)

@@ -55,7 +55,7 @@ class ClipEditor(Editor):
         section.add_row("Speed", self._speed)
         self._repeats = self.bind(NumberField("Times", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
         section.add_row("Times", self._repeats)
-        self._mirrored = self._box("mirrored", lambda on: self._set("Mirror", mirrored=on))
+        self._mirrored = self._box("left and right swapped", lambda on: self._set("Mirror", mirrored=on))
         section.add_row("Mirrored", self._mirrored)
         section.add_wide(self._buttons())
         return section

@@ -72,7 +72,7 @@ class StateEditor(PartEditor):
             NumberField("Speed", "×", SLOWEST, FASTEST, 0.05), lambda speed: self._set_clip("Change speed", speed=speed)
         )
         section.add_row("Speed", self._speed)
-        self._loop, self._mirrored = QCheckBox("looped"), QCheckBox("mirrored")
+        self._loop, self._mirrored = QCheckBox("until the state is left"), QCheckBox("left and right swapped")
         self._loop.toggled.connect(lambda on: self._set("Loop" if on else "Play once", loop=on))
         self._mirrored.toggled.connect(lambda on: self._set_clip("Mirror", mirrored=on))
         section.add_row("Loop", self._loop)
