@@ -13,6 +13,7 @@ from studio.app.strike_target import StrikeTarget
 from studio.app.workbench import Workbench
 from studio.core.constraints.target import Place
 from studio.core.errors import StudioError
+from studio.core.mesh.hand_shapes import FIST
 from studio.core.project import Performer, Project, new_id
 from studio.core.stage.clip import Clip
 from studio.core.stage.placement import Placement
@@ -45,6 +46,7 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
 
     Raises StudioError where body or target are gone, and nothing has changed.
     """
+    from studio.library.clips import Kind
     from studio.library.striking import EASED_IN, aimed
 
     document, found, key = bench.document, wish.found, wish.performer_id
@@ -65,7 +67,9 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
         motion_id = next(each for each, motion in entries if motion.capture_id == capture_id)
         performer = document.project.performers[key]
         ease = EASED_IN * found.seconds
-        clip = Clip(motion_id, found.start, found.clip.label.last, wish.time, id=new_id(), ease=ease)
+        label = found.clip.label
+        grip = FIST if label.kind is Kind.PUNCH else None
+        clip = Clip(motion_id, found.start, label.last, wish.time, id=new_id(), ease=ease, grip=grip)
         rates = {each.motion_id: document.project.frame_rate_of(each) for each in performer.clips}
         clips = (*clips_until(performer, wish.time, rates), clip)
         document.replace("performers", key, replace(performer, clips=clips), text)

@@ -19,6 +19,8 @@ from studio.document.document import Document
 from studio.engine.live import Live
 
 FloatArray = NDArray[np.float64]
+CLOSING, CLOSING_STEPS = 0.2, 9
+"""Seconds in which hands change from the grip of one clip to that of the next, and in how many steps."""
 Results = Callable[[str], AdaptedMotion | None]
 """The newest adapted motion by id, or None while there is none."""
 
@@ -94,6 +96,16 @@ class Posed:
         clips, played = self.performer.clips, self.played
         place = played.piece.origin[0] if played else 0
         return clips[min(place, len(clips) - 1)] if clips else None
+
+    def grip(self, own: float) -> float:
+        """From -1, open, to 1, fists: how the clips that play about now hold the hands, else its ``own`` way."""
+        clips, composite = self.performer.clips, self.motion.composite
+        if composite is None or all(clip.grip is None for clip in clips):
+            return own
+        reach = CLOSING * self.motion.frame_rate
+        around = [composite.playing(round(self.frame + part * reach)) for part in np.linspace(-0.5, 0.5, CLOSING_STEPS)]
+        grips = [clips[min(played.piece.origin[0], len(clips) - 1)].grip for played in around]
+        return sum(own if grip is None else grip for grip in grips) / CLOSING_STEPS
 
     @cached_property
     def clip_placement(self) -> Placement:

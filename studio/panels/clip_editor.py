@@ -9,17 +9,25 @@ from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
 from studio.core.errors import StudioError
+from studio.core.mesh.hand_shapes import AT_EASE, FIST, HALF_CLOSED, OPEN
 from studio.core.stage.clip import FASTEST, MOST_REPEATS, SLOWEST, Clip
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clips
 from studio.document.document import Document
 from studio.engine.live import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section, labelled, press_button, short
+from studio.panels.fields import Choice, NumberField, Section, labelled, press_button, short
 from studio.panels.layer_section import LayerSection
 
 FAR = 1000.0
 LATE = 100_000.0
+GRIPS = (
+    (None, "As the character has them"),
+    (OPEN, "Open"),
+    (AT_EASE, "At ease"),
+    (HALF_CLOSED, "Half closed"),
+    (FIST, "Fists"),
+)
 
 
 class ClipEditor(Editor):
@@ -57,6 +65,10 @@ class ClipEditor(Editor):
         section.add_row("Times", self._repeats)
         self._mirrored = self._box("left and right swapped", lambda on: self._set("Mirror", mirrored=on))
         section.add_row("Mirrored", self._mirrored)
+        self._grip = Choice("Hands", GRIPS)
+        self._grip.setToolTip("How the hands of mannequins are held while the clip plays")
+        self._grip.chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
+        section.add_row("Hands", self._grip)
         section.add_wide(self._buttons())
         return section
 
@@ -123,6 +135,7 @@ class ClipEditor(Editor):
         for box, on in ((self._mirrored, clip.mirrored), (self._joined, clip.joined)):
             with QSignalBlocker(box):
                 box.setChecked(on)
+        self._grip.show_value(clip.grip)
 
     def concerns(self, collection: str, entity_id: str) -> bool:
         """Clips are played by performers; their names are those of motions."""

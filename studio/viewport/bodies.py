@@ -71,11 +71,10 @@ class BodyVisual:
     def _drawn(self) -> LiveMesh:
         return self._coarse if self._is_coarse and self._coarse is not None else self._skin
 
-    @property
-    def _shown(self) -> SkinnedMesh:
+    def _shown(self, posed: Posed) -> SkinnedMesh:
         """What ``_drawn`` draws, with its hands as they are to be."""
-        character = self._character
-        return gripping(coarse_skin(character.skin), character.grip) if self._is_coarse else character.shown_skin
+        skin = self._character.skin
+        return gripping(coarse_skin(skin) if self._is_coarse else skin, posed.grip(self._character.grip))
 
     def belongs_to(self, character: Character) -> bool:
         """Whether this mesh can show ``character``: proportions and colour may differ, the skin may not."""
@@ -112,7 +111,7 @@ class BodyVisual:
             self._bones.pose(motion.positions[row])
             place(self.bones_actor, posed.placement)
             return
-        mesh, shown = self._drawn, self._shown
+        mesh, shown = self._drawn, self._shown(posed)
         posing = mesh, shown, self._character.blending, motion, row
         if posing == self._posing:
             return

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.placement import Placement
-from studio.engine.performance import motion_time, posed_performers, row_at, stage_time
+from studio.engine.performance import Posed, motion_time, posed_performers, row_at, stage_time
 from tests.builders import make_project
 from tests.viewport.standing import FRAMES, RATE, results_of
 
@@ -49,3 +50,33 @@ def test_a_performers_points_stand_where_it_is_placed():
     project = make_project(characters=2)
     posed = posed_performers(project, results_of(project).get, 0.0)
     assert posed["performer 1"].points[0, :2] == pytest.approx([0.0, 1.2])
+
+
+def row_of_two(*grips, change=60):
+    """A performer at any frame of a row whose second clip takes over at frame ``change``."""
+    project = make_project(characters=1)
+    motion = results_of(project)["performer 0"]
+    clips = tuple(Clip("motion", 0, 5, place, grip=grip) for place, grip in enumerate(grips))
+    performer = replace(project.performers["performer 0"], clips=clips)
+    playing = lambda frame: SimpleNamespace(piece=SimpleNamespace(origin=(int(frame >= change),)))  # noqa: E731
+    adapted = SimpleNamespace(first_frame=0, frame_rate=motion.frame_rate, composite=SimpleNamespace(playing=playing))
+    return [Posed(performer, adapted, frame, Placement()).grip(0.25) for frame in range(2 * change)]
+
+
+def test_hands_are_held_as_the_clip_says_or_as_the_character_has_them():
+    assert set(row_of_two(None, None)) == {0.25}
+    assert row_of_two(1.0, None)[0] == 1.0
+    assert row_of_two(1.0, None)[-1] == 0.25
+
+
+def test_hands_close_little_by_little_from_one_clip_to_the_next():
+    grips = np.array(row_of_two(-1.0, 1.0))
+    assert (grips[0], grips[-1]) == (-1.0, 1.0)
+    steps = np.diff(grips)
+    assert (steps >= 0.0).all()
+    assert steps.max() < 0.5
+
+
+def test_a_grip_beyond_open_and_fists_is_refused():
+    with pytest.raises(ValueError, match="grip lies between -1"):
+        Clip("motion", 0, 5, grip=1.5)

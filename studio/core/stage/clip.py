@@ -16,7 +16,8 @@ class Clip:
     It plays ``speed`` times as fast, ``repeats`` times, as seen in a mirror when ``mirrored``. ``joined`` begins it
     where the clip before has ended; ``turn`` (radians) then turns it about its root, ``offset`` moves it, in leg
     lengths, since a clip has no body. ``ease`` is how many seconds it takes over in where it overlaps nothing; 0 as
-    many as that needs.
+    many as that needs. ``grip`` says how hands are held while it plays, from open (-1) to fists (1); None as the
+    character has them.
     """
 
     motion_id: str
@@ -32,6 +33,7 @@ class Clip:
     turn: float = 0.0
     offset: tuple[float, float] = (0.0, 0.0)
     ease: float = 0.0
+    grip: float | None = None
 
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
@@ -49,6 +51,8 @@ class Clip:
         TURN.check(self.turn)
         if not (math.isfinite(self.ease) and self.ease >= 0.0):
             raise ValueError(f"A clip takes over in some seconds, or 0 for as many as it needs, not in {self.ease}.")
+        if self.grip is not None and not -1.0 <= self.grip <= 1.0:
+            raise ValueError(f"A grip lies between -1 (open) and 1 (fists), got {self.grip}.")
 
     def length(self, frame_rate: float) -> float:
         """Seconds on the stage that a motion of ``frame_rate`` plays, all its repeats together."""
