@@ -22,7 +22,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.solver.adapt import adapt, hold
 from studio.core.solver.asking.chains import segment_masses
-from studio.core.solver.asking.packing import point_indices
+from studio.core.solver.asking.points import point_indices
 from studio.core.solver.standing.stand import stand
 
 PYTHON = os.environ.get("PEERS_PYTHON", sys.executable)

@@ -111,7 +111,7 @@ def unheld(pose: PropPose, *, keyed: bool) -> Prop:
 def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> InHand:
     """How the prop is fixed to a point of a body, at the middle of the palm where that is a hand, turned as it is."""
     motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
-    from studio.core.solver.asking.packing import point_indices  # loads kernels
+    from studio.core.solver.asking.points import point_indices  # loads kernels
 
     origin, segment = point_indices(point, layout)
     axes = motion.rotations[row, segment]

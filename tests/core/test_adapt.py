@@ -17,7 +17,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.asking.packing import limb_of, point_indices
+from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.character_file import bundled_characters
 from tests.builders import make_constraint, make_morphology

@@ -12,7 +12,7 @@ from studio.core.body.morphology import AnimatedMorphology
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, part_of
-from studio.core.solver.asking.packing import point_indices
+from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.easing import LOOKED

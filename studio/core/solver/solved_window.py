@@ -23,7 +23,8 @@ from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import carrying_chain, free_joints, point_masses, segment_masses
 from studio.core.solver.asking.clearance import down_to_tiers, lowest_first, pack_clearance
 from studio.core.solver.asking.holding import held_points, place_held, release_hands
-from studio.core.solver.asking.packing import in_order, limb_of, pack
+from studio.core.solver.asking.packing import in_order, pack
+from studio.core.solver.asking.points import limb_of
 from studio.core.solver.asking.recruiting import arm_lever, leg_room, limb_freedoms
 from studio.core.solver.asking.self_contact import arms_asked
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks

@@ -18,7 +18,7 @@ from studio.core.kernels import layout as at
 from studio.core.kernels import records
 from studio.core.kernels.support.carrying import place_arms
 from studio.core.single import PoseArray
-from studio.core.solver.asking.packing import Rows
+from studio.core.solver.asking.rows import Rows
 from studio.core.solver.standing.blends import freedom
 from studio.core.solver.standing.carrying import Hold, track_of
 from studio.core.solver.standing.footing import Footing

@@ -16,7 +16,7 @@ from studio.core.constraints.keyed import Quaternion
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.normalized.compose import Composite
 from studio.core.rotations import to_matrix
-from studio.core.solver.asking.packing import point_indices
+from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.rows import carry_of
 from studio.core.solver.request import AdaptedMotion, Unasked

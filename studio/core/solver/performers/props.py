@@ -15,7 +15,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.keyed import KeyedNumber
 from studio.core.rotations import to_matrix
-from studio.core.solver.asking.packing import point_indices
+from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.following import performer_track, point_track
 from studio.core.solver.request import AdaptedMotion, Unasked

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.morphology import Morphology
 from studio.core.kernels.tasks import goals
-from studio.core.solver.asking.packing import Rows
+from studio.core.solver.asking.rows import Rows
 from studio.core.solver.standing.support import mass_path
 
 FloatArray = NDArray[np.float64]

@@ -1,0 +1,24 @@
+"""What the solver knows of a kind of constraint, beside the kernels that hold it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.solver.asking.rows import Rows
+from studio.core.solver.asking.tracks import Targets
+from studio.core.solver.request import AdaptedMotion
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """``put`` writes constraint c of the rows. ``missed`` measures poses: (F,) metres or radians by which a constraint
+    is missed at full activation; None where only the solver knows that.
+    """
+
+    put: Callable[[Rows, int, Any], None]
+    missed: Callable[[Any, Targets, AdaptedMotion], FloatArray] | None = None
