@@ -1,13 +1,13 @@
 """What is seen of the monkey's rounds: faults, long turns of the event loop, memory."""
 
+import faulthandler
 import os
-import sys
 import threading
 import time
-import traceback
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryFile
 
 GAP = 1.0
 """Seconds that a turn of the event loop may take of this process's own making."""
@@ -88,5 +88,7 @@ class Clock(threading.Thread):
     def run(self) -> None:
         while not self.stopped.wait(0.05):
             if time.monotonic() - self.begun > 0.7 * GAP and not self.stack:
-                frame = sys._current_frames().get(self.main)
-                self.stack = "".join(traceback.format_stack(frame)) if frame else ""
+                with TemporaryFile("w+") as file:  # a frame that this thread held would let go of its things here
+                    faulthandler.dump_traceback(file)
+                    file.seek(0)
+                    self.stack = file.read()
