@@ -57,8 +57,10 @@ def end_process(code: int) -> NoReturn:
 
 
 def settle(window: MainWindow) -> None:
-    """What is loaded by now stays: the collector, which would stop the window for 0.1 s, need not look at it again."""
-    gc.collect()
+    """What is loaded by now stays: the collector, which would stop the window for 0.2 s, never looks at it.
+
+    Hardly anything of it is lost by then: 3,500 objects of half a million.
+    """
     gc.freeze()
     Collector(window)
 

@@ -15,6 +15,7 @@ from pathlib import Path
 from studio.core.errors import StudioError
 from studio.io.beside import refuse_devices
 from studio.io.replacing import FolderNotWritable, remove_leftovers, replacing
+from studio.io.zipped import UnpacksTooFarError, unpacked
 
 SEAL = b"morpho-studio sha256:"
 DIGEST_SIZE = 64
@@ -134,10 +135,9 @@ def _walked(content: bytes) -> Archive:
         named = start + _LOCAL_HEADER.size
         name = content[named : named + name_size].decode("ascii", "replace")
         begin = named + name_size + extra
-        body = content[begin : begin + size]
         if flags & 8 or method or size != full:
             start = content.find(_SIGNATURE, start + 4)
-        elif len(body) == size and zlib.crc32(body) == crc:
+        elif len(body := content[begin : begin + size]) == size and zlib.crc32(body) == crc:
             archive.members.setdefault(name, body)
             start = content.find(_SIGNATURE, begin + size)
         else:
@@ -147,24 +147,13 @@ def _walked(content: bytes) -> Archive:
 
 
 def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
-    """Members of an archive that another program packed anew, compressed perhaps."""
-    limit = 20 * len(content) + _SPARE_BYTES
+    """Members of an archive that another program packed anew, compressed perhaps; none where it is no archive."""
     try:
-        with zipfile.ZipFile(path) as archive:
-            if sum(entry.file_size for entry in archive.infolist()) > limit:
-                raise StudioError(
-                    f"'{path.name}' would unpack to more than {limit // 1_000_000} MB, and a project is not that much"
-                    " smaller when it is packed. Ask whom it comes from for the file as it was saved."
-                )
-            return {entry.filename: archive.read(entry) for entry in archive.infolist() if not entry.is_dir()}
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        NotImplementedError,
-        RuntimeError,
-        EOFError,
-        ValueError,
-        struct.error,
-        OSError,  # a directory that points before the file
-    ):
+        return unpacked(content, 20 * len(content) + _SPARE_BYTES)
+    except UnpacksTooFarError as error:
+        raise StudioError(
+            f"'{path.name}' {error}, and a project is not that much smaller when it is packed. Ask whom it comes from"
+            " for the file as it was saved."
+        ) from error
+    except ValueError:
         return {}

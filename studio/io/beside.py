@@ -3,6 +3,7 @@
 import base64
 import binascii
 from pathlib import Path, PureWindowsPath
+from stat import S_ISREG
 from urllib.parse import unquote
 
 from studio.core.errors import StudioError
@@ -12,12 +13,15 @@ LARGEST = 500_000_000
 
 
 def refuse_devices(path: Path) -> None:
-    """Raise StudioError where ``path`` is a pipe, a device or a folder: reading might never end."""
+    """Raise StudioError where ``path`` is a pipe, a device or a folder: reading might never end; or no file's name."""
     try:
-        strange = path.exists() and not path.is_file()
+        ordinary = S_ISREG(path.stat().st_mode)
+    except FileNotFoundError:
+        return  # whoever opens it says so
     except (OSError, ValueError) as error:
-        raise StudioError(f"'{path.name[:80]!r}' is no name of a file.") from error
-    if strange:
+        reason = getattr(error, "strerror", None) or error
+        raise StudioError(f"{path.name[:80]!r} could not be read: {reason}. Check its name and try again.") from error
+    if not ordinary:
         raise StudioError(f"{path.name} could not be read: it is no ordinary file. Choose another.")
 
 

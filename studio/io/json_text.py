@@ -1,6 +1,7 @@
 """JSON that anybody may have written: what no file of the studio's holds is refused before anyone walks through it."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,8 @@ DEEPEST = 100
 """Records within each other."""
 LONGEST_NUMBER = 1000
 """Digits of a whole number."""
+_STRING = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
+"""Brackets in names nest nothing."""
 _OPENING, _CLOSING = np.zeros((2, 256), dtype=np.int32)
 _OPENING[list(b"[{")] = _CLOSING[list(b"]}")] = 1
 
@@ -34,8 +37,8 @@ def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Pa
 
     Raises ValueError, also for what is nested too deeply, half characters and whole numbers beyond all bounds.
     """
-    kinds = np.frombuffer(content, dtype=np.uint8)
-    if len(kinds) and np.cumsum(_OPENING[kinds] - _CLOSING[kinds]).max() > DEEPEST:
+    kinds = np.frombuffer(_STRING.sub(b"", content), dtype=np.uint8)
+    if np.cumsum(_OPENING[kinds] - _CLOSING[kinds]).max(initial=0) > DEEPEST:
         raise ValueError("its records are nested too deeply")
     try:
         record = json.loads(content, parse_float=parse_float, parse_constant=parse_constant, parse_int=_whole)

@@ -42,8 +42,6 @@ def read_mesh(path: Path) -> MeshFile:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise StudioError(f"{path}: a mesh is read from {', '.join(SUFFIXES)}, not from '{suffix}'.")
-    if not path.is_file():
-        raise StudioError(f"{path} is not there. Choose another file.")
     points, triangles = _triangles_of(path)
     if not np.isfinite(points).all():
         raise StudioError(f"{path} is not readable as a mesh: a vertex is not finite. Export the mesh again.")

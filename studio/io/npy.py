@@ -2,14 +2,12 @@
 
 import math
 import re
-import struct
-import zipfile
-import zlib
-from io import BytesIO
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from studio.io.zipped import unpacked
 
 Array = NDArray[Any]
 
@@ -18,7 +16,6 @@ _HEADER = re.compile(
     rb"'shape': \(((?:[0-9]{1,12}, ?)*[0-9]{0,12})\), *\} *\n",
     re.DOTALL,
 )
-_NO_ARCHIVE = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, NotImplementedError, RuntimeError, OverflowError)
 
 
 def array_of(content: bytes) -> Array:
@@ -39,12 +36,4 @@ def array_of(content: bytes) -> Array:
 
 def arrays_of(content: bytes, most: int) -> dict[str, Array]:
     """The arrays of an ``.npz`` file by name, which unpack to ``most`` bytes together. Raises ValueError."""
-    try:
-        with zipfile.ZipFile(BytesIO(content)) as archive:
-            entries = archive.infolist()
-            if sum(entry.file_size for entry in entries) > most:
-                raise ValueError(f"it would unpack to more than {most // 1_000_000} MB")
-            members = {entry.filename.removesuffix(".npy"): archive.read(entry) for entry in entries}
-    except _NO_ARCHIVE as error:
-        raise ValueError(str(error) or "it is no archive") from error
-    return {name: array_of(member) for name, member in members.items()}
+    return {name.removesuffix(".npy"): array_of(member) for name, member in unpacked(content, most).items()}

@@ -1,8 +1,5 @@
 """Reading S4D: bounded, checked member by member, and put together to the capture it was made from."""
 
-import struct
-import zipfile
-import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,12 +19,13 @@ from studio.core.normalized.actor import Actor
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, restore
 from studio.core.rotations import IDENTITY, to_matrix
-from studio.io.beside import refuse_devices
+from studio.io.beside import read_bytes
 from studio.io.constraint_file import constraint_of, contacts_of
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
 from studio.io.s4d import CHANNELS, FORMAT, RECORD, ROTATIONS, TRANSLATIONS, VERSION, S4d
 from studio.io.value_json import Json, MemberCodec, from_json
+from studio.io.zipped import UnpacksTooFarError, unpacked
 
 FloatArray = NDArray[np.float64]
 
@@ -36,11 +34,6 @@ _SPARE_BYTES = 50_000_000
 _SPARE_POSES = 2_500_000
 """Poses of single joints that any file may unfold to; each byte of it allows one more."""
 _LARGEST = 1e6
-_DAMAGE = (  # what zipfile and zlib raise over bytes that are no archive
-    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, OverflowError),
-    *(ValueError, NotImplementedError, RuntimeError, MemoryError),
-)
-"""The head of an array, as numpy writes it; numpy's own reader evaluates it as Python."""
 
 
 @dataclass(frozen=True)
@@ -114,19 +107,13 @@ def read_annotations(path: Path, motion_id: str) -> Annotations:
 
 def _members(path: Path) -> tuple[int, dict[str, bytes]]:
     """Size of the file, and its four members unpacked, which together stay within what the size allows."""
-    refuse_devices(path)
+    content = read_bytes(path)
     try:
-        size = path.stat().st_size
-        with zipfile.ZipFile(path) as archive:
-            entries = [archive.getinfo(name) for name in (RECORD, CHANNELS, ROTATIONS, TRANSLATIONS)]
-            if sum(entry.file_size for entry in entries) > 20 * size + _SPARE_BYTES:
-                raise StudioError(f"{path.name} would unpack to far more than it can hold: it is no motion. Delete it.")
-            return size, {entry.filename: archive.read(entry) for entry in entries}
-    except OSError as error:
-        raise StudioError(f"{path.name} could not be read: {error.strerror}. Check the file and try again.") from error
-    except KeyError as error:
-        raise _damaged(path, f"{error.args[0]}.") from error
-    except _DAMAGE as error:
+        names = (RECORD, CHANNELS, ROTATIONS, TRANSLATIONS)
+        return len(content), unpacked(content, 20 * len(content) + _SPARE_BYTES, names)
+    except UnpacksTooFarError as error:
+        raise StudioError(f"{path.name} {error}, far more than it can hold: it is no motion. Delete it.") from error
+    except ValueError as error:
         raise _damaged(path, f"{error}.") from error
 
 

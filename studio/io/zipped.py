@@ -1,8 +1,10 @@
-"""ZIP files written in pieces, so that long ones can be followed and cancelled."""
+"""ZIP files: written in pieces, so that long ones can be followed and cancelled; read within bounds."""
 
+import lzma
 import struct
 import zipfile
-from collections.abc import Mapping
+import zlib
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,15 @@ from studio.io.replacing import replacing
 _PIECE = 1 << 20
 _ALIGNMENT, _HEADER = 64, 30
 _FIELD, _UNREAD = struct.Struct("<HH"), 0x1986
+_DAMAGE = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, OSError),
+    *(KeyError, OverflowError, NotImplementedError, RuntimeError, MemoryError),
+)
+"""What zipfile, and whatever unpacks for it, raise over bytes that are no archive."""
+
+
+class UnpacksTooFarError(ValueError):
+    """An archive that is small only as long as it is packed."""
 
 
 def write_zip(path: Path, members: Mapping[str, bytes], level: int | None, progress: Progress) -> None:
@@ -41,6 +52,21 @@ def _aligned(name: str, start: int) -> zipfile.ZipInfo:
     member = zipfile.ZipInfo(name)
     member.extra = _FIELD.pack(_UNREAD, gap) + bytes(gap)
     return member
+
+
+def unpacked(content: bytes, most: int, names: Sequence[str] = ()) -> dict[str, bytes]:
+    """The members of an archive by name, or those of ``names``; together they unpack to ``most`` bytes at most.
+
+    Raises ValueError with what is wrong with it, UnpacksTooFarError before anything is unpacked.
+    """
+    try:
+        with zipfile.ZipFile(BytesIO(content)) as archive:
+            entries = [archive.getinfo(name) for name in names] or archive.infolist()
+            if sum(entry.file_size for entry in entries) > most:
+                raise UnpacksTooFarError(f"would unpack to more than {most // 1_000_000} MB")
+            return {entry.filename: archive.read(entry) for entry in entries if not entry.is_dir()}
+    except _DAMAGE as error:
+        raise ValueError(str(error.args[0] if error.args else error) or "it is no archive") from error
 
 
 def npy(array: NDArray[Any]) -> bytes:

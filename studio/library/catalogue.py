@@ -26,6 +26,8 @@ FloatArray = NDArray[np.float64]
 
 VERSION = 1
 DATABASE = "catalogue.sqlite"
+PATIENCE = 60.0
+"""Seconds for which one who writes waits for others who read or write."""
 _TABLES = """
 CREATE TABLE files (path TEXT PRIMARY KEY, size INTEGER, changed INTEGER, problem TEXT);
 CREATE TABLE actors (id INTEGER PRIMARY KEY, bones TEXT UNIQUE, name TEXT, body TEXT);
@@ -112,15 +114,27 @@ class Catalogue:
         with self._database:
             yield
 
+    @contextmanager
+    def unchanging(self) -> Iterator[None]:
+        """All that is read in the block is of one moment, whoever writes meanwhile."""
+        with self._database:
+            self._database.execute("BEGIN")
+            yield
+
     def files(self) -> dict[str, FileState]:
-        """Every file that was looked at, by its path."""
-        rows = self._database.execute("SELECT path, size, changed, problem FROM files ORDER BY path")
-        return {path: FileState(*rest) for path, *rest in rows}
+        """Every file that was looked at, by its path; not those whose channels are lost: they are to be read again."""
+        rows = self._database.execute(
+            "SELECT files.path, takes.id, size, changed, problem FROM files LEFT JOIN takes ON takes.path = files.path"
+            " ORDER BY files.path"
+        )
+        return {
+            path: FileState(*rest) for path, take, *rest in rows if take is None or self._channels(take) is not None
+        }
 
     def forget(self, path: str) -> None:
         """Leave out a file with all that came from it."""
         for (number,) in self._database.execute("SELECT id FROM takes WHERE path = ?", (path,)).fetchall():
-            self._channels(number).unlink(missing_ok=True)
+            self._channels_file(number).unlink(missing_ok=True)
         self._database.execute("DELETE FROM files WHERE path = ?", (path,))
 
     def note(self, path: str, state: FileState) -> None:
@@ -146,7 +160,7 @@ class Catalogue:
             (path, actor.number, motion.name, motion.frame_rate, _text(motion.spine_places), json.dumps(spans)),
         )
         number = int(added.lastrowid or 0)
-        np.save(self._channels(number), motion.channels)
+        np.save(self._channels_file(number), motion.channels)
         return number
 
     def add_clip(self, take: int, label: ClipLabel, path: HitPath) -> int:
@@ -187,23 +201,34 @@ class Catalogue:
         return [CatalogueClip(number, take, _label(text), _path(*rest)) for number, take, text, *rest in rows]
 
     def takes(self) -> dict[int, Take]:
-        """All takes by their number; their channels stay on disk until they are asked for."""
+        """All takes by their number; their channels stay on disk until they are asked for.
+
+        Those whose channels are lost, or are being forgotten by somebody else, are left out.
+        """
         rows = self._database.execute(
             "SELECT id, path, actor, name, frame_rate, spine_places, contacts FROM takes ORDER BY id"
         )
         found = {}
         for number, path, actor, name, rate, places, contacts in rows.fetchall():
-            channels = np.asarray(np.load(self._channels(number), mmap_mode="r"))
+            if (channels := self._channels(number)) is None:
+                continue
             motion = NormalizedMotion(name, rate, channels, np.array(json.loads(places)))
             spans = [ContactInterval(str(number), *span) for span in json.loads(contacts)]
             found[number] = Take(number, path, actor, motion, tuple(spans))
         return found
 
-    def _channels(self, take: int) -> Path:
+    def _channels_file(self, take: int) -> Path:
         return self.folder / f"take_{take}.npy"
 
+    def _channels(self, take: int) -> FloatArray | None:
+        """Those of a take, where they are on the disk; None where they are not, or not whole."""
+        try:
+            return np.asarray(np.load(self._channels_file(take), mmap_mode="r"))
+        except (OSError, ValueError, EOFError):
+            return None
+
     def _open(self) -> None:
-        self._database = sqlite3.connect(self.folder / DATABASE)
+        self._database = sqlite3.connect(self.folder / DATABASE, timeout=PATIENCE)
         self._database.execute("PRAGMA foreign_keys = ON")
         (version,) = self._database.execute("PRAGMA user_version").fetchone()
         if version == 0:

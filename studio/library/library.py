@@ -57,8 +57,9 @@ class Library:
     @classmethod
     def of(cls, catalogue: Catalogue) -> "Library":
         """What a catalogue holds. The poses stay on disk; they are written there again when the clips have changed."""
-        takes, actors = catalogue.takes(), catalogue.actors()
-        strikes = [clip for clip in catalogue.clips() if clip.label.kind is not Kind.NONE]
+        with catalogue.unchanging():
+            takes, actors, known = catalogue.takes(), catalogue.actors(), catalogue.clips()
+        strikes = [clip for clip in known if clip.label.kind is not Kind.NONE and clip.take in takes]
         clips = [_with_take(clip, takes[clip.take], actors) for clip in strikes]
         return cls.of_clips(clips, _poses_on_disk(catalogue.folder, clips))
 

@@ -141,8 +141,7 @@ def aimed(found: Result, clip: Clip, target: Place, body: Morphology) -> Positio
     """What drives a clip to a target: nothing at its start, all of it at the hit, in seconds of its motion."""
     label, rate = found.clip.label, found.clip.take.motion.frame_rate
     hit = found.hit / rate
-    end = max(min(hit + found.seconds, label.last / rate), hit + 2 * HOLD)
-    curve = ActivationCurve(found.start / rate, hit - HOLD, hit + HOLD, end)
+    curve = _met_at(hit, found.start / rate, min(hit + found.seconds, label.last / rate))
     point = hit_point(label.limb, label.segment, body)
     name = f"{label.limb.words.capitalize()} {label.kind}"
     return PositionConstraint(clip.motion_id, name, point, CHAIN, 0, curve, target=target, scope=Scope(clip_id=clip.id))
@@ -153,6 +152,11 @@ def _aim(
 ) -> PositionConstraint:
     rate = whole.timing.frame_rate
     end = min(hit + (hit - change), whole.motion.frame_count - 1)
-    times = (change / rate, hit / rate - HOLD, hit / rate + HOLD, max(end / rate, hit / rate + 2 * HOLD))
+    curve = _met_at(hit / rate, change / rate, end / rate)
     point = hit_point(label.limb, label.segment, body)
-    return PositionConstraint("", f"{label.kind} hits", point, CHAIN, 0, ActivationCurve(*times), target=target)
+    return PositionConstraint("", f"{label.kind} hits", point, CHAIN, 0, curve, target=target)
+
+
+def _met_at(hit: float, start: float, end: float) -> ActivationCurve:
+    """Nothing at the start, all of it round the hit, in seconds; at once where a blow is begun that late."""
+    return ActivationCurve(start, max(start, hit - HOLD), hit + HOLD, max(end, hit + 2 * HOLD))

@@ -271,9 +271,9 @@ class Viewport(Canvas):
 
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
-        self._posed_in = self._document.project
         self._live.bring(self._document.playhead.time)
         project, time, self.posed = seen_now(self._document, self._live)
+        self._posed_in = project
         self.resting = resting_performers(project, self.posed)
         if not self._framed and (self.posed or self.resting):
             # Results come one by one: the view is settled when every body is there.

@@ -6,7 +6,7 @@ import threading
 import pytest
 from PySide6.QtCore import QObject
 
-from studio.app.application import make_application, make_window
+from studio.app.application import make_application, make_window, settle
 from studio.app.collector import Collector
 from studio.app.settings import Settings
 from studio.document.document import Document
@@ -45,4 +45,19 @@ def test_what_is_lost_is_ended_on_the_thread_of_the_window_alone(qtbot, tmp_path
     assert ended == [threading.get_ident()]
     window.leave()
     assert not gc.isenabled()  # workers may go on for a moment
+    window.deleteLater()
+
+
+def test_what_the_start_has_loaded_is_never_looked_through(qtbot, tmp_path):
+    make_application()
+    window = make_window(Settings(tmp_path / "studio.ini"), Document())
+    looked: list[int] = []
+    watch = lambda _phase, info: looked.append(info["generation"])  # noqa: E731 - to be taken off again
+    gc.callbacks.append(watch)
+    settle(window)
+    gc.callbacks.remove(watch)
+    assert looked == []
+    assert gc.get_freeze_count() > 10_000
+    gc.unfreeze()
+    window.leave()
     window.deleteLater()

@@ -75,6 +75,36 @@ print(faults_of_rounds(10))
     assert int(done.stdout) < 1000  # of 28,000 pages
 
 
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="elsewhere the system's allocator is left as it is")
+def test_what_one_thread_has_freed_serves_the_others():
+    """Twelve threads that need 24 MB one after the other do not keep 24 MB each."""
+    script = """
+import os
+import threading
+import numpy as np
+from studio.cli.process import keep_freed_memory
+def resident():
+    return int(open("/proc/self/statm").read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+keep_freed_memory()
+turn, done = threading.Lock(), threading.Barrier(13)
+def work():
+    with turn:
+        clips = [np.ones(500_000) for _ in range(6)]
+        del clips
+    done.wait()
+    done.wait()
+before = resident()
+for _ in range(12):
+    threading.Thread(target=work).start()
+done.wait()
+print(resident() - before)
+done.wait()
+"""
+    command = [sys.executable, "-W", "ignore::ResourceWarning", "-c", script]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 100e6
+
+
 @pytest.fixture
 def bare(monkeypatch):
     """A system without the library that Qt and VTK draw with."""

@@ -9,6 +9,7 @@ from PySide6.QtTest import QTest
 
 from studio.app.application import import_views, show_views
 from studio.core.constraints.keyed import KeyedPlace
+from studio.core.project import Project
 from studio.core.solver.adapt import place_of
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.conditions import KeyCondition
@@ -119,3 +120,16 @@ def test_nothing_plays_live_before_the_solver_is_there_and_the_window_says_so(pl
     assert not play.running
     assert not playing.actions_by_id.by_id["play_live"].isChecked()
     assert "still being prepared" in said[-1]
+
+
+def test_the_playhead_moves_though_the_last_picture_is_of_another_project_that_played(playing, monkeypatch):
+    play, viewport, document = playing.bench.live.play, playing.bench.viewport, playing.bench.document
+    moment = play.moment
+    document.new(Project())
+    monkeypatch.setattr(play, "moment", moment)
+    viewport.show_again()
+    viewport.grab_image()
+    assert viewport.posed
+    monkeypatch.setattr(play, "moment", None)
+    document.playhead.set_range(0, 300)
+    document.playhead.set_frame(30)

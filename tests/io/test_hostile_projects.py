@@ -6,6 +6,7 @@ The list never shrinks.
 import hashlib
 import json
 import re
+import struct
 import zipfile
 from collections.abc import Callable
 from io import BytesIO
@@ -75,6 +76,27 @@ def npy(value: np.ndarray, **options: Any) -> bytes:
     return stream.getvalue()
 
 
+def repacked_and_damaged(method: int) -> Callable[[dict[str, bytes]], bytes]:
+    """As another program packs it, with its first member spoilt."""
+
+    def spoil(members: dict[str, bytes]) -> bytes:
+        stream = BytesIO()
+        with zipfile.ZipFile(stream, "w", method) as archive:
+            for name, content in members.items():
+                archive.writestr(name, content)
+        content = bytearray(stream.getvalue())
+        content[60:400:7] = bytes(byte ^ 0x5A for byte in content[60:400:7])
+        return bytes(content)
+
+    return spoil
+
+
+def headers_that_claim_all(members: dict[str, bytes]) -> bytes:
+    """A hundred thousand packed members, each as long as all that follows."""
+    head = struct.pack("<4s5H3I2H", b"PK\3\4", 20, 0, 8, 0, 0, 0, 3_000_000, 3_000_000, 0, 0)
+    return head * 100_000
+
+
 def directory_before_the_file(members: dict[str, bytes]) -> bytes:
     """Found by the soak: places in the directory that lie before the first byte."""
     content = bytearray(packed(members))
@@ -103,6 +125,10 @@ REFUSED: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "an archive cut in its first member": (lambda members: packed(members)[:60], "damaged"),
     "an archive without a project": (lambda _: packed({"readme.txt": b"hello"}), "'project.json' in .* is missing"),
     "an archive of nothing": (lambda _: packed({}), "not a ZIP archive"),
+    "an archive of headers": (headers_that_claim_all, "not a ZIP archive"),
+    "an archive deflated and damaged": (repacked_and_damaged(zipfile.ZIP_DEFLATED), "not a ZIP archive"),
+    "an archive of bzip2, damaged": (repacked_and_damaged(zipfile.ZIP_BZIP2), "not a ZIP archive"),
+    "an archive of LZMA, damaged": (repacked_and_damaged(zipfile.ZIP_LZMA), "not a ZIP archive"),
     "project.json is empty": (text(b""), "project.json"),
     "project.json is binary": (text(b"\x80\x81\xff"), "project.json"),
     "project.json is cut off": (text(b'{"schema": 1, "captures": ['), "project.json"),

@@ -16,6 +16,11 @@ PLY = (
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n2 0 0\n0 0 3\n3 0 1 2\n"
 )
+FACELESS = (
+    b"ply\nformat binary_little_endian 1.0\nelement face 3000000\nproperty list uchar int vertex_indices\nend_header\n"
+    + bytes(3_000_000)
+)
+"""Three million faces without a corner."""
 
 
 def written(folder: Path, name: str, content: str | bytes) -> Path:
@@ -44,6 +49,7 @@ def test_stl_and_ply_are_read_as_they_are(tmp_path: Path, name: str, content: st
         ("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
         ("a.stl", b"\x00" * 80 + struct.pack("<I", 5) + b"\x01" * 20, "no triangle|readable"),
         ("a.ply", "", "no triangle|readable"),
+        ("a.ply", FACELESS, "more than 2000000 of 'face'"),
         ("a.fbx", "", "not from '.fbx'"),
     ],
 )
@@ -101,5 +107,5 @@ def test_no_size_and_no_index_of_a_file_is_believed(
 
 
 def test_a_file_that_is_not_there_is_said_so(tmp_path: Path) -> None:
-    with pytest.raises(StudioError, match="is not there"):
+    with pytest.raises(StudioError, match="no such file"):
         read_mesh(tmp_path / "a.obj")

@@ -1,6 +1,7 @@
 """Folders are indexed into a catalogue, and the library that it makes is searched."""
 
 import shutil
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -149,6 +150,39 @@ def test_a_catalogue_that_is_lost_or_damaged_is_made_anew(catalogue, folder):
         assert (place / f"{DATABASE}.damaged").exists()
         assert index(again, [folder]).read == 3
         assert len(Library.of(again).clips) == 2
+
+
+def test_a_library_opened_while_another_is_indexing_is_of_one_moment(catalogue, tmp_path, monkeypatch):
+    more = tmp_path / "more"
+    more.mkdir()
+    shutil.copy(EXAMPLES / "straight_punch.bvh", more)
+
+    def write():
+        with Catalogue(catalogue.folder) as other:
+            index(other, [more])
+
+    writing = threading.Thread(target=write)
+    takes = catalogue.takes()
+
+    def takes_before_it_wrote():
+        catalogue._database.execute("SELECT count(*) FROM takes").fetchone()
+        writing.start()
+        writing.join(2.0)
+        return takes
+
+    monkeypatch.setattr(catalogue, "takes", takes_before_it_wrote)
+    assert len(Library.of(catalogue).clips) == 2
+    writing.join()
+    monkeypatch.undo()
+    assert len(Library.of(catalogue).clips) == 3
+
+
+@pytest.mark.parametrize("damage", [Path.unlink, lambda file: file.write_bytes(file.read_bytes()[:500])])
+def test_channels_that_are_lost_are_read_again(catalogue, folder, damage):
+    damage(sorted(catalogue.folder.glob("take_*.npy"))[0])
+    assert len(Library.of(catalogue).clips) == 1
+    assert index(catalogue, [folder]).read == 1
+    assert len(Library.of(catalogue).clips) == 2
 
 
 def test_poses_stay_on_disk_and_are_written_again_when_clips_change(catalogue):

@@ -12,6 +12,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import Piece
 from studio.core.normalized.realize import realize
 from studio.core.quality.metrics import contact_quality
+from studio.core.stage.clip import Clip
 from studio.io.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clips import Kind
@@ -19,7 +20,7 @@ from studio.library.hitting import hit_places
 from studio.library.indexing import index
 from studio.library.library import Library
 from studio.library.searching import Asked, find, outline, place_before
-from studio.library.striking import Blow, make_strike
+from studio.library.striking import Blow, aimed, make_strike, tried
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -58,6 +59,16 @@ def test_a_target_that_can_be_reached_is_hit_within_a_millimetre(library, name):
     assert np.linalg.norm(point[strike.hit] - place) < 1e-3
     assert adapted.residuals[0, strike.hit] < 1e-3
     assert np.isnan(adapted.residuals[0, : strike.change]).all()
+
+
+def test_a_blow_that_is_begun_a_frame_before_its_hit_is_aimed_all_the_same(library):
+    body = BODIES["adult_woman"]
+    best, place = found_for(library, body, 0.7, 1.25)
+    pose = replace(guard(library).motion, channels=guard(library).motion.channels[60:61])
+    late, where = replace(best, start=best.hit - 1), tuple(place.tolist())
+    assert tried([late], Asked(pose, body, where))[0].missed >= 0.0
+    curve = aimed(late, Clip("punch", late.start, late.clip.label.last), where, body).activation
+    assert curve.at(late.hit / late.clip.take.motion.frame_rate) == 1.0
 
 
 def test_the_residual_is_told_when_a_target_is_out_of_reach(library):

@@ -131,7 +131,8 @@ class Soak:
         from PySide6.QtCore import QCoreApplication, QEvent
         from PySide6.QtWidgets import QApplication
 
-        window, self.monkey.window, self.monkey.held = self.monkey.window, None, None
+        window = self.monkey.window
+        self.monkey.window = self.monkey.held = self.monkey.seen = None
         self.clock.turn()
         for each in QApplication.topLevelWidgets():
             if each is not window and each.isVisible():

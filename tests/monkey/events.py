@@ -58,6 +58,8 @@ class Monkey:
         self.window: Any = None
         self.left = 0
         self.held: tuple[Any, Any] | None = None
+        self.seen: Any = None
+        """What was in front last: Python's handle of it has those of its children, which go with it."""
         self.keys = [
             *(Qt.Key(Qt.Key.Key_A + k) for k in range(26)), *(Qt.Key(Qt.Key.Key_0 + k) for k in range(10)),
             *(getattr(Qt.Key, f"Key_{name}") for name in (
@@ -93,6 +95,7 @@ class Monkey:
             self.answer_files(front)
             return None
         self.report.windows[type(front).__name__] += 1
+        self.seen = front
         return front
 
     def somewhere(self) -> tuple[Any, Any] | None:

@@ -1,13 +1,13 @@
 """What is seen of the monkey's rounds: faults, long turns of the event loop, memory."""
 
+import faulthandler
 import os
-import sys
 import threading
 import time
-import traceback
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryFile
 
 GAP = 1.0
 """Seconds that a turn of the event loop may take of this process's own making."""
@@ -72,21 +72,24 @@ class Clock(threading.Thread):
     def __init__(self) -> None:
         super().__init__(daemon=True)
         self.main = threading.get_ident()
-        self.begun, self.stack = time.monotonic(), ""
+        self.begun, self.worked, self.stack = time.monotonic(), time.thread_time(), ""
         self.waited: dict[str, float] = {}
         self.stopped = threading.Event()
 
     def turn(self) -> tuple[float, str]:
         """Seconds since the last turn without those for which others had the processor, and the stack of a long one."""
-        now, waited = time.monotonic(), waits()
+        now, waited, worked = time.monotonic(), waits(), time.thread_time()
         longer = {thread: waited[thread] - before for thread, before in self.waited.items() if thread in waited}
         window = longer.pop(str(os.getpid()), 0.0)
         took = now - self.begun - window - max(longer.values(), default=0.0)
-        stack, self.begun, self.waited, self.stack = self.stack, now, waited, ""
+        stack = f"of which {worked - self.worked:.2f} s of the processor\n{self.stack}"
+        self.begun, self.worked, self.waited, self.stack = now, worked, waited, ""
         return took, stack
 
     def run(self) -> None:
         while not self.stopped.wait(0.05):
             if time.monotonic() - self.begun > 0.7 * GAP and not self.stack:
-                frame = sys._current_frames().get(self.main)
-                self.stack = "".join(traceback.format_stack(frame)) if frame else ""
+                with TemporaryFile("w+") as file:  # a frame that this thread held would let go of its things here
+                    faulthandler.dump_traceback(file)
+                    file.seek(0)
+                    self.stack = file.read()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.mesh.triangle_mesh import MOST_TRIANGLES
 from studio.io.meshes.triangles import Corners, MeshError, Points, Triangles, checked_index
 
 _TYPES = {
@@ -57,6 +58,8 @@ def read_ply(content: bytes) -> tuple[Points, Triangles]:
             raise MeshError(
                 f"it says that it has {element.count} of '{element.name}', more than there is: it is cut off"
             )
+        if not element.is_plain and element.count > MOST_TRIANGLES:
+            raise MeshError(f"it has more than {MOST_TRIANGLES} of '{element.name}'. Reduce it first")
         if element.name == "vertex" and element.is_plain:
             points = _places(element, body.table(element))
         elif element.name == "face":
