@@ -117,3 +117,21 @@ def test_a_foot_steps_while_the_other_stands_or_goes_to_its_place_as_the_motion_
     lifted = np.repeat([3, 0, 3], [10, 30, 80])
     _, led = flights_of(np.array([kick, lifted]), np.array([3, 3]), ways, needed, 0.0, 60.0)
     assert (led.leaves, led.height) == (10, 0.0)
+
+
+def test_whose_motion_or_clip_is_taken_away_goes_on_from_where_it_is():
+    """The row began again, up to a metre away."""
+    walk, kick = clip_of("walk_turn", 60, 200), clip_of("front_kick", 60, 300, 2.3)
+    for gone in (walk, kick):
+        project = staged(walk, kick)
+        shown = Shown(LiveStage(project, prepare, 0.5 if gone is walk else 3.0))
+        shown.step(1, 0.0)
+        shown.step(20)
+        left = tuple(each for each in (walk, kick) if each is not gone)
+        without = project.with_entity("performers", "one", replace(project.performers["one"], clips=left))
+        motions = {key: each for key, each in project.motions.items() if key != gone.motion_id}
+        shown.stage.project = replace(without, motions=motions, contacts=without.contacts)
+        shown.step(30)
+        ways = np.linalg.norm(np.diff(np.array(shown.positions), axis=0), axis=2).max(axis=1)
+        assert ways[20] < ways[19] + 0.02
+        assert shown.stage.staged.performers["one"].clips[0].motion_id == left[0].motion_id
